@@ -1,0 +1,1 @@
+"""Robots: a body in MJCF, a card that names its parts, and the equations of both."""

@@ -1,0 +1,1 @@
+"""Physics, measurement, pictures and the command line."""
