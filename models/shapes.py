@@ -1,0 +1,78 @@
+"""The lengths and masses of the shipped robots, each with its source or derivation.
+
+Data only. `python -m scripts.write_robots` writes the MJCF files beside this module
+from it; a test keeps them equal.
+"""
+
+from math import sqrt
+
+from models.morphology import Leg, Morphology, legs_towards_pivots
+
+# Hexapod: tripod 1 is legs 1, 4, 5 and tripod 2 is legs 2, 3, 6, as in Section 6. All
+# six feet lie 0.1875 m from their tripod's pivot (a 3-4-5 triangle).
+PIVOT = 0.0675  # R [m]
+KAPPA = 0.56  # yaw gain [rad/rad]; stride = KAPPA * PIVOT = 0.0378 m/rad
+FEET = {
+    1: (0.15, 0.18),
+    2: (0.15, -0.18),
+    3: (0.0, 0.12),
+    4: (0.0, -0.12),
+    5: (-0.15, 0.18),
+    6: (-0.15, -0.18),
+}
+PIVOTS = {leg: (0.0, PIVOT if leg in (1, 4, 5) else -PIVOT) for leg in FEET}
+
+# A loaded leg may sag by 0.3 mm at the foot: the middle foot of a tripod carries 0.6 of
+# 12.5 N on an arm of 0.105 m, and 7.5 N * (0.105 m)^2 / 0.3 mm = 275 N m/rad.
+STIFFNESS = 300.0
+# A 12-servo hobby robot's gear train: 300 : 1 on a coreless rotor of 2e-8 kg m^2.
+ARMATURE = 300**2 * 2e-8
+# Critical for armature and leg together (0.045 kg within 0.105 m adds a tenth to it).
+DAMPING = 2 * sqrt(STIFFNESS * 1.1 * ARMATURE)
+
+HEXAPOD = Morphology(
+    name="hexapod",
+    legs=legs_towards_pivots(FEET, PIVOTS, KAPPA),
+    hip_height=0.06,
+    plate=(0.085, 0.13, 0.008),
+    body_mass=1.0,
+    leg_mass=0.045,
+    leg_radius=0.006,
+    hip_radius=0.010,  # with the leg's radius under 18 mm: neighbours clear at 0.45 rad
+    foot_radius=0.008,
+    swing_range=0.45,
+    lift_range=(-0.1, 0.6),
+    stiffness=STIFFNESS,
+    damping=DAMPING,
+    armature=ARMATURE,
+)
+
+# The paper's Figs. 1 and 5 taken literally: legs square to the body.
+HEXAPOD_PARALLEL = Morphology(
+    name="hexapod-parallel",
+    legs={
+        leg: Leg(hip=(x, 0.045 * side), foot=(x, 0.15 * side))
+        for leg, (x, side) in {
+            1: (0.15, 1),
+            2: (0.15, -1),
+            3: (0.0, 1),
+            4: (0.0, -1),
+            5: (-0.15, 1),
+            6: (-0.15, -1),
+        }.items()
+    },
+    hip_height=0.06,
+    plate=(0.17, 0.06, 0.008),
+    body_mass=1.0,
+    leg_mass=0.045,
+    leg_radius=0.006,
+    hip_radius=0.010,
+    foot_radius=0.008,
+    swing_range=0.45,
+    lift_range=(-0.1, 0.6),
+    stiffness=STIFFNESS,
+    damping=DAMPING,
+    armature=ARMATURE,
+)
+
+SHAPES = (HEXAPOD, HEXAPOD_PARALLEL)
