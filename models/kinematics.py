@@ -1,7 +1,9 @@
 """Where the feet of a robot are, how its swing joints move them, where its weight is.
 
-Read from the MJCF at given leg angles with the body held level at the pose of keyframe
-`start`. No contact, no forces, no time.
+Read from the MJCF with the body held level at the pose of keyframe `start`. A leg turns
+rigidly about two hinges, so every coordinate of its foot and of its share of the centre
+of mass is exactly a combination of (1, cos, sin) of one angle times (1, cos, sin) of the
+other: nine samples a leg give all of them. No contact, no forces, no time.
 """
 
 from __future__ import annotations
@@ -16,6 +18,9 @@ from models.robot import Robot, root_body
 
 Array = np.ndarray
 
+_ANGLES = 2 * np.pi / 3 * np.arange(3)
+_FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], axis=1))
+
 
 @dataclass(frozen=True, slots=True)
 class Stance:
@@ -23,7 +28,7 @@ class Stance:
 
     feet: Array  # (..., F, 2) [m]
     rates: Array  # (..., F, 2) [m/rad], by the angle of the foot's own group
-    height: Array  # (..., F) [m], lowest point of the foot above that of `start`
+    height: Array  # (..., F) [m], lowest point of the foot
     center_of_mass: Array  # (..., 2) [m]
 
 
@@ -32,33 +37,6 @@ class Kinematics:
     """Forward kinematics of one robot, as a function of its groups' angles."""
 
     robot: Robot
-
-    def __post_init__(self) -> None:
-        self.stance(np.zeros(len(self.robot.groups)))
-
-    @cached_property
-    def _data(self) -> mujoco.MjData:
-        model = self.robot.model
-        data = mujoco.MjData(model)
-        keys = [model.key(i).name for i in range(model.nkey)]
-        if "start" in keys:
-            mujoco.mj_resetDataKeyframe(model, data, keys.index("start"))
-        root = root_body(model, self.robot.path)
-        address = int(model.jnt_qposadr[model.body_jntadr[root]])
-        data.qpos[address : address + 2] = 0.0
-        data.qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
-        for leg in self.robot.card.legs.values():
-            for joint, angle in leg.hold.items():
-                data.joint(joint).qpos[:] = angle
-        return data
-
-    @cached_property
-    def _joints(self) -> tuple[Array, Array]:
-        """Addresses in qpos of the swing and of the lift joints, shape (F,) each."""
-        model, legs = self.robot.model, [self.robot.card.legs[n] for n in self.robot.legs]
-        swing = [int(model.joint(leg.swing).qposadr[0]) for leg in legs]
-        lift = [int(model.joint(leg.lift).qposadr[0]) for leg in legs]
-        return np.array(swing), np.array(lift)
 
     def stance(self, swing: Array, lift: Array | None = None) -> Stance:
         """Feet and weight at given angles.
@@ -70,63 +48,101 @@ class Kinematics:
         """
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
-        lead = swing.shape[:-1]
-        rows = [
-            self._one(s, r)
-            for s, r in zip(
-                swing.reshape(-1, swing.shape[-1]),
-                np.broadcast_to(lift, swing.shape).reshape(-1, swing.shape[-1]),
-                strict=True,
-            )
-        ]
-        columns = [np.array(c) for c in zip(*rows, strict=True)]
-        return Stance(*(c.reshape(*lead, *c.shape[1:]) for c in columns))
-
-    def _one(self, swing: Array, lift: Array) -> tuple[Array, Array, Array, Array]:
-        robot, model, data = self.robot, self.robot.model, self._data
-        swing_joints, lift_joints = self._joints
-        of = robot.group_of_leg
-        data.qpos[swing_joints] = robot.swing_sign * swing[of]
-        data.qpos[lift_joints] = robot.raise_sign * lift[of]
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        points = np.array([self._contact_point(leg) for leg in robot.legs])  # (F, 3)
-        root = root_body(model, robot.path)
-        origin = data.xpos[root]
-        rates = np.array(
-            [sign * self._rate(leg, p) for leg, sign, p in zip(
-                robot.legs, robot.swing_sign, points, strict=True)]
+        robot = self.robot
+        s = robot.swing_sign * swing[..., robot.group_of_leg]  # (..., F)
+        r = robot.raise_sign * lift[..., robot.group_of_leg]
+        turned, raised = _basis(s), _basis(r)  # (..., F, 3)
+        feet = np.einsum("fabi,...fa,...fb->...fi", self._feet, turned, raised)
+        moved = np.einsum("fabi,...fa,...fb->...fi", self._feet, _slope(s), raised)
+        weight = np.einsum("fabi,...fa,...fb->...i", self._weights, turned, raised)
+        return Stance(
+            feet=feet[..., :2],
+            rates=moved[..., :2] * robot.swing_sign[:, None],
+            height=feet[..., 2],
+            center_of_mass=self._middle[:2] + weight[..., :2],
         )
-        feet = points[:, :2] - origin[:2]
-        return feet, rates, points[:, 2], data.subtree_com[root][:2] - origin[:2]
+
+    @cached_property
+    def _feet(self) -> Array:
+        """Coefficients of each foot's lowest point, shape (F, 3, 3, 3)."""
+        return self._samples[0]
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Coefficients of each leg's part in the shift of the centre of mass."""
+        return self._samples[1]
+
+    @cached_property
+    def _middle(self) -> Array:
+        """Centre of mass with all legs at angle 0, shape (3,)."""
+        return self._center_of_mass()
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array]:
+        """Sample every leg on a 3 x 3 grid of angles and fit the coefficients."""
+        robot, data = self.robot, self._data
+        feet = np.empty((len(robot.legs), 3, 3, 3))
+        weights = np.empty_like(feet)
+        for i, leg in enumerate(robot.legs):
+            card = robot.card.legs[leg]
+            swing, lift = data.joint(card.swing), data.joint(card.lift)
+            for a, b in np.ndindex(3, 3):
+                swing.qpos[:], lift.qpos[:] = _ANGLES[a], _ANGLES[b]
+                center_of_mass = self._center_of_mass()
+                feet[i, a, b] = self._contact_point(leg)
+                weights[i, a, b] = center_of_mass - self._middle
+            swing.qpos[:] = lift.qpos[:] = 0.0
+        fit = "pa,qb,fabi->fpqi"
+        return np.einsum(fit, _FIT, _FIT, feet), np.einsum(fit, _FIT, _FIT, weights)
+
+    @cached_property
+    def _data(self) -> mujoco.MjData:
+        """The robot at `start`, its root at x = y = yaw = 0 and every leg at angle 0."""
+        model, robot = self.robot.model, self.robot
+        data = mujoco.MjData(model)
+        keys = [model.key(i).name for i in range(model.nkey)]
+        if "start" in keys:
+            mujoco.mj_resetDataKeyframe(model, data, keys.index("start"))
+        address = int(model.jnt_qposadr[model.body_jntadr[self._root]])
+        data.qpos[address : address + 2] = 0.0
+        data.qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
+        for leg in robot.card.legs.values():
+            for joint in (leg.swing, leg.lift):
+                data.joint(joint).qpos[:] = 0.0
+            for joint, angle in leg.hold.items():
+                data.joint(joint).qpos[:] = angle
+        return data
+
+    @cached_property
+    def _root(self) -> int:
+        return root_body(self.robot.model, self.robot.path)
+
+    def _center_of_mass(self) -> Array:
+        """Bring positions up to date and return the centre of mass, shape (3,)."""
+        mujoco.mj_kinematics(self.robot.model, self._data)
+        mujoco.mj_comPos(self.robot.model, self._data)
+        origin = np.append(self._data.xpos[self._root][:2], 0.0)
+        return np.array(self._data.subtree_com[self._root] - origin)
 
     def _contact_point(self, leg: int) -> Array:
-        """Lowest point of the leg's foot; the middle of it when it has several geoms."""
+        """Middle of the foot's geoms, lowered to the sole at angle 0, shape (3,)."""
         model, data = self.robot.model, self._data
-        lowest = []
-        for name in self.robot.card.legs[leg].foot:
-            geom = model.geom(name).id
-            center = data.geom_xpos[geom].copy()
-            center[2] -= _depth(model, data, geom)
-            lowest.append(center)
-        return np.mean(lowest, axis=0)
-
-    def _rate(self, leg: int, point: Array) -> Array:
-        """Velocity of a point of the foot by its swing joint, (2,) [m/rad]."""
-        data = self._data
-        joint = self.robot.model.joint(self.robot.card.legs[leg].swing).id
-        return np.cross(data.xaxis[joint], point - data.xanchor[joint])[:2]
+        geoms = [model.geom(name).id for name in self.robot.card.legs[leg].foot]
+        center = np.mean([data.geom_xpos[geom] for geom in geoms], axis=0)
+        depth = np.mean([_depth(model, geom) for geom in geoms])
+        return np.array(center - (*data.xpos[self._root][:2], depth))
 
 
-def _depth(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> float:
-    """How far a geom reaches below its centre [m], from its box of half sizes."""
-    kind, size = model.geom_type[geom], model.geom_size[geom]
-    up = data.geom_xmat[geom].reshape(3, 3)[2]  # z of the geom's axes
-    if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
-        return float(size[0])
-    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-        return float(size[0] + size[1] * abs(up[2]))
-    if kind == mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-        return float(np.linalg.norm(size * up))
-    half = model.geom_aabb[geom][3:]
-    return float(np.abs(half * up).sum())
+def _basis(angle: Array) -> Array:
+    return np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def _slope(angle: Array) -> Array:
+    return np.stack([np.zeros_like(angle), -np.sin(angle), np.cos(angle)], axis=-1)
+
+
+def _depth(model: mujoco.MjModel, geom: int) -> float:
+    """How far below its centre a foot geom touches the ground [m]; exact for spheres."""
+    round_ones = (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE)
+    size = model.geom_size[geom]
+    return float(size[0] if model.geom_type[geom] in round_ones else min(size[size > 0]))
