@@ -1,0 +1,114 @@
+"""From sensors to what the feet did: contact, where it is, and how fast it slips.
+
+A foot is in contact while the summed normal force of its geoms exceeds one per cent of
+the weight; shorter interruptions than `BOUNCE` do not end a contact, they are counted.
+Slip is the tangential speed of the foot's material at the contact point, integrated
+while in contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from models.robot import Robot
+from sim.world import CONTACT_FIELDS, contact_sensor
+
+Array = np.ndarray
+LOADED = 0.01  # of the weight
+BOUNCE = 0.02  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """Feet and weight over consecutive steps, in world coordinates."""
+
+    force: Array  # normal force, (n, F) [N]
+    speed: Array  # tangential speed at the contact, (n, F) [m/s]
+    point: Array  # centre of pressure of the foot, (n, F, 2) [m]; where last in contact
+    center_of_mass: Array  # (n, 3) [m]
+
+
+class Sensors:
+    """Reads the contact sensors of a robot's feet out of sensordata."""
+
+    def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
+        self.weight = float(model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity))
+        self._feet = [
+            [model.sensor(contact_sensor(geom)) for geom in robot.card.legs[leg].foot]
+            for leg in robot.legs
+        ]
+        self._center_of_mass = model.sensor("center_of_mass").adr[0]
+
+    def read(self, sensordata: Array) -> Readings:
+        """Readings of every step.
+
+        Args:
+            sensordata: Shape (n, nsensordata).
+        """
+        feet = [self._foot(sensordata, sensors) for sensors in self._feet]
+        force, speed, point = (np.stack(c, axis=1) for c in zip(*feet, strict=True))
+        at = self._center_of_mass
+        return Readings(force, speed, point, sensordata[:, at : at + 3].copy())
+
+    @staticmethod
+    def _foot(sensordata: Array, sensors: list) -> tuple[Array, Array, Array]:
+        """Sum over a foot's contacts, each weighted by its normal force."""
+        slots = np.concatenate(
+            [
+                sensordata[:, s.adr[0] : s.adr[0] + s.dim[0]].reshape(
+                    len(sensordata), -1, CONTACT_FIELDS
+                )
+                for s in sensors
+            ],
+            axis=1,
+        )  # (n, contacts, 10): found, force 3, position 3, velocity 3
+        normal = np.maximum(slots[:, :, 1], 0.0)
+        total = normal.sum(axis=1)
+        share = normal / np.where(total > 0, total, 1.0)[:, None]
+        speed = np.hypot(slots[:, :, 8], slots[:, :, 9])
+        point = np.einsum("nc,nci->ni", share, slots[:, :, 4:6])
+        return total, (share * speed).sum(axis=1), point
+
+
+@dataclass(frozen=True)
+class FootLog:
+    """Contact and slip of every foot at every step of a run."""
+
+    contact: Array  # (n, F), bool
+    slip: Array  # cumulative, (n, F) [m]
+    point: Array  # (n, F, 2) [m]
+    center_of_mass: Array  # (n, 3) [m]
+    bounces: int
+
+
+def log_feet(readings: Readings, weight: float, timestep: float) -> FootLog:
+    """Decide contacts, and integrate the slip of the feet that are in contact."""
+    loaded = readings.force > LOADED * weight
+    contact, bounces = bridge(loaded, round(BOUNCE / timestep))
+    slip = np.cumsum(np.where(contact, readings.speed, 0.0) * timestep, axis=0)
+    return FootLog(contact, slip, readings.point, readings.center_of_mass, bounces)
+
+
+def bridge(loaded: Array, shortest: int) -> tuple[Array, int]:
+    """Close interruptions of contact shorter than `shortest` steps.
+
+    Args:
+        loaded: Shape (n, F), bool.
+        shortest: Number of steps that make an interruption.
+
+    Returns:
+        The closed flags, shape (n, F), and how many interruptions were closed.
+    """
+    contact, bounces = loaded.copy(), 0
+    for foot in range(loaded.shape[1]):
+        edges = np.flatnonzero(np.diff(loaded[:, foot].astype(np.int8)))
+        falls = edges[loaded[edges, foot]]
+        for fall in falls:
+            rise = edges[np.searchsorted(edges, fall) + 1 :][:1]
+            if len(rise) and rise[0] - fall < shortest:
+                contact[fall + 1 : rise[0] + 1, foot] = True
+                bounces += 1
+    return contact, bounces

@@ -1,0 +1,194 @@
+"""From flows to smooth joint commands: when each group lifts, swings and lands.
+
+Time starts at 0 with a hold on all feet and ends with another. A group that leaves the
+ground is raised before anything swings, and lands before another one lifts. Knows
+angles and steps; which actuator they drive is for `sim.channels`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, sqrt
+from typing import Literal
+
+import numpy as np
+
+from planner.flows import Flow
+
+Array = np.ndarray
+Kind = Literal["hold", "lift", "swing", "land"]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Bounds on every commanded motion."""
+
+    swing_speed: float  # [rad/s]
+    swing_acceleration: float  # [rad/s^2]
+    lift_angle: float  # [rad]
+    lift_time: float  # [s], from the ground to `lift_angle`
+    hold: float  # [s], at both ends
+    timestep: float  # [s]
+    groups: tuple[str, ...]  # names, in the order of every array
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """One uninterrupted motion of one group, or a hold, lasting whole timesteps."""
+
+    kind: Kind
+    stratum: str  # groups in contact while it lasts; lifting and landing ones are not
+    group: int  # index of the group that moves, -1 in a hold
+    amount: float  # signed change of the angle [rad]
+    start: int  # first timestep
+    steps: int
+    segment: int
+    field: str = ""
+
+    @property
+    def stop(self) -> int:
+        """First timestep after the phase."""
+        return self.start + self.steps
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """What a schedule starts from: the angles of every group and who is in contact."""
+
+    swing: tuple[float, ...]  # (G,) [rad]
+    stratum: str
+
+
+def ramp(steps: int, rise: int) -> Array:
+    """A smooth way from 0 to 1 in `steps` steps, at constant speed but for the ends.
+
+    The speed rises and falls along a cubic over `rise` steps each, so the acceleration
+    is continuous. Shape (steps,), the last entry being exactly 1.
+    """
+    u = np.arange(1, steps + 1, dtype=float)
+
+    def covered(t: Array) -> Array:  # integral of the cubic smoothstep, t in [0, 1]
+        return t**3 - t**4 / 2
+
+    full = np.clip(u - rise, 0, steps - 2 * rise)
+    ends = covered(np.clip(u / rise, 0, 1)) + 0.5 - covered(np.clip((steps - u) / rise, 0, 1))
+    way = full + rise * ends
+    return np.asarray(way / way[-1])
+
+
+def ramp_steps(amount: float, speed: float, acceleration: float, timestep: float) -> tuple[int, int]:
+    """Number of steps of a swing and of its acceleration, within both bounds.
+
+    Args:
+        amount: Size of the move [rad].
+        speed: Highest speed [rad/s].
+        acceleration: Highest acceleration [rad/s^2]; the cubic's peak is 1.5 times its
+            mean.
+        timestep: [s].
+    """
+    peak = min(speed, sqrt(abs(amount) * acceleration / 1.5))
+    rise = ceil(1.5 * peak / acceleration / timestep)
+    cruise = ceil(max(abs(amount) / peak / timestep - rise, 0.0)) if peak else 0
+    return 2 * rise + cruise, rise
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Phases in time order; consecutive ones share their boundary step."""
+
+    phases: tuple[Phase, ...]
+    begin: Shape
+    end: Shape
+    limits: Limits
+
+    @property
+    def start(self) -> int:
+        """First timestep."""
+        return self.phases[0].start if self.phases else 0
+
+    @property
+    def stop(self) -> int:
+        """First timestep after the last phase."""
+        return self.phases[-1].stop if self.phases else 0
+
+    def angles(self) -> tuple[Array, Array]:
+        """Commanded swing and lift of every group, shape (steps, G) each [rad]."""
+        swing = np.empty((self.stop - self.start, len(self.begin.swing)))
+        lift = np.empty_like(swing)
+        now_swing = np.array(self.begin.swing)
+        now_lift = self._lifted(self.begin.stratum)
+        for phase in self.phases:
+            rows = slice(phase.start - self.start, phase.stop - self.start)
+            swing[rows], lift[rows] = now_swing, now_lift
+            if phase.kind == "hold":
+                continue
+            moving, now = (swing, now_swing) if phase.kind == "swing" else (lift, now_lift)
+            moving[rows, phase.group] += phase.amount * self._way(phase)
+            now[phase.group] += phase.amount
+        return swing, lift
+
+    def _lifted(self, stratum: str) -> Array:
+        groups = self.limits.groups
+        return np.array([0.0 if g in stratum else self.limits.lift_angle for g in groups])
+
+    def _way(self, phase: Phase) -> Array:
+        if phase.kind != "swing":
+            return ramp(phase.steps, phase.steps // 2)
+        bounds = (self.limits.swing_speed, self.limits.swing_acceleration)
+        steps, rise = ramp_steps(phase.amount, *bounds, self.limits.timestep)
+        return ramp(steps, rise)
+
+
+class Scheduler:
+    """Lays phases one after another, remembering angles and contacts."""
+
+    def __init__(self, limits: Limits, begin: Shape, step: int = 0, segment: int = 0) -> None:
+        self._limits, self._begin, self._step = limits, begin, step
+        self._swing, self._stratum = list(begin.swing), begin.stratum
+        self._phases: list[Phase] = []
+        self.segment = segment
+
+    def finish(self) -> Schedule:
+        """What has been laid so far."""
+        end = Shape(tuple(self._swing), self._stratum)
+        return Schedule(tuple(self._phases), self._begin, end, self._limits)
+
+    def hold(self, seconds: float) -> None:
+        """Stand still."""
+        self._lay("hold", -1, 0.0, round(seconds / self._limits.timestep))
+
+    def flow(self, flow: Flow, group: int) -> None:
+        """Go to the flow's stratum and swing a group by its duration."""
+        self.enter(flow.stratum)
+        bounds = (self._limits.swing_speed, self._limits.swing_acceleration)
+        steps, _ = ramp_steps(flow.duration, *bounds, self._limits.timestep)
+        self._swing[group] += flow.duration
+        self._lay("swing", group, flow.duration, steps, flow.field)
+
+    def enter(self, stratum: str) -> None:
+        """Land the groups that the stratum stands on, then lift the others."""
+        groups = self._limits.groups
+        raised = [g for g in groups if g not in self._stratum]
+        for group in (g for g in raised if g in stratum):
+            self._move("land", group, -self._limits.lift_angle)
+            self._stratum = _ordered(self._stratum + group, groups)
+        for group in (g for g in self._stratum if g not in stratum):
+            self._stratum = self._stratum.replace(group, "")
+            self._move("lift", group, self._limits.lift_angle)
+
+    def _move(self, kind: Kind, group: str, amount: float) -> None:
+        steps = max(round(self._limits.lift_time / self._limits.timestep), 2)
+        self._lay(kind, self._limits.groups.index(group), amount, steps)
+
+    def _lay(self, kind: Kind, group: int, amount: float, steps: int, field: str = "") -> None:
+        if steps == 0:
+            return
+        self._phases.append(
+            Phase(kind, self._stratum, group, amount, self._step, steps, self.segment, field)
+        )
+        self._step += steps
+
+
+def _ordered(stratum: str, groups: Sequence[str]) -> str:
+    return "".join(g for g in groups if g in stratum)
