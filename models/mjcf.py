@@ -13,6 +13,9 @@ from models.morphology import Leg, Morphology
 
 INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
 FIRST, SECOND = "0.16 0.44 0.75 1", "0.80 0.27 0.24 1"  # colours of the groups
+# As the floor of `scene.xml`. A sliding contact is pushed apart in proportion to its
+# speed and time constant; stiffer ones than this leave the ground for single steps.
+SOFTNESS = {"solref": "0.0075 1", "solimp": "0.8 0.9 0.001"}
 CONTACT_DATA = "found force pos linvel"
 
 
@@ -45,7 +48,7 @@ def write(shape: Morphology, first_group: Container[int]) -> str:
     start = _numbers(0, 0, shape.hip_height, 1, 0, 0, 0, *[0] * len(joints))
     SubElement(SubElement(root, "keyframe"), "key", name="start", qpos=start)
     indent(root)
-    return tostring(root, encoding="unicode") + "\n"
+    return tostring(root, encoding="unicode").replace(" />", "/>") + "\n"
 
 
 def _numbers(*values: float) -> str:
@@ -69,9 +72,8 @@ def _defaults(root: Element, shape: Morphology) -> None:
     link = SubElement(default, "default", attrib={"class": "link"})
     SubElement(link, "geom", type="capsule", size=_numbers(shape.leg_radius))
     foot = SubElement(default, "default", attrib={"class": "foot"})
-    contact = {"solref": "0.005 1", "solimp": "0.95 0.99 0.0005"}
     SubElement(
-        foot, "geom", type="sphere", size=_numbers(shape.foot_radius), attrib=contact
+        foot, "geom", type="sphere", size=_numbers(shape.foot_radius), attrib=SOFTNESS
     )
 
 

@@ -27,7 +27,7 @@ class Readings:
 
     force: Array  # normal force, (n, F) [N]
     speed: Array  # tangential speed at the contact, (n, F) [m/s]
-    point: Array  # centre of pressure of the foot, (n, F, 2) [m]; where last in contact
+    point: Array  # centre of pressure of the foot, (n, F, 2) [m]; 0 where none
     center_of_mass: Array  # (n, 3) [m]
 
 
@@ -89,7 +89,15 @@ def log_feet(readings: Readings, weight: float, timestep: float) -> FootLog:
     loaded = readings.force > LOADED * weight
     contact, bounces = bridge(loaded, round(BOUNCE / timestep))
     slip = np.cumsum(np.where(contact, readings.speed, 0.0) * timestep, axis=0)
-    return FootLog(contact, slip, readings.point, readings.center_of_mass, bounces)
+    point = _last_touched(readings.point, readings.force > 0)
+    return FootLog(contact, slip, point, readings.center_of_mass, bounces)
+
+
+def _last_touched(point: Array, touching: Array) -> Array:
+    """Contact points, those of the last touch where nothing touches."""
+    steps = np.where(touching, np.arange(len(point))[:, None], 0)
+    last = np.maximum.accumulate(steps, axis=0)  # (n, F)
+    return np.take_along_axis(point, last[:, :, None], axis=0)
 
 
 def bridge(loaded: Array, shortest: int) -> tuple[Array, int]:
