@@ -1,0 +1,137 @@
+"""What the testbed refuses, and the exit code each refusal ends the command with.
+
+Every error is one line, `what: where; what to do`. Errors of the layers below are
+given their exit code here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import errno
+from enum import IntEnum
+from typing import ClassVar
+
+from models.errors import ModelError, UnknownRobotError
+from planner.errors import PlannerError
+
+
+class ExitCode(IntEnum):
+    """How the command ended."""
+
+    OK = 0
+    USAGE = 2  # bad usage or configuration
+    MODEL = 3  # a robot that cannot be used
+    SIMULATION = 4  # planning or simulation failed
+    RENDER = 5  # pictures cannot be drawn
+    FILES = 6  # disk, permissions
+    TOLERANCE = 7  # a comparison came out larger than allowed
+    SWEEP = 8  # a sweep ended with failed points
+    BUG = 70  # ours
+    INTERRUPTED = 130  # SIGINT
+    BROKEN_PIPE = 141  # whoever read the output went away
+    TERMINATED = 143  # SIGTERM
+
+
+class StratawalkError(Exception):
+    """A refusal in one line; the root of this package's errors."""
+
+    exit_code: ClassVar[ExitCode]
+
+    def __init__(self, what: str, where: str, remedy: str) -> None:
+        """Compose the line.
+
+        Args:
+            what: What is wrong, with the value.
+            where: File, option, flow or time it is wrong at.
+            remedy: What to do about it.
+        """
+        self.what, self.where, self.remedy = what, where, remedy
+        super().__init__(f"{what}: {where}; {remedy}")
+
+
+class UsageError(StratawalkError, ValueError):
+    """A command line, scenario or setting that asks for the impossible."""
+
+    exit_code = ExitCode.USAGE
+
+
+class SimulationError(StratawalkError):
+    """Physics that diverged, or a plan that the robot cannot carry out."""
+
+    exit_code = ExitCode.SIMULATION
+
+
+class RenderError(StratawalkError):
+    """No way to draw or to encode pictures on this machine."""
+
+    exit_code = ExitCode.RENDER
+
+
+class FilesError(StratawalkError):
+    """A folder that cannot be written, or a disk that is full."""
+
+    exit_code = ExitCode.FILES
+
+
+class Terminated(BaseException):
+    """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
+
+
+_EXIT_CODES: dict[type[BaseException], ExitCode] = {
+    UnknownRobotError: ExitCode.USAGE,
+    ModelError: ExitCode.MODEL,
+    PlannerError: ExitCode.SIMULATION,
+    KeyboardInterrupt: ExitCode.INTERRUPTED,
+    Terminated: ExitCode.TERMINATED,
+    BrokenPipeError: ExitCode.BROKEN_PIPE,
+    OSError: ExitCode.FILES,
+}
+
+_SIGNALS = {
+    ExitCode.INTERRUPTED: "interrupted: Ctrl-C",
+    ExitCode.TERMINATED: "terminated: SIGTERM",
+}
+
+
+def exit_code(error: BaseException) -> ExitCode:
+    """The exit code an error ends the command with; the unforeseen is a bug."""
+    if isinstance(error, StratawalkError):
+        return error.exit_code
+    return next(
+        (code for kind, code in _EXIT_CODES.items() if isinstance(error, kind)),
+        ExitCode.BUG,
+    )
+
+
+def one_line(error: BaseException) -> str:
+    """The error as `what: where; what to do`, whatever its message looks like."""
+    return " ".join(_describe(error).split())
+
+
+def _describe(error: BaseException) -> str:
+    code = exit_code(error)
+    if code is ExitCode.BUG:
+        return _describe_bug(error)
+    if code in _SIGNALS:
+        return f"{_SIGNALS[code]}; what is written is whole, run again for the rest"
+    if isinstance(error, OSError):
+        return _describe_os_error(error)
+    return str(error)
+
+
+def _describe_os_error(error: OSError) -> str:
+    place = error.filename or "no file named"
+    remedy = "free some space" if error.errno == errno.ENOSPC else "check the path"
+    return f"{error.strerror or error}: {place}; {remedy}"
+
+
+def _describe_bug(error: BaseException) -> str:
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    where = "nowhere"
+    if trace is not None:
+        where = f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}"
+    return (
+        f"a bug of ours, {type(error).__name__}: {error}: {where}; "
+        "please report it with the output of --debug"
+    )
