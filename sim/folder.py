@@ -1,0 +1,162 @@
+"""The folder of one run, and files that are written whole or not at all.
+
+A file appears under its name only when it is complete and on the disk. What the files
+hold is for those who write them.
+"""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim.errors import FilesError, UsageError
+
+
+@dataclass(frozen=True, slots=True)
+class RunFolder:
+    """A folder of this run's own, in which every file is whole."""
+
+    path: Path
+
+    def write_text(self, name: str, text: str) -> None:
+        """Write a text file.
+
+        Raises:
+            FilesError: If the disk is full or the folder cannot be written.
+        """
+        self._write(name, text.encode())
+
+    def write_json(self, name: str, value: Mapping[str, object]) -> None:
+        """Write numbers unrounded; NaN and infinity have no JSON and are refused.
+
+        Raises:
+            FilesError: If the disk is full or the folder cannot be written.
+            ValueError: If a number is not finite.
+        """
+        self.write_text(name, json.dumps(value, indent=1, allow_nan=False) + "\n")
+
+    def write_arrays(self, name: str, **arrays: np.ndarray) -> None:
+        """Write named arrays as .npz; equal arrays give equal bytes.
+
+        Raises:
+            FilesError: If the disk is full or the folder cannot be written.
+        """
+        size = sum(array.nbytes for array in arrays.values())
+        with whole(self.path / name, size) as part, part.open("wb") as file:
+            np.savez(file, allow_pickle=False, **arrays)
+
+    def discard_if_empty(self) -> None:
+        """Remove the folder if nothing was written, so a refusal leaves no trace."""
+        with suppress(OSError):
+            self.path.rmdir()
+
+    def _write(self, name: str, content: bytes) -> None:
+        with whole(self.path / name, len(content)) as part:
+            part.write_bytes(content)
+
+
+def claim(folder: Path | None, scenario: str) -> RunFolder:
+    """Make the folder of a run and check that it can be written.
+
+    Args:
+        folder: Where; None takes the next free number, `runs/SCENARIO-NNN`.
+        scenario: Name for the numbered folder.
+
+    Raises:
+        UsageError: If the folder exists.
+        FilesError: If it cannot be made or written.
+    """
+    try:
+        made = _make(folder) if folder else _next_free(Path("runs"), scenario)
+    except OSError as error:
+        if folder and os.path.lexists(folder):
+            where, remedy = str(folder), "give --out a folder that does not exist yet"
+            raise UsageError("already exists", where, remedy) from error
+        reason = f"cannot make the run folder, {error.strerror}"
+        raise FilesError(
+            reason, str(error.filename), "choose another with --out"
+        ) from error
+    claimed = RunFolder(made)
+    _check_writable(claimed)
+    return claimed
+
+
+def _make(folder: Path) -> Path:
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    folder.mkdir()
+    return folder
+
+
+def _next_free(parent: Path, name: str) -> Path:
+    """Number the folder; mkdir decides when two runs ask at once."""
+    parent.mkdir(parents=True, exist_ok=True)
+    numbered = re.compile(re.escape(name) + r"-(\d+)")
+    taken = (numbered.fullmatch(entry.name) for entry in parent.iterdir())
+    number = max((int(match[1]) for match in taken if match), default=0) + 1
+    while True:
+        with suppress(FileExistsError):
+            return _make(parent / f"{name}-{number:03d}")
+        number += 1
+
+
+def _check_writable(folder: RunFolder) -> None:
+    try:
+        folder.write_text(".writable", "\n")
+        (folder.path / ".writable").unlink()
+    except FilesError:
+        folder.discard_if_empty()
+        raise
+
+
+@contextmanager
+def whole(path: Path, size: int | None = None) -> Iterator[Path]:
+    """A path to write to, which takes `path`'s name once the block has succeeded.
+
+    Args:
+        path: Final name, in a folder that exists.
+        size: Bytes that will be written, if known: asked of the disk beforehand.
+
+    Raises:
+        FilesError: If the disk is full or the folder cannot be written.
+    """
+    part = path.with_name(f".{path.stem}.part{path.suffix}")  # suffixes choose formats
+    try:
+        _check_space(path, size or 0)
+        yield part
+        _flush(part)
+        os.replace(part, path)
+        _flush(path.parent)
+    except OSError as error:
+        raise _failure(error, path, size) from error
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _check_space(path: Path, size: int) -> None:
+    if shutil.disk_usage(path.parent).free < size:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+
+def _flush(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def _failure(error: OSError, path: Path, size: int | None) -> FilesError:
+    if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+        reason = f"cannot be written, {error.strerror}"
+        return FilesError(reason, str(path), "choose another folder with --out")
+    needed = f", it needs {size / 1e6:.1f} MB" if size else ""
+    return FilesError(f"disk full{needed}", str(path), "free some space, or use --out")

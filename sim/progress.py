@@ -1,0 +1,38 @@
+"""Long work reports how far it is; a terminal shows a bar, a pipe shows nothing."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+Progress = Callable[[str, float], None]
+"""Called with what is being done and how much of it is done, from 0 to 1."""
+
+
+def silent(stage: str, fraction: float) -> None:
+    """Show nothing."""
+
+
+@contextmanager
+def bar(quiet: bool = False) -> Iterator[Progress]:
+    """A bar for each stage on standard error, if that is a terminal.
+
+    Args:
+        quiet: Show nothing even on a terminal.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield silent
+        return
+    from rich.console import Console
+    from rich.progress import Progress as Bars
+
+    with Bars(console=Console(stderr=True), transient=True) as bars:
+        tasks: dict[str, int] = {}
+
+        def show(stage: str, fraction: float) -> None:
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=1.0)
+            bars.update(tasks[stage], completed=fraction)  # type: ignore[arg-type]
+
+        yield show
