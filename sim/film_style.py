@@ -1,0 +1,63 @@
+"""How films look: size, speed, colours, and the two qualities on offer.
+
+Constants only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+Colour = tuple[int, int, int]  # red, green, blue of 255
+
+WIDTH, HEIGHT = 1280, 720  # [pixels]; even, as the codec demands
+FRAME_RATE = 30  # [1/s]
+LONGEST = 40.0  # [s], unless a scenario sets the playback speed itself
+TAIL = 1.5  # [s] that the last picture stays
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a film spends on beauty."""
+
+    shadows: bool
+    samples: int  # of every pixel, against jagged edges
+
+
+LOOKS = {"draft": Look(shadows=False, samples=0), "final": Look(shadows=True, samples=4)}
+
+PAPER: Colour = (246, 247, 249)
+GRID: Colour = (221, 225, 230)
+TEXT: Colour = (33, 41, 54)
+FAINT: Colour = (108, 117, 130)
+
+NOMINAL: Colour = (120, 128, 140)
+PREDICTED: Colour = (245, 178, 72)
+QUASI_STATIC: Colour = (152, 106, 198)
+ACHIEVED: Colour = (18, 130, 104)
+WEIGHT: Colour = (33, 41, 54)
+STABLE: Colour = (74, 178, 122)
+TIPPING: Colour = (222, 62, 62)
+
+# The first two are those of the shipped robots' legs.
+GROUPS: tuple[Colour, ...] = (
+    (41, 112, 191),
+    (204, 69, 61),
+    (214, 160, 36),
+    (124, 92, 182),
+    (64, 158, 168),
+    (196, 104, 160),
+)
+
+
+def tint(colour: Colour, strength: float) -> Colour:
+    """The colour thinned with the floor's, for marks that should stay in the back."""
+    r, g, b = (
+        round(strength * c + (1 - strength) * p) for c, p in zip(colour, PAPER, strict=True)
+    )
+    return r, g, b
+
+
+def rgba(colour: Colour, alpha: float = 1.0) -> tuple[float, float, float, float]:
+    """The colour as MuJoCo wants it."""
+    r, g, b = colour
+    return r / 255, g / 255, b / 255, alpha
