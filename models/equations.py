@@ -31,6 +31,7 @@ class Equations:
     system: StratifiedSystem
     elements: tuple[str, ...]
     twists: Mapping[str, Twist]  # of each group's swing while it stands
+    swings: Mapping[str, int]  # field -> index of the group whose angle it moves
 
 
 def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
@@ -43,7 +44,10 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     """
     twists = {group: ideal_twist(robot, group) for group in robot.groups}
     system = stratified_system(robot, twists)
-    return Equations(system, elements(robot, fields), twists)
+    swings = {
+        f"g{stratum}_{i + 1}": i for stratum in _strata(robot) for i in range(len(robot.groups))
+    }
+    return Equations(system, elements(robot, fields), twists, swings)
 
 
 def ideal_twist(robot: Robot, group: str) -> Twist:

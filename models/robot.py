@@ -82,6 +82,11 @@ class Robot:
         check_parts(model, self.card, self.path)
         return model
 
+    @property
+    def root(self) -> str:
+        """Name of the body that carries the free joint."""
+        return str(self.model.body(root_body(self.model, self.path)).name)
+
     @cached_property
     def swing_range(self) -> Mapping[str, tuple[float, float]]:
         """Lowest and highest angle of each group that all its legs reach [rad]."""

@@ -72,12 +72,18 @@ def ramp(steps: int, rise: int) -> Array:
         return t**3 - t**4 / 2
 
     full = np.clip(u - rise, 0, steps - 2 * rise)
-    ends = covered(np.clip(u / rise, 0, 1)) + 0.5 - covered(np.clip((steps - u) / rise, 0, 1))
+    ends = (
+        covered(np.clip(u / rise, 0, 1))
+        + 0.5
+        - covered(np.clip((steps - u) / rise, 0, 1))
+    )
     way = full + rise * ends
     return np.asarray(way / way[-1])
 
 
-def ramp_steps(amount: float, speed: float, acceleration: float, timestep: float) -> tuple[int, int]:
+def ramp_steps(
+    amount: float, speed: float, acceleration: float, timestep: float
+) -> tuple[int, int]:
     """Number of steps of a swing and of its acceleration, within both bounds.
 
     Args:
@@ -123,14 +129,18 @@ class Schedule:
             swing[rows], lift[rows] = now_swing, now_lift
             if phase.kind == "hold":
                 continue
-            moving, now = (swing, now_swing) if phase.kind == "swing" else (lift, now_lift)
+            moving, now = (
+                (swing, now_swing) if phase.kind == "swing" else (lift, now_lift)
+            )
             moving[rows, phase.group] += phase.amount * self._way(phase)
             now[phase.group] += phase.amount
         return swing, lift
 
     def _lifted(self, stratum: str) -> Array:
         groups = self.limits.groups
-        return np.array([0.0 if g in stratum else self.limits.lift_angle for g in groups])
+        return np.array(
+            [0.0 if g in stratum else self.limits.lift_angle for g in groups]
+        )
 
     def _way(self, phase: Phase) -> Array:
         if phase.kind != "swing":
@@ -143,7 +153,9 @@ class Schedule:
 class Scheduler:
     """Lays phases one after another, remembering angles and contacts."""
 
-    def __init__(self, limits: Limits, begin: Shape, step: int = 0, segment: int = 0) -> None:
+    def __init__(
+        self, limits: Limits, begin: Shape, step: int = 0, segment: int = 0
+    ) -> None:
         self._limits, self._begin, self._step = limits, begin, step
         self._swing, self._stratum = list(begin.swing), begin.stratum
         self._phases: list[Phase] = []
@@ -181,11 +193,22 @@ class Scheduler:
         steps = max(round(self._limits.lift_time / self._limits.timestep), 2)
         self._lay(kind, self._limits.groups.index(group), amount, steps)
 
-    def _lay(self, kind: Kind, group: int, amount: float, steps: int, field: str = "") -> None:
+    def _lay(
+        self, kind: Kind, group: int, amount: float, steps: int, field: str = ""
+    ) -> None:
         if steps == 0:
             return
         self._phases.append(
-            Phase(kind, self._stratum, group, amount, self._step, steps, self.segment, field)
+            Phase(
+                kind,
+                self._stratum,
+                group,
+                amount,
+                self._step,
+                steps,
+                self.segment,
+                field,
+            )
         )
         self._step += steps
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from models.errors import ModelError
 from models.kinematics import Kinematics
-from models.robot import FOLDER, Robot, compile_model, root_body
+from models.robot import FOLDER, Robot, compile_model
 from sim.errors import UsageError
 from sim.scenario import Scenario
 
@@ -129,12 +129,11 @@ def _ensure_sensors(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
         if contact_sensor(geom) not in present:
             _add_contact_sensor(spec, geom, floor)
     if "center_of_mass" not in present:
-        model = robot.model
         spec.add_sensor(
             name="center_of_mass",
             type=mujoco.mjtSensor.mjSENS_SUBTREECOM,
             objtype=mujoco.mjtObj.mjOBJ_BODY,
-            objname=model.body(root_body(model, robot.path)).name,
+            objname=robot.root,
         )
 
 
@@ -166,7 +165,7 @@ def _ensure_start(spec: mujoco.MjSpec, robot: Robot) -> None:
     if "start" in {key.name for key in spec.keys}:
         return
     sunk = Kinematics(robot).stance(np.zeros(len(robot.groups))).height.min()
-    root = spec.body(robot.model.body(root_body(robot.model, robot.path)).name)
+    root = spec.body(robot.root)
     root.pos = (0.0, 0.0, root.pos[2] - sunk)
     spec.add_key(name="start")
 

@@ -1,0 +1,121 @@
+"""Walk a plan in the physics: open loop, or planned again from every pose reached.
+
+Produces a `Walk`, the raw material of `sim.evaluate`; judges nothing itself.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.flows import Flow
+from planner.plan import plan
+from sim.measure import Sensors
+from sim.physics import Engine
+from sim.poses import nearest_turn, seen_from
+from sim.recording import Progress, Recorder, Recording
+from sim.schedule import Schedule, Scheduler, Shape
+from sim.setup import Setup
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Commands laid in one go, and the pose from which they were predicted."""
+
+    schedule: Schedule
+    pose: Array  # in the start frame, (3,)
+
+
+@dataclass(frozen=True)
+class Walk:
+    """A finished walk."""
+
+    setup: Setup
+    stretches: tuple[Stretch, ...]
+    recording: Recording
+    origin: Array  # start pose in the world, (3,)
+    saturated_segments: int
+    timing: dict[str, float]  # [s]
+
+
+class Walker:
+    """Executes flows and keeps track of where the robot is."""
+
+    def __init__(self, setup: Setup, progress: Progress | None = None) -> None:
+        self.setup = setup
+        engine = Engine(setup.model)
+        sensors = Sensors(setup.model, setup.robot)
+        self._recorder = Recorder(engine, sensors, setup.scenario.sample_every, progress)
+        self._stretches: list[Stretch] = []
+        self._shape = Shape((0.0,) * len(setup.robot.groups), setup.robot.card.bottom)
+        self._origin: Array | None = None
+        self.seconds = {"plan": 0.0, "simulate": 0.0}
+
+    @property
+    def swing(self) -> tuple[float, ...]:
+        """Commanded angle of every group [rad]."""
+        return self._shape.swing
+
+    @property
+    def pose(self) -> Array:
+        """Pose of the robot now, in the start frame, shape (3,)."""
+        world = self.setup.pose(self._recorder.engine.qpos)
+        return world * 0.0 if self._origin is None else seen_from(self._origin, world)
+
+    def stand(self) -> None:
+        """Hold still on all feet; the end of the first hold is the start of the walk."""
+        scheduler = self._scheduler()
+        scheduler.hold(self.setup.limits.hold)
+        self._play(scheduler.finish())
+        if self._origin is None:
+            self._origin = self.setup.pose(self._recorder.engine.qpos)
+
+    def go(self, segments: Iterable[Iterable[Flow]], first: int = 0) -> None:
+        """Carry out the flows of consecutive segments and come to stand on all feet."""
+        scheduler = self._scheduler()
+        for number, flows in enumerate(segments, start=first):
+            scheduler.segment = number
+            for flow in flows:
+                scheduler.flow(flow, self.setup.equations.swings[flow.field])
+        scheduler.enter(self.setup.robot.card.bottom)
+        self._play(scheduler.finish())
+
+    def finish(self, saturated_segments: int = 0) -> Walk:
+        """The walk so far."""
+        origin = np.zeros(3) if self._origin is None else self._origin
+        return Walk(
+            setup=self.setup,
+            stretches=tuple(self._stretches),
+            recording=self._recorder.finish(),
+            origin=origin,
+            saturated_segments=saturated_segments,
+            timing=self.seconds,
+        )
+
+    def _scheduler(self) -> Scheduler:
+        return Scheduler(self.setup.limits, self._shape, self._recorder.engine.steps)
+
+    def _play(self, schedule: Schedule) -> None:
+        ctrl = self.setup.channels.ctrl(*schedule.angles())
+        self._stretches.append(Stretch(schedule, self.pose))
+        self._shape = schedule.end
+        began = time.perf_counter()
+        self._recorder.play(ctrl)
+        self.seconds["simulate"] += time.perf_counter() - began
+
+
+def walk(setup: Setup, progress: Progress | None = None) -> Walk:
+    """Walk the scenario, open loop or planned again at every segment.
+
+    Raises:
+        PlannerError: If there is no plan, or it leaves the joint range.
+        SimulationError: If the physics diverges.
+    """
+    walker = Walker(setup, progress)
+    follow = _replanned if setup.scenario.replan else _open_loop
+    return walker.finish(follow(walker))
