@@ -1,0 +1,123 @@
+"""What a kinematic model predicts for a schedule: pose, slip and margin at any step.
+
+Ideal, quasi-static and identified predictions are the same computation with another
+twist model. The body stands still while feet lift and land, and is level throughout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.kinematics import Kinematics
+from models.strokes import Strokes, travel
+from models.twists import TwistModel
+from sim.schedule import Phase, Schedule
+from sim.support import stability_margin
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Predicted motion at chosen steps of a schedule."""
+
+    pose: Array  # x, y [m], yaw [rad] not wrapped, shape (T, 3)
+    slip: Array  # of each foot since the schedule's start, shape (T, F) [m]
+    margin: Array  # signed, shape (T,) [m]
+    contact: Array  # planned, shape (T, F), bool
+
+
+def predict(
+    schedule: Schedule,
+    rows: Array,
+    twists: TwistModel,
+    kinematics: Kinematics,
+    start_pose: Sequence[float] = (0.0, 0.0, 0.0),
+) -> Prediction:
+    """Predict the motion along the commanded angles.
+
+    Args:
+        schedule: Commands to follow.
+        rows: Steps to report on, by the command applied during them, shape (T,); row 0
+            is the schedule's own first step.
+        twists: How the body moves when loaded legs swing.
+        kinematics: Of the robot.
+        start_pose: Pose before the schedule's first step.
+    """
+    swing, lift = (angles[rows] for angles in schedule.angles())
+    begins = _begins(schedule)
+    loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
+    path = travel(_strokes(schedule, begins, loaded), twists, kinematics)
+    phase = _phase_of(schedule, rows)
+    clock = _clock(schedule, begins, loaded, phase, swing)
+    contact = _contact(schedule, phase, kinematics)
+    stance = kinematics.stance(swing, lift)
+    return Prediction(
+        pose=placed(path.pose(clock), start_pose),
+        slip=path.slip(clock),
+        margin=stability_margin(stance.feet, contact, stance.center_of_mass),
+        contact=contact,
+    )
+
+
+def placed(pose: Array, start: Sequence[float]) -> Array:
+    """Poses given in the frame of a start pose, in the frame the start is given in."""
+    x, y, yaw = start
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    forward, left, turn = np.moveaxis(pose, -1, 0)
+    moved = (x + cos * forward - sin * left, y + sin * forward + cos * left, yaw + turn)
+    return np.stack(moved, axis=-1)
+
+
+def _is_loaded(phase: Phase, schedule: Schedule) -> bool:
+    moving = schedule.limits.groups[phase.group]
+    return phase.kind == "swing" and moving in phase.stratum
+
+
+def _changes(schedule: Schedule) -> Array:
+    """Change of every group's swing angle in each phase, shape (phases, G)."""
+    changes = np.zeros((len(schedule.phases), len(schedule.begin.swing)))
+    for row, phase in zip(changes, schedule.phases, strict=True):
+        if phase.kind == "swing":
+            row[phase.group] = phase.amount
+    return changes
+
+
+def _begins(schedule: Schedule) -> Array:
+    """Swing angles at the start of each phase and at the end, (phases + 1, G)."""
+    steps = np.concatenate([[schedule.begin.swing], _changes(schedule)])
+    return np.cumsum(steps, axis=0)
+
+
+def _strokes(schedule: Schedule, begins: Array, loaded: list[bool]) -> Strokes:
+    strata = (phase.stratum for phase in schedule.phases)
+    return Strokes(
+        strata=tuple(s for s, on in zip(strata, loaded, strict=True) if on),
+        begin=begins[:-1][loaded],
+        change=np.diff(begins, axis=0)[loaded],
+    )
+
+
+def _phase_of(schedule: Schedule, rows: Array) -> Array:
+    """Index of the phase each row lies in, shape (T,)."""
+    starts = np.array([phase.start - schedule.start for phase in schedule.phases])
+    return np.searchsorted(starts, rows, side="right") - 1
+
+
+def _clock(
+    schedule: Schedule, begins: Array, loaded: list[bool], phase: Array, swing: Array
+) -> Array:
+    """Each row's moment on the clock of the loaded swings, shape (T,)."""
+    before = np.cumsum(loaded) - loaded  # loaded swings finished before each phase
+    change = np.diff(begins, axis=0)
+    length = np.where(loaded, (change**2).sum(axis=1), 1.0)
+    gone = ((swing - begins[phase]) * change[phase]).sum(axis=1) / length[phase]
+    return np.asarray(before[phase] + np.where(np.array(loaded)[phase], gone, 0.0))
+
+
+def _contact(schedule: Schedule, phase: Array, kinematics: Kinematics) -> Array:
+    planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
+    return np.asarray(np.array(planted)[phase])
