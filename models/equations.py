@@ -14,9 +14,10 @@ from typing import Literal
 import numpy as np
 import sympy as sp
 
-from models.dissipation import least_dissipation_twist, static_loads
+from models.dissipation import least_dissipation_twist
 from models.errors import ModelError
 from models.kinematics import Kinematics
+from models.loads import static_loads
 from models.robot import Robot
 from planner.strata import StratifiedSystem
 
@@ -66,7 +67,8 @@ def ideal_twist(robot: Robot, group: str) -> Twist:
     if (loads > 1e-9).sum() < 3:
         raise ModelError(f"group {group} does not stand alone: {robot.path}; give its twist")
     rates = stance.rates * planted[:, None]
-    forward, left, yaw = least_dissipation_twist(stance.feet, rates, loads)
+    one = (stance.feet[None], rates[None], loads[None])
+    forward, left, yaw = least_dissipation_twist(*one)[0]
     return (_clean(forward), _clean(left), _clean(yaw))
 
 
