@@ -1,8 +1,73 @@
 """What the planner can refuse, each with the value, the place and the way out."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def point(configuration: Iterable[float]) -> str:
+    """A configuration as a message shows it: `(0.1, 0, -2)`."""
+    return f"({', '.join(f'{value:.6g}' for value in configuration)})"
+
 
 class PlannerError(Exception):
     """A request that the mathematics cannot serve; the root of this package's errors.
 
     Bad arguments (wrong shapes, unknown names, NaN) are ``ValueError`` instead.
     """
+
+
+class SingularConfigurationError(PlannerError):
+    """A field or path that has no finite value at a configuration."""
+
+    def __init__(self, name: str, configuration: Iterable[float]) -> None:
+        super().__init__(
+            f"{name} is not finite at {point(configuration)}; "
+            "keep the path away from this configuration"
+        )
+
+
+class RankError(PlannerError):
+    """Elements that do not span the bottom stratum's tangent space (Def. 3)."""
+
+    def __init__(self, configuration: Iterable[float], rank: int, needed: int) -> None:
+        self.rank, self.needed = rank, needed
+        super().__init__(
+            f"the extended system has rank {rank} of {needed} at {point(configuration)} "
+            "(Def. 3); add fields or brackets, or keep the path away from there"
+        )
+
+
+class RangeError(PlannerError):
+    """A plan that leaves the range of a shape variable.
+
+    Attributes:
+        segments: Number of segments that would do, None if none was found.
+    """
+
+    def __init__(
+        self, name: str, reached: float, low: float, high: float, segments: int | None
+    ) -> None:
+        self.name, self.reached, self.low, self.high = name, reached, low, high
+        self.segments = segments
+        way_out = (
+            f"plan at least {segments} segments"
+            if segments
+            else "no number of segments would do; widen the range or shorten the path"
+        )
+        super().__init__(
+            f"{name} would reach {reached:.4g}, outside its range {low:.4g} to {high:.4g}; "
+            f"{way_out}"
+        )
+
+    def with_segments(self, segments: int | None) -> RangeError:
+        """The same refusal with a number of segments that would do."""
+        return RangeError(self.name, self.reached, self.low, self.high, segments)
+
+
+class StratumError(PlannerError):
+    """A change of stratum, or a walk of several, that the strata do not allow."""
+
+
+class ConvergenceError(PlannerError):
+    """A flow, or a series of shots, that does not converge."""

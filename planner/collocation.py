@@ -1,0 +1,135 @@
+"""Polynomials by their values at Chebyshev nodes: derivative, integral, exact flows.
+
+Nodes include both ends of [0, 1]. Used to differentiate paths, to integrate Hall
+coordinates and to follow vector fields to the last digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from planner.errors import ConvergenceError, point
+from planner.fields import Array
+
+NODES = 24  # of a flow's step; the tail of its Chebyshev series tells if they suffice
+SWEEPS = 40  # Picard sweeps; a triangular field needs as many as it has levels
+TOLERANCE = 1e-13  # relative, of the last sweep's change and of the series' tail
+HALVINGS = 12  # of a flow's step before it is given up
+
+
+@dataclass(frozen=True, eq=False)
+class Collocation:
+    """Matrices that act on values at nodes in [0, 1].
+
+    Attributes:
+        nodes: Chebyshev points of the second kind, ascending, shape (k,).
+        derivative: Values of a polynomial to values of its derivative, shape (k, k).
+        integral: Values to values of the integral from 0, shape (k, k).
+        coefficients: Values to Chebyshev coefficients, shape (k, k).
+    """
+
+    nodes: Array
+    derivative: Array
+    integral: Array
+    coefficients: Array
+
+
+@cache
+def collocation(size: int) -> Collocation:
+    """Nodes and matrices for polynomials of degree below `size`, at least 2."""
+    if size < 2:
+        raise ValueError(f"collocation needs at least 2 nodes, got {size}")
+    cosines = -np.cos(np.pi * np.arange(size) / (size - 1))
+    to_coefficients = np.linalg.inv(chebyshev.chebvander(cosines, size - 1))
+    derivative = (
+        2 * chebyshev.chebvander(cosines, size - 2) @ chebyshev.chebder(to_coefficients)
+    )
+    primitive = chebyshev.chebint(to_coefficients, lbnd=-1) / 2
+    integral = chebyshev.chebvander(cosines, size) @ primitive
+    nodes = (cosines + 1) / 2
+    nodes[0], nodes[-1] = 0.0, 1.0
+    return Collocation(nodes, derivative, integral, to_coefficients)
+
+
+def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
+    """States along the flow of a field at the nodes of `collocation(NODES)`.
+
+    Picard's iteration on the nodes: exact after a few sweeps where each coordinate's
+    rate depends on coordinates before it alone, and convergent for short steps
+    elsewhere, so the duration is halved until it converges.
+
+    Args:
+        field: Maps states of shape (k, n) to velocities of the same shape.
+        x: Start, shape (n,).
+        duration: Time to flow; negative flows back.
+
+    Returns:
+        Shape (k, n): the start first, the end last.
+
+    Raises:
+        ConvergenceError: The flow escapes, or is too rough for `HALVINGS` halvings.
+    """
+    path = _follow(field, np.asarray(x, dtype=float), duration, HALVINGS)
+    if path is None:
+        raise ConvergenceError(
+            f"flow for {duration:.6g} from {point(x)} does not converge; it escapes or is "
+            "not smooth, so make it shorter"
+        )
+    return path
+
+
+def _follow(
+    field: Callable[[Array], Array], x: Array, duration: float, halvings: int
+) -> Array | None:
+    path = _picard(field, x, duration)
+    if path is not None or halvings == 0:
+        return path
+    first = _follow(field, x, duration / 2, halvings - 1)
+    second = (
+        None if first is None else _follow(field, first[-1], duration / 2, halvings - 1)
+    )
+    if first is None or second is None:
+        return None
+    return _halves(first, second)
+
+
+def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array | None:
+    rule = collocation(NODES)
+    path = np.broadcast_to(x, (NODES, x.size))
+    for _ in range(SWEEPS):
+        before, velocity = path, field(path)
+        path = x + duration * (rule.integral @ velocity)
+        scale = 1.0 + np.abs(path).max()
+        if not np.isfinite(scale):
+            return None
+        if np.abs(path - before).max() <= TOLERANCE * scale:
+            tail = np.abs(rule.coefficients[-2:] @ velocity).max() * abs(duration)
+            return path if tail <= 10 * TOLERANCE * scale else None
+    return None
+
+
+def resample(path: Array, samples: int) -> Array:
+    """States at equal times along a flow that `follow` gave, its end last, start left out."""
+    series = collocation(len(path)).coefficients @ path
+    times = np.linspace(-1.0, 1.0, samples + 1)[1:]
+    return np.concatenate([chebyshev.chebval(times[:-1], series).T, path[-1:]])
+
+
+def _halves(first: Array, second: Array) -> Array:
+    """Values at the nodes of the whole step from those of its halves."""
+    rule = collocation(NODES)
+
+    def at(values: Array, nodes: Array) -> Array:
+        series = rule.coefficients @ values
+        return np.asarray(chebyshev.chebval(2 * nodes - 1, series).T)
+
+    early = rule.nodes <= 0.5
+    halves = at(first, 2 * rule.nodes[early]), at(second, 2 * rule.nodes[~early] - 1)
+    path = np.concatenate(halves)
+    path[0], path[-1] = first[0], second[-1]
+    return path

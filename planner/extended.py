@@ -1,0 +1,184 @@
+"""The stratified extended system on the bottom stratum (Def. 3, eq. 15), compiled once.
+
+Fields of all strata and brackets of them become the columns of one matrix B(x) with
+x' = B(x) v. It gives the fictitious inputs v of a path; `planner.steering` makes flows
+of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from planner.elements import Tree, column, leaves, name_of, parse
+from planner.errors import PlannerError, RankError, point
+from planner.fields import Array, CompiledFields, compile_fields, vanishing
+from planner.flows import Flow
+from planner.grouping import Grouper
+from planner.shape import Shape
+from planner.steering import Order, Steering, steering
+from planner.strata import StratifiedSystem
+
+CONDITION = 1e9  # of B(x) beyond which its rank counts as lost
+UNREACHED = 1e-9  # relative part of a velocity that the elements may fail to give
+
+
+@dataclass(frozen=True, eq=False)
+class ExtendedSystem:
+    """x' = B(x) v with one column an element.
+
+    Attributes:
+        system: The stratified system it is built from.
+        elements: Names of the elements, one a column, p of them.
+        columns: The elements, compiled: the matrix B(x).
+        steering: Hall coordinates and words of the elements' generators.
+    """
+
+    system: StratifiedSystem
+    elements: tuple[str, ...]
+    columns: CompiledFields
+    steering: Steering
+
+    def fictitious_inputs(self, x: Array, velocity: Array) -> Array:
+        """Inputs v with B(x) v = velocity, eq. (5), of least norm if there are many.
+
+        Args:
+            x: Configurations on the bottom stratum, shape (..., n).
+            velocity: Velocities there, same shape.
+
+        Returns:
+            Shape (..., p).
+
+        Raises:
+            SingularConfigurationError: A field is not finite at one of them.
+            RankError: The elements do not span the bottom stratum there.
+            PlannerError: A velocity leaves the bottom stratum.
+        """
+        matrix = self.columns(x)  # (..., n, p)
+        inverse = _inverse(matrix[..., self._moving, :])
+        if inverse is None or len(self._moving) != self.system.bottom_dimension:
+            inputs = self._least_norm(matrix, velocity, x)
+        else:
+            inputs = (inverse @ velocity[..., self._moving, None])[..., 0]
+        self._require_reached(matrix, inputs, velocity, x)
+        return inputs
+
+    @cached_property
+    def shape(self) -> Shape:
+        """Shape coordinates of the system."""
+        return Shape(self.system)
+
+    @cached_property
+    def grouper(self) -> Grouper:
+        """Arrangements of flows by stratum, remembered from plan to plan."""
+        return Grouper(self.system, self.steering.commute)
+
+    @cached_property
+    def _moving(self) -> Array:
+        """Coordinates that some element moves."""
+        varying = {i for i, _ in self.columns.varying}
+        numeric = bool(self.columns.numeric)
+        constant = self.columns.constant.any(axis=1)
+        return np.array(
+            [i for i, c in enumerate(constant) if c or numeric or i in varying]
+        )
+
+    def words(
+        self, hall_coordinates: Array, orders: Sequence[Order]
+    ) -> list[list[list[Flow]]]:
+        """For each segment the words that realise it as flows, one an order.
+
+        Args:
+            hall_coordinates: Backward Hall coordinates, shape (segments, s).
+            orders: Hall coordinates to follow: `backward`, `forward` or both.
+        """
+        stratum_of = self.system.stratum_of
+        ways = [self.steering.words(hall_coordinates, order) for order in orders]
+        return [
+            [[Flow(stratum_of[name], name, t) for name, t in word] for word in words]
+            for words in zip(*ways, strict=True)
+        ]
+
+    def _least_norm(self, matrix: Array, velocity: Array, x: Array) -> Array:
+        left, singular, right = np.linalg.svd(matrix, full_matrices=False)
+        needed = self.system.bottom_dimension
+        kept = singular > singular[..., :1] / CONDITION  # (..., min(n, p))
+        rank = kept.sum(axis=-1)
+        if (rank < needed).any():
+            worst = np.unravel_index(rank.argmin(), rank.shape)
+            raise RankError(x[worst], int(rank[worst]), needed)
+        scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
+        parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
+        return np.asarray(
+            (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
+        )
+
+    def _require_reached(
+        self, matrix: Array, inputs: Array, velocity: Array, x: Array
+    ) -> None:
+        missed = np.abs((matrix @ inputs[..., None])[..., 0] - velocity)
+        allowed = UNREACHED * (1.0 + np.abs(velocity).max(axis=-1, keepdims=True))
+        if (missed > allowed).any():
+            *where, i = np.unravel_index((missed - allowed).argmax(), missed.shape)
+            raise PlannerError(
+                f"the path moves {self.system.state[i]} at {point(x[tuple(where)])} by "
+                f"{missed[(*where, i)]:.3g} that no element can give; keep it on "
+                f"S{self.system.bottom}"
+            )
+
+
+def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
+    """The extended system of chosen elements; the slow part of planning, done once.
+
+    Args:
+        system: System whose fields the elements are made of.
+        elements: Names as in `planner.elements`; brackets are Hall elements in the order
+            in which their fields first appear.
+
+    Raises:
+        ValueError: An element is unknown, repeated or no Hall element.
+        PlannerError: A bracket vanishes everywhere.
+    """
+    trees = [parse(text, system) for text in elements]
+    names = tuple(map(name_of, trees))
+    _require_distinct(names)
+    columns = [column(tree, system) for tree in trees]
+    for name, tree, zero in zip(
+        names, trees, vanishing(columns, system.state), strict=True
+    ):
+        if zero:
+            reason = (
+                "its fields commute" if len(leaves(tree)) > 1 else "the field is zero"
+            )
+            raise PlannerError(
+                f"element {name} vanishes everywhere ({reason}); leave it out"
+            )
+    compiled = compile_fields(columns, system.state, names)
+    return ExtendedSystem(system, names, compiled, steering(system, trees))
+
+
+def _require_distinct(names: Sequence[str]) -> None:
+    if not names:
+        raise ValueError(
+            "no elements; choose fields that span the bottom stratum (Def. 3)"
+        )
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"element {name} is listed twice")
+
+
+def _inverse(matrix: Array) -> Array | None:
+    """Inverses of square, well-conditioned matrices; None where a look at rank is due."""
+    if matrix.shape[-1] != matrix.shape[-2]:
+        return None
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return None
+    size = np.abs(matrix).sum(axis=-1).max(axis=-1) * np.abs(inverse).sum(axis=-1).max(
+        axis=-1
+    )
+    return inverse if bool((size < CONDITION).all()) else None

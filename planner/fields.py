@@ -1,0 +1,219 @@
+"""Vector fields on the configuration space: brackets, and fast evaluation of many.
+
+A field is a sympy column over the state's symbols, or a `NumericField` where only a
+Python function is at hand. Nothing here knows strata, inputs or plans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike, NDArray
+
+from planner.errors import SingularConfigurationError
+
+Array = NDArray[np.float64]
+Symbols = tuple[sp.Symbol, ...]
+VectorField = sp.ImmutableMatrix  # (n, 1), or a NumericField
+
+STEP = 0.02  # of central differences; their sixth-order extrapolation errs by its power
+SAMPLES = 12  # an analytic field that vanishes at so many random points is zero
+
+
+def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
+    """The Lie bracket [f, g] = (dg/dx) f - (df/dx) g of symbolic fields, Sec. 2.
+
+    Args:
+        f: First field, a column of as many expressions as there are symbols.
+        g: Second field, likewise.
+        x: Symbols of the state.
+
+    Raises:
+        ValueError: A field's shape does not match the state.
+    """
+    f, g = (_column(field, len(x)) for field in (f, g))
+    state = sp.Matrix(list(x))
+    return sp.ImmutableMatrix(g.jacobian(state) * f - f.jacobian(state) * g)
+
+
+def _column(field: sp.Matrix, size: int) -> sp.Matrix:
+    column = sp.Matrix(field)
+    if column.shape != (size, 1):
+        raise ValueError(
+            f"field has shape {column.shape}; the state asks for ({size}, 1)"
+        )
+    return column
+
+
+@dataclass(frozen=True, slots=True)
+class NumericField:
+    """A field known as a function only.
+
+    Attributes:
+        value: Maps one configuration, shape (n,), to a velocity, shape (n,).
+        jacobian: Maps one configuration to the derivative, shape (n, n); without it
+            derivatives are taken by extrapolated central differences.
+    """
+
+    value: Callable[[Array], ArrayLike]
+    jacobian: Callable[[Array], ArrayLike] | None = None
+
+    def __call__(self, x: Array) -> Array:
+        """The velocity at one configuration, shape (n,)."""
+        velocity = np.asarray(self.value(x), dtype=float)
+        if velocity.shape != x.shape:
+            raise ValueError(
+                f"numeric field returned shape {velocity.shape} "
+                f"for a configuration of shape {x.shape}"
+            )
+        return velocity
+
+    def derivative(self, x: Array, direction: Array) -> Array:
+        """Derivative of the field along a direction, both of shape (n,)."""
+        if self.jacobian is not None:
+            return np.asarray(self.jacobian(x), dtype=float) @ direction
+        return central_difference(self, x, direction)
+
+
+def central_difference(
+    function: Callable[[Array], Array], x: Array, direction: Array, step: float = STEP
+) -> Array:
+    """Derivative of a function along a direction, by extrapolated central differences."""
+    size = float(np.linalg.norm(direction))
+    if size == 0.0:
+        return np.zeros_like(function(x))
+    along = direction / size
+
+    def quotient(h: float) -> Array:
+        return (function(x + h * along) - function(x - h * along)) / (2 * h)
+
+    coarse, middle, fine = (quotient(step / 2**k) for k in range(3))
+    return size * (64 * fine - 20 * middle + coarse) / 45
+
+
+def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
+    """The Lie bracket of numeric fields, by differentiation along one another."""
+
+    def value(x: Array) -> Array:
+        return g.derivative(x, f(x)) - f.derivative(x, g(x))
+
+    return NumericField(value)
+
+
+def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
+    """The Lie bracket of two fields of either kind; numeric if one of them is."""
+    if isinstance(f, NumericField) or isinstance(g, NumericField):
+        return numeric_bracket(as_numeric(f, state), as_numeric(g, state))
+    return bracket(f, g, state)
+
+
+def as_numeric(field: VectorField, state: Symbols) -> NumericField:
+    """The field as a function, with the exact derivative where it is symbolic."""
+    if isinstance(field, NumericField):
+        return field
+    value = compile_fields([field], state)
+    rows = compile_fields(
+        list(map(sp.Matrix, field.jacobian(sp.Matrix(state)).T.tolist())), state
+    )
+    return NumericField(lambda x: value(x)[..., 0], rows)
+
+
+@dataclass(frozen=True, slots=True)
+class CompiledFields:
+    """Several fields, evaluated together at many configurations at once."""
+
+    names: tuple[str, ...]
+    constant: Array  # (n, p), entries that do not depend on the configuration
+    varying: tuple[tuple[int, int], ...]  # entries that do
+    function: Callable[..., Sequence[Array]]
+    numeric: tuple[tuple[int, NumericField], ...]
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The fields as columns, shape (..., n, p), at configurations of shape (..., n).
+
+        Raises:
+            SingularConfigurationError: A field has no finite value somewhere.
+        """
+        x = np.asarray(x, dtype=float)
+        columns = self.values(x)
+        if not np.isfinite(columns).all():
+            *where, _, j = np.argwhere(~np.isfinite(columns))[0]
+            raise SingularConfigurationError(self.names[j], x[tuple(where)])
+        return columns
+
+    def values(self, x: Array) -> Array:
+        """The same without the check: not finite where a field is singular."""
+        columns = np.empty((*x.shape[:-1], *self.constant.shape))
+        columns[...] = self.constant
+        if self.varying:
+            with np.errstate(all="ignore"):
+                values = self.function(*np.moveaxis(x, -1, 0))
+            for (i, j), value in zip(self.varying, values, strict=True):
+                columns[..., i, j] = value
+        for j, field in self.numeric:
+            columns[..., j] = np.apply_along_axis(field, -1, x)
+        return columns
+
+
+def compile_fields(
+    fields: Sequence[VectorField], state: Symbols, names: Sequence[str] = ()
+) -> CompiledFields:
+    """Turn fields into one numeric function, shared subexpressions computed once.
+
+    Args:
+        fields: Fields that become the columns, in order.
+        state: Symbols of the state.
+        names: Names of the fields, for messages.
+    """
+    rows = next((len(f) for f in fields if not isinstance(f, NumericField)), len(state))
+    constant = np.zeros((rows, len(fields)))
+    varying, expressions, numeric = [], [], []
+    for j, field in enumerate(fields):
+        if isinstance(field, NumericField):
+            numeric.append((j, field))
+            continue
+        for i, entry in enumerate(field):
+            if entry.free_symbols:
+                varying.append((i, j))
+                expressions.append(entry)
+            else:
+                constant[i, j] = float(entry)
+    return CompiledFields(
+        names=tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields))),
+        constant=constant,
+        varying=tuple(varying),
+        function=sp.lambdify(state, expressions, modules="numpy", cse=True),
+        numeric=tuple(numeric),
+    )
+
+
+def sample_configurations(size: int) -> Array:
+    """Fixed random configurations, shape (SAMPLES, size), the later half positive."""
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (SAMPLES, size))
+    points[SAMPLES // 2 :] = np.abs(points[SAMPLES // 2 :]) + 0.1
+    return points
+
+
+def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]:
+    """Which fields are zero everywhere, decided at random configurations.
+
+    Analytic fields that vanish at random points vanish; no simplification is needed.
+    Points where a field is singular are passed over; one that is singular at all of
+    them does not count as zero.
+    """
+    unsure = [j for j, field in enumerate(fields) if not _plainly_zero(field)]
+    compiled = compile_fields([fields[j] for j in unsure], state)
+    values = compiled.values(sample_configurations(len(state)))  # (SAMPLES, n, unsure)
+    finite = np.isfinite(values)
+    largest = np.where(finite, np.abs(values), 0.0).max(axis=(0, 1), initial=0.0)
+    zero = (largest < 1e-9) & finite.all(axis=1).any(axis=0)
+    return tuple(
+        j not in unsure or bool(zero[unsure.index(j)]) for j in range(len(fields))
+    )
+
+
+def _plainly_zero(field: VectorField) -> bool:
+    return not isinstance(field, NumericField) and all(entry == 0 for entry in field)

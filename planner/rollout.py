@@ -1,0 +1,54 @@
+"""Play plans on the exact kinematics: the prediction that physics is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from planner.collocation import follow, resample
+from planner.fields import Array, compile_fields
+from planner.flows import Flow
+from planner.plan import Plan
+from planner.strata import StratifiedSystem
+
+
+def rollout(plan: Plan, samples: int = 1) -> Array:
+    """States that a plan leads through, from its start.
+
+    Args:
+        plan: Plan to play.
+        samples: States recorded along each flow, its end the last of them.
+
+    Returns:
+        Shape (1 + samples * flows, n): the start, then `samples` rows a flow.
+    """
+    return play(plan.system, plan.flows, plan.start, samples)
+
+
+def play(
+    system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
+) -> Array:
+    """States along any flows, as `rollout` gives them.
+
+    Raises:
+        ValueError: A flow names a field that the system does not have.
+        ConvergenceError: A flow escapes.
+    """
+    if samples < 1:
+        raise ValueError(f"samples is {samples}; at least 1 is needed")
+    fields = {}
+    for name in dict.fromkeys(flow.field for flow in flows):
+        if name not in system.fields:
+            raise ValueError(f"field {name} of a flow is not in the system")
+        fields[name] = compile_fields(
+            [system.fields[name]], system.state, [f"field {name}"]
+        )
+    states = [np.asarray(start, dtype=float)]
+    for flow in flows:
+        field = fields[flow.field]
+        path = follow(
+            lambda x, field=field: field(x)[..., 0], states[-1], flow.duration
+        )
+        states += list(path[-1:] if samples == 1 else resample(path, samples))
+    return np.array(states)

@@ -1,0 +1,147 @@
+"""Centre every sweep under load on shape zero, by swings in the air that cost nothing.
+
+A field that moves one shape coordinate alone, on which no field depends, commutes with
+everything: a leg in the air may be put anywhere. A plan's own air swings are dropped;
+before each visit that sweeps a leg under load, the leg is put where the sweep will lie
+around zero. The body's motion is the same, the legs stay near the middle of their range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from planner.fields import Array
+from planner.flows import Flow, merged
+from planner.shape import Shape
+from planner.strata import StratifiedSystem
+
+NEGLIGIBLE = 1e-12  # swings shorter than this are rounding
+
+
+@dataclass(slots=True)
+class _Visit:
+    """A stay on one stratum: swings in the air first, then sweeps under load."""
+
+    stratum: str
+    segment: int  # to which its air swings belong
+    swings: dict[str, float] = field(default_factory=dict)  # duration by field
+    sweeps: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
+
+    def loads(self, shape: Shape, coordinate: int) -> bool:
+        """Whether some sweep moves the coordinate."""
+        return any(shape.rates[flow.field][coordinate] for _, flow in self.sweeps)
+
+    def load(self, shape: Shape, coordinate: int) -> tuple[float, float]:
+        """Middle and net of the coordinate's sweep, from where it starts."""
+        flows = merged(flow for _, flow in self.sweeps)
+        course = shape.course(coordinate, flows, 0.0)
+        return (course.min() + course.max()) / 2, course[-1]
+
+
+def centred(
+    shape: Shape,
+    segments: Sequence[Sequence[Flow]],
+    start: Array,
+    goal: Array | None,
+    ends: tuple[str, str],
+) -> list[list[Flow]]:
+    """The same motion of the body with sweeps under load centred on zero.
+
+    Args:
+        shape: Shape coordinates of the system.
+        segments: Flows of each segment, grouped by stratum.
+        start: Configuration before the first flow, shape (n,).
+        goal: Configuration whose shape to return to; None leaves the legs where they are.
+        ends: Strata at rest before the first flow and after the last one.
+    """
+    visits = list(_visits(shape, segments))
+    if visits or goal is not None:
+        for coordinate in sorted({i for i, _ in shape.free.values()}):
+            last = None if goal is None else float(goal[coordinate])
+            _centre(shape, visits, coordinate, float(start[coordinate]), last, ends)
+    ordered: list[list[Flow]] = [[] for _ in segments]
+    for visit in visits:
+        for name, duration in visit.swings.items():
+            ordered[visit.segment].append(Flow(visit.stratum, name, duration))
+        for segment, flow in visit.sweeps:
+            ordered[segment].append(flow)
+    return ordered
+
+
+def _visits(shape: Shape, segments: Sequence[Sequence[Flow]]) -> Iterator[_Visit]:
+    """Visits without the plan's own air swings."""
+    visit = None
+    for k, flows in enumerate(segments):
+        for flow in flows:
+            if flow.field in shape.free:
+                continue
+            if visit is None or visit.stratum != flow.stratum:
+                if visit is not None:
+                    yield visit
+                visit = _Visit(flow.stratum, k)
+            visit.sweeps.append((k, flow))
+    if visit is not None:
+        yield visit
+
+
+def _centre(
+    shape: Shape,
+    visits: list[_Visit],
+    coordinate: int,
+    angle: float,
+    last: float | None,
+    ends: tuple[str, str],
+) -> None:
+    """Put one coordinate where each of its sweeps lies around zero."""
+    swings = {
+        shape.system.stratum_of[name]: (name, rate)
+        for name, (moved, rate) in shape.free.items()
+        if moved == coordinate
+    }
+    previous, i = -1, 0
+    while i < len(visits):
+        if visits[i].loads(shape, coordinate):
+            middle, net = visits[i].load(shape, coordinate)
+            if abs(-middle - angle) > NEGLIGIBLE:
+                place, added = _place(shape.system, visits, swings, (previous, i), ends)
+                name, rate = swings[place.stratum]
+                place.swings[name] = (-middle - angle) / rate
+                i += added
+            angle, previous = net - middle, i
+        i += 1
+    if last is not None and abs(last - angle) > NEGLIGIBLE:
+        place, _ = _place(shape.system, visits, swings, (previous, len(visits)), ends)
+        name, rate = swings[place.stratum]
+        place.swings[name] = (last - angle) / rate
+
+
+def _place(
+    system: StratifiedSystem,
+    visits: list[_Visit],
+    swings: Mapping[str, tuple[str, float]],
+    between: tuple[int, int],
+    ends: tuple[str, str],
+) -> tuple[_Visit, bool]:
+    """The latest visit between two that can swing in the air, or else a new one.
+
+    A new visit goes where it adds fewest contact switches.
+    """
+    first, last = between
+    for visit in reversed(visits[first + 1 : last]):
+        if visit.stratum in swings:
+            return visit, False
+    walk = [ends[0], *(visit.stratum for visit in visits), ends[1]]
+
+    def added(k: int, stratum: str) -> int:
+        return system.switches(walk[k], stratum) + system.switches(stratum, walk[k + 1])
+
+    k, stratum = min(
+        ((k, stratum) for k in range(first + 1, last + 1) for stratum in swings),
+        key=lambda place: (
+            added(*place) - system.switches(walk[place[0]], walk[place[0] + 1])
+        ),
+    )
+    segment = visits[min(k, len(visits) - 1)].segment if k else 0
+    visits.insert(k, _Visit(stratum, segment))
+    return visits[k], True

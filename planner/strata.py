@@ -1,0 +1,323 @@
+"""Stratified systems as data: a state, strata with their fields, foot heights (Def. 1).
+
+A stratum's contacts are its level sets; where none are given they are read from its
+name, one character a contact and `0` for none, so that S12 is `"12"`. Two strata are
+neighbours in the graph of Figs. 2 and 3 when one's contacts contain the other's and no
+third stratum lies between. Planning happens elsewhere.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from functools import cached_property
+from typing import Any
+
+import sympy as sp
+
+from planner.errors import StratumError, point
+from planner.fields import NumericField, Symbols, VectorField
+from planner.level_sets import LevelSet
+
+NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True, eq=False)
+class StratifiedSystem:
+    """A driftless system on each of several strata, eq. (10).
+
+    Attributes:
+        state: Symbols of the configuration, n of them; names are accepted.
+        strata: For each stratum its fields by name: sympy columns of shape (n, 1), or
+            functions of a configuration. The order of all fields numbers the
+            generators, from 1.
+        bottom: Stratum in which plans start and end, S_B.
+        level_sets: For each stratum the expressions that are zero on it, such as the
+            heights of its feet. Strata without an entry are open.
+
+    Raises:
+        ValueError: Anything above is misshapen, unknown, or not tangent to its stratum.
+    """
+
+    state: Symbols
+    strata: Mapping[str, Mapping[str, VectorField]]
+    bottom: str
+    level_sets: Mapping[str, tuple[sp.Expr, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        normalised = _symbols(self.state)
+        strata = _strata(self.strata, normalised)
+        level_sets = _level_sets(self.level_sets, strata, normalised)
+        if self.bottom not in strata:
+            raise ValueError(f"bottom {self.bottom!r} {unknown(self.bottom, strata)}")
+        for name, value in (
+            ("state", normalised),
+            ("strata", strata),
+            ("level_sets", level_sets),
+        ):
+            object.__setattr__(self, name, value)
+        for stratum in self.strata:
+            self._require_tangent_fields(stratum)
+
+    @property
+    def dimension(self) -> int:
+        """Size n of the state."""
+        return len(self.state)
+
+    @cached_property
+    def bottom_dimension(self) -> int:
+        """Dimension of the bottom stratum: n less the number of its level sets."""
+        return self.dimension - len(self.level_set(self.bottom).functions)
+
+    @cached_property
+    def fields(self) -> dict[str, VectorField]:
+        """Every field by name, in the order that numbers the generators."""
+        return {
+            name: f for fields in self.strata.values() for name, f in fields.items()
+        }
+
+    @cached_property
+    def stratum_of(self) -> dict[str, str]:
+        """The stratum on which each field acts."""
+        return {name: s for s, fields in self.strata.items() for name in fields}
+
+    @cached_property
+    def contacts(self) -> dict[str, frozenset[str]]:
+        """Contacts of each stratum: its level sets, or else the characters of its name."""
+        if self.level_sets:
+            return {
+                s: frozenset(map(str, self.level_sets.get(s, ()))) for s in self.strata
+            }
+        return {s: frozenset(s) - {"0"} for s in self.strata}
+
+    def level_set(self, stratum: str) -> LevelSet:
+        """The functions that vanish on a stratum; none where it is open."""
+        return LevelSet(self.level_sets.get(stratum, ()), self.state)
+
+    @cached_property
+    def edges(self) -> tuple[tuple[str, str], ...]:
+        """Neighbours (lower, higher) in the graph of strata, Figs. 2 and 3."""
+        contacts = self.contacts
+        return tuple(
+            (low, high)
+            for low in self.strata
+            for high in self.strata
+            if contacts[high] < contacts[low]
+            and not any(contacts[high] < c < contacts[low] for c in contacts.values())
+        )
+
+    @cached_property
+    def neighbours(self) -> dict[str, tuple[str, ...]]:
+        """Strata one step away in the graph, those with more contacts first."""
+        near: dict[str, list[str]] = {s: [] for s in self.strata}
+        for low, high in self.edges:
+            near[low].append(high)
+            near[high].append(low)
+        return {
+            s: tuple(sorted(near[s], key=lambda t: -len(self.contacts[t])))
+            for s in near
+        }
+
+    def route(self, start: str, goal: str) -> tuple[str, ...]:
+        """The shortest walk between strata, both included; feet land before others lift.
+
+        Raises:
+            StratumError: A stratum is unknown, or the graph does not join the two.
+        """
+        for name in (start, goal):
+            if name not in self.strata:
+                raise StratumError(f"stratum {name!r} {unknown(name, self.strata)}")
+        if goal not in self.walks[start]:
+            raise StratumError(
+                f"no chain of nested strata joins S{start} to S{goal}; "
+                "add the stratum that has the contacts of both"
+            )
+        return self.walks[start][goal]
+
+    def switches(self, start: str, goal: str) -> int:
+        """Contact events, lifts plus landings, on the way from one stratum to another."""
+        route = self.route(start, goal)
+        return sum(len(self.contacts[a] ^ self.contacts[b]) for a, b in steps(route))
+
+    @cached_property
+    def walks(self) -> dict[str, dict[str, tuple[str, ...]]]:
+        """Shortest walks from each stratum to those that the graph joins to it."""
+        return {s: _walks(s, self.neighbours) for s in self.strata}
+
+    def _require_tangent_fields(self, stratum: str) -> None:
+        level_set = self.level_set(stratum)
+        for name, vector_field in self.strata[stratum].items():
+            rates = abs(level_set.rates(vector_field)) if level_set.functions else None
+            if rates is not None and rates.max() > 1e-7:
+                where, which = divmod(int(rates.argmax()), rates.shape[1])
+                raise ValueError(
+                    f"field {name} leaves its stratum S{stratum}: it changes "
+                    f"{level_set.functions[which]} at {point(level_set.points[where])}; "
+                    "a field that lifts a foot belongs to the stratum it leads to"
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """A closed walk in the graph of strata, eq. (11).
+
+    Attributes:
+        system: System whose strata it visits.
+        strata: Names in order; the first and the last are the same.
+
+    Raises:
+        StratumError: The sequence is not a closed walk; the message says why.
+    """
+
+    system: StratifiedSystem
+    strata: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "strata", tuple(self.strata))
+        known = self.system.strata
+        if not self.strata:
+            raise StratumError("a gait visits at least one stratum, got none (eq. 11)")
+        for name in self.strata:
+            if name not in known:
+                raise StratumError(
+                    f"stratum {name!r} of gait {self} {unknown(name, known)}"
+                )
+        if self.strata[0] != self.strata[-1]:
+            raise StratumError(
+                f"gait {self} does not close: it starts in S{self.strata[0]} and "
+                f"ends in S{self.strata[-1]} (eq. 11)"
+            )
+        for a, b in steps(self.strata):
+            if b not in (a, *self.system.neighbours[a]):
+                near = ", ".join(f"S{s}" for s in self.system.neighbours[a]) or "none"
+                raise StratumError(
+                    f"gait {self} steps from S{a} to S{b}, which are not neighbours; "
+                    f"the neighbours of S{a}: {near} (Fig. 3)"
+                )
+
+    def __str__(self) -> str:
+        return " -> ".join(f"S{name}" for name in self.strata)
+
+
+def steps(walk: Sequence[str]) -> Iterable[tuple[str, str]]:
+    """Consecutive pairs of a walk."""
+    return zip(walk, walk[1:], strict=False)
+
+
+def unknown(name: str, known: Iterable[str]) -> str:
+    """The end of a message on an unknown name: the known ones, and the nearest."""
+    known = list(known)
+    near = get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"is unknown; there are {', '.join(known)}{hint}"
+
+
+def _walks(
+    start: str, neighbours: Mapping[str, Sequence[str]]
+) -> dict[str, tuple[str, ...]]:
+    walks = {start: (start,)}
+    queue = deque([start])
+    while queue:
+        here = queue.popleft()
+        for there in neighbours[here]:
+            if there not in walks:
+                walks[there] = (*walks[here], there)
+                queue.append(there)
+    return walks
+
+
+def _symbols(state: Iterable[Any]) -> Symbols:
+    if isinstance(state, str):
+        state = state.replace(",", " ").split()
+    symbols = tuple(sp.Symbol(s) if isinstance(s, str) else s for s in state)
+    if not symbols:
+        raise ValueError("state is empty; name at least one coordinate")
+    names = [str(s) for s in symbols]
+    for s in symbols:
+        if not isinstance(s, sp.Symbol) or not NAME.fullmatch(str(s)):
+            raise ValueError(
+                f"state has {s!s}, which is not a name; use letters, digits, _"
+            )
+        if names.count(str(s)) > 1:
+            raise ValueError(f"state names {s} twice")
+    return symbols
+
+
+def _strata(
+    strata: Mapping[str, Mapping[str, Any]], state: Symbols
+) -> dict[str, dict[str, VectorField]]:
+    if not strata or not any(strata.values()):
+        raise ValueError(
+            "strata hold no fields; give at least one stratum with one field"
+        )
+    checked: dict[str, dict[str, VectorField]] = {}
+    owner: dict[str, str] = {}
+    for stratum, fields in strata.items():
+        checked[stratum] = {}
+        for name, value in fields.items():
+            if not NAME.fullmatch(name):
+                raise ValueError(
+                    f"field name {name!r} of S{stratum}: use letters, digits, _"
+                )
+            if name in owner:
+                raise ValueError(
+                    f"field {name} is in S{owner[name]} and S{stratum}; rename one"
+                )
+            owner[name] = stratum
+            checked[stratum][name] = _field(f"field {name} of S{stratum}", value, state)
+    return checked
+
+
+def _field(what: str, value: Any, state: Symbols) -> VectorField:
+    if isinstance(value, NumericField):
+        return value
+    if callable(value) and not isinstance(value, sp.Basic):
+        return NumericField(value)
+    column = sp.ImmutableMatrix(value)
+    if column.shape != (len(state), 1):
+        raise ValueError(f"{what} has shape {column.shape}, expected ({len(state)}, 1)")
+    for entry in column:
+        _require_known(what, entry, state)
+    return column
+
+
+def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
+    strangers = sorted(map(str, expression.free_symbols - set(state)))
+    if strangers:
+        listed = ", ".join(map(str, state))
+        raise ValueError(
+            f"{what} uses {strangers[0]}, which is not in the state ({listed})"
+        )
+    if expression.has(sp.nan, sp.oo, -sp.oo, sp.zoo, sp.I):
+        raise ValueError(
+            f"{what} has the entry {expression}, which is not a real number"
+        )
+
+
+def _level_sets(
+    level_sets: Mapping[str, Any], strata: Mapping[str, Any], state: Symbols
+) -> dict[str, tuple[sp.Expr, ...]]:
+    checked = {}
+    for stratum, functions in level_sets.items():
+        if stratum not in strata:
+            raise ValueError(
+                f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
+            )
+        listed = functions if isinstance(functions, (tuple, list)) else [functions]
+        names = {str(s): s for s in state}
+        checked[stratum] = tuple(sp.sympify(f, locals=names) for f in listed)
+        for function in checked[stratum]:
+            _require_known(f"level set of S{stratum}", function, state)
+        if checked[stratum] and _dependent(checked[stratum], state):
+            raise ValueError(
+                f"level sets of S{stratum} are not independent: "
+                f"{', '.join(map(str, checked[stratum]))} (Def. 1)"
+            )
+    return checked
+
+
+def _dependent(functions: tuple[sp.Expr, ...], state: Symbols) -> bool:
+    return bool(LevelSet(functions, state).differential.rank() < len(functions))
