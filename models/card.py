@@ -131,10 +131,17 @@ def _decode(table: dict[str, Any]) -> Card:
         lift_angle=float(table["lift_angle"]),
         legs={int(number): _leg(number, leg) for number, leg in table["leg"].items()},
         groups={name: _group(name, group) for name, group in table["group"].items()},
-        gait=tuple(table["gait"]["strata"]),
+        gait=tuple(_strata(table["gait"])),
         servo=None if servo is None else Servo(**servo),
         description=table.get("description", ""),
     )
+
+
+def _strata(table: dict[str, Any]) -> list[str]:
+    _refuse_unknown(table, {"strata"}, "gait")
+    if "strata" not in table:
+        raise ValueError("gait: strata is missing")
+    return list(table["strata"])
 
 
 def _leg(number: str, table: dict[str, Any]) -> LegCard:

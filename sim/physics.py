@@ -31,6 +31,7 @@ class Engine:
     """One simulation that starts at keyframe `start` and only moves forward."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
+        _silence_the_engine()
         self.model = model
         self._batch = batch.Batch(model, nsim=1, nthread=1)
         self._batch.reset(
@@ -85,3 +86,10 @@ class Engine:
         return SimulationError(
             what, f"t = {time:.4f} s", "try a smaller timestep or softer servos"
         )
+
+
+def _silence_the_engine() -> None:
+    """Warnings are raised here as errors; the engine need not print and log them too."""
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = log.logto_console = False
+    log.set()

@@ -42,6 +42,11 @@ class Setup:
         return self.scenario.stance or automatic
 
     @property
+    def swing_limits(self) -> dict[str, tuple[float, float]]:
+        """Joint range of every group's angle, by the name of its coordinate."""
+        return {f"phi_{g}": span for g, span in self.robot.swing_range.items()}
+
+    @property
     def channels(self) -> Channels:
         """Where the model takes commands."""
         return Channels(self.robot, self.model)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from sim.measure import Sensors
 from sim.physics import Engine
 from sim.poses import nearest_turn, seen_from
 from sim.recording import Progress, Recorder, Recording
-from sim.schedule import Schedule, Scheduler, Shape
+from sim.schedule import Phase, Schedule, Scheduler, Shape
 from sim.setup import Setup
 
 Array = np.ndarray
@@ -41,6 +42,21 @@ class Walk:
     origin: Array  # start pose in the world, (3,)
     saturated_segments: int
     timing: dict[str, float]  # [s]
+
+    @cached_property
+    def phases(self) -> tuple[Phase, ...]:
+        """All phases in time order."""
+        return tuple(p for stretch in self.stretches for p in stretch.schedule.phases)
+
+    @property
+    def duration(self) -> float:
+        """From the start of the walk to its end [s]."""
+        return (self.phases[-1].stop - self.starts) * self.setup.limits.timestep
+
+    @property
+    def starts(self) -> int:
+        """Number of steps of the first hold, after which the walk begins."""
+        return self.stretches[0].schedule.stop
 
 
 class Walker:
@@ -117,5 +133,23 @@ def walk(setup: Setup, progress: Progress | None = None) -> Walk:
         SimulationError: If the physics diverges.
     """
     walker = Walker(setup, progress)
-    follow = _replanned if setup.scenario.replan else _open_loop
+    follow = _open_loop
     return walker.finish(follow(walker))
+
+
+def _open_loop(walker: Walker) -> int:
+    """One plan for the whole path, carried out blindly."""
+    setup = walker.setup
+    began = time.perf_counter()
+    planned = plan(
+        setup.extended,
+        setup.nominal(),
+        setup.scenario.segments,
+        stance=setup.stance,
+        limits=setup.swing_limits,
+    )
+    walker.seconds["plan"] += time.perf_counter() - began
+    walker.stand()
+    walker.go(planned.segments())
+    walker.stand()
+    return 0

@@ -63,8 +63,11 @@ def _ensure_floor(spec: mujoco.MjSpec) -> str:
     """Name of the plane to stand on; the shipped scene joins a robot that has none."""
     planes = [g for g in spec.worldbody.geoms if g.type == mujoco.mjtGeom.mjGEOM_PLANE]
     if not planes:
-        spec.attach(_scene(), frame=spec.worldbody.add_frame(), prefix="")
-        return "floor"
+        scene = _scene()
+        scene.option.timestep = spec.option.timestep  # else the two would conflict
+        spec.visual.map.znear = scene.visual.map.znear
+        spec.attach(scene, frame=spec.worldbody.add_frame(), prefix="scene_")
+        return "scene_floor"
     planes[0].name = planes[0].name or "floor"
     return str(planes[0].name)
 

@@ -1,0 +1,33 @@
+"""How far the feet of a standing robot seem to slip: the floor under every slip.
+
+Soft contacts let a loaded foot creep. The creep is steady once the robot has settled,
+so a short stand tells its rate.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.measure import Sensors
+from sim.physics import Engine
+from sim.recording import Recorder
+from sim.setup import Setup
+
+LONGEST_STAND = 5.0  # [s]
+
+
+def creep_floor(setup: Setup, duration: float) -> float:
+    """Slip of all feet together in a stand that lasts as long as a walk [m].
+
+    Args:
+        setup: Robot, world and timestep.
+        duration: From the start of the walk to its end [s]; beyond `LONGEST_STAND` the
+            slip is extrapolated at its steady rate.
+    """
+    stand = min(duration, LONGEST_STAND)
+    dt, hold = setup.limits.timestep, setup.limits.hold
+    recorder = Recorder(Engine(setup.model), Sensors(setup.model, setup.robot), 1_000_000)
+    still = np.zeros((round((hold + stand) / dt), len(setup.robot.groups)))
+    recorder.play(setup.channels.ctrl(still, still))
+    slip = recorder.finish().feet.slip.sum(axis=1)
+    return float((slip[-1] - slip[round(hold / dt) - 1]) * duration / stand)

@@ -1,0 +1,213 @@
+"""Judge a walk: achieved beside predicted on one time axis, and the summary of both.
+
+Definitions are in the README. Writes nothing; `sim.run` does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.twists import IdealTwists, TwistModel
+from sim.phases import count_changes, phase_slips
+from sim.poses import rotate, seen_from, wrap
+from sim.prediction import Prediction, predict
+from sim.support import stability_margin
+from sim.walk import Walk
+
+Array = np.ndarray
+Summary = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Achieved:
+    """What the physics did at every row, in the frame of the start pose."""
+
+    pose: Array  # (T', 3)
+    margin: Array  # (T',) [m]
+    slip: Array  # since the walk's start, (T', F) [m]
+    contact: Array  # (T', F), bool
+    point: Array  # where each foot touches, (T', F, 2) [m]
+    center_of_mass: Array  # (T', 3) [m]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A walk and everything said about it."""
+
+    walk: Walk
+    achieved: Achieved
+    predicted: Mapping[str, Prediction]
+    walking: Array  # rows from the start of the walk on, (T',), bool
+
+
+def twist_models(walk: Walk) -> dict[str, TwistModel]:
+    """The predictions that a walk is compared with, by name."""
+    setup = walk.setup
+    return {"ideal": IdealTwists(setup.robot, setup.equations.twists)}
+
+
+def evaluate(walk: Walk) -> Evaluation:
+    """Put achieved and predicted motion side by side."""
+    models = twist_models(walk)
+    predicted = {name: _predicted(walk, model) for name, model in models.items()}
+    walking = walk.recording.rows >= walk.starts
+    return Evaluation(walk, _achieved(walk), predicted, walking)
+
+
+def _achieved(walk: Walk) -> Achieved:
+    recording, feet = walk.recording, walk.recording.feet
+    at = recording.at_rows
+    contact, points = feet.contact[at], feet.point[at]
+    center = feet.center_of_mass[at].copy()
+    margin = stability_margin(points, contact, center[:, :2])
+    before = feet.slip[walk.starts - 1]
+    x, y, yaw = walk.origin
+    center[:, :2] = rotate(center[:, :2] - (x, y), -yaw)
+    return Achieved(
+        pose=seen_from(walk.origin, walk.setup.pose(recording.qpos)),
+        margin=margin,
+        slip=np.maximum(feet.slip[at] - before, 0.0),
+        contact=contact,
+        point=rotate(points - (x, y), -yaw),
+        center_of_mass=center,
+    )
+
+
+def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
+    """One prediction over all stretches, each from the pose it was planned from."""
+    pieces: list[Prediction] = []
+    slipped = np.zeros(len(walk.setup.robot.legs))
+    for stretch in walk.stretches:
+        schedule, rows = stretch.schedule, walk.recording.rows
+        inside = rows[(rows > schedule.start) & (rows <= schedule.stop)]
+        local = np.append(inside, schedule.stop) - schedule.start - 1
+        piece = predict(schedule, local, twists, walk.setup.kinematics, stretch.pose)
+        slip, slipped = piece.slip[:-1] + slipped, piece.slip[-1] + slipped
+        pose = np.concatenate([piece.pose[:-1, :2], wrap(piece.pose[:-1, 2:])], axis=1)
+        pieces.append(Prediction(pose, slip, piece.margin[:-1], piece.contact[:-1]))
+    names = ("pose", "slip", "margin", "contact")
+    return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
+
+
+def trajectory(evaluation: Evaluation) -> dict[str, Array]:
+    """The arrays of trajectory.npz."""
+    walk, achieved = evaluation.walk, evaluation.achieved
+    recording, predicted = walk.recording, evaluation.predicted
+    phases = walk.phases
+    ideal = predicted["ideal"]
+    starts = np.array([phase.start for phase in phases])
+    arrays = {
+        "time": recording.rows * recording.timestep,
+        "qpos": recording.qpos,
+        "qvel": recording.qvel,
+        "achieved_pose": achieved.pose,
+        "predicted_pose": ideal.pose,
+        "contact": achieved.contact,
+        "planned_contact": ideal.contact,
+        "slip": achieved.slip,
+        "predicted_slip": ideal.slip,
+        "achieved_margin": achieved.margin,
+        "predicted_margin": ideal.margin,
+        "contact_point": achieved.point,
+        "center_of_mass": achieved.center_of_mass,
+        "world_start_pose": walk.origin,
+        "phase": np.searchsorted(starts, recording.at_rows, side="right") - 1,
+    }
+    for name, prediction in predicted.items():
+        if name != "ideal":
+            arrays[f"{name}_pose"] = prediction.pose
+            arrays[f"{name}_slip"] = prediction.slip
+            arrays[f"{name}_margin"] = prediction.margin
+    return arrays
+
+
+def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
+    """The numbers of summary.json, unrounded, timing left out.
+
+    Args:
+        evaluation: A walk and its predictions.
+        creep_floor: Slip of the same measure while standing as long [m].
+    """
+    walk, achieved = evaluation.walk, evaluation.achieved
+    setup, scenario = walk.setup, walk.setup.scenario
+    pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
+    swings = [p for p in walk.phases if p.kind == "swing"]
+    loaded = [p for p in swings if setup.robot.groups[p.group] in p.stratum]
+    strides = [np.hypot(*setup.equations.twists[setup.robot.groups[p.group]][:2]) for p in loaded]
+    walked = float(sum(s * abs(p.amount) for s, p in zip(strides, loaded, strict=True)))
+    length = scenario.path.length
+    slips = phase_slips(walk)
+    predicted = {
+        name: _of_prediction(prediction, evaluation.walking)
+        for name, prediction in evaluation.predicted.items()
+    }
+    errors = {
+        name: _error(pose, prediction.pose[-1], length, walked)
+        for name, prediction in evaluation.predicted.items()
+    }
+    return {
+        "scenario": scenario.name,
+        "robot": scenario.robot,
+        "fields": scenario.fields,
+        "stance": setup.stance,
+        "segments": scenario.segments,
+        "replan": scenario.replan,
+        "steer": scenario.steer,
+        "goal": [float(g) for g in goal],
+        "path_length": length,
+        "distance_walked": walked,
+        "contact_switches": sum(p.kind in ("lift", "land") for p in walk.phases),
+        "contact_switches_achieved": count_changes(walk),
+        "swing_travel": sum(abs(p.amount) for p in loaded),
+        "air_travel": sum(abs(p.amount) for p in swings if p not in loaded),
+        "bounces": walk.recording.feet.bounces,
+        "saturated_segments": walk.saturated_segments,
+        "walk_starts": walk.starts * setup.limits.timestep,
+        "predicted": {"quasi_static": None, **predicted},
+        "achieved": {
+            "pose": [float(p) for p in pose],
+            "min_margin": float(achieved.margin[evaluation.walking].min()),
+            "slip": float(achieved.slip[-1].sum()),
+            "slip_swing": float(slips["swing"]),
+            "slip_transition": float(achieved.slip[-1].sum() - slips["swing"]),
+            "slip_per_foot": {
+                str(leg): float(s)
+                for leg, s in zip(setup.robot.legs, achieved.slip[-1], strict=True)
+            },
+            "creep_floor": creep_floor,
+        },
+        "error": {
+            "quasi_static": None,
+            **errors,
+            "goal": _departure(pose, goal),
+        },
+        "simulated_time": walk.recording.rows[-1] * setup.limits.timestep,
+        "timestep": setup.limits.timestep,
+    }
+
+
+def _of_prediction(prediction: Prediction, walking: Array) -> Summary:
+    return {
+        "pose": [float(p) for p in prediction.pose[-1]],
+        "min_margin": float(prediction.margin[walking].min()),
+        "slip": float(prediction.slip[-1].sum()),
+    }
+
+
+def _departure(pose: Array, other: Array) -> Summary:
+    return {
+        "position": float(np.hypot(*(pose - other)[:2])),
+        "yaw": float(abs(wrap(pose[2] - other[2]))),
+    }
+
+
+def _error(pose: Array, other: Array, length: float, walked: float) -> Summary:
+    departure = _departure(pose, other)
+    position = float(np.hypot(*(pose - other)[:2]))
+    return departure | {
+        "position_per_path": position / length if length else None,
+        "position_per_walked": position / walked if walked else None,
+    }

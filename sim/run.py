@@ -1,0 +1,82 @@
+"""The main job: plan, walk, compare, write the run folder, film."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from sim.creep import creep_floor
+from sim.evaluate import Summary, evaluate, summarise, trajectory
+from sim.folder import RunFolder
+from sim.phases import table
+from sim.progress import Progress, silent
+from sim.scenario import Scenario
+from sim.scenario_file import dumps
+from sim.setup import prepare
+from sim.walk import Walk, walk
+
+
+def run(
+    scenario: Scenario,
+    folder: RunFolder,
+    *,
+    look: str | None = None,
+    progress: Progress = silent,
+) -> Summary:
+    """Carry a scenario out and leave everything about it in a folder.
+
+    Args:
+        scenario: What to walk.
+        folder: Empty folder of this run.
+        look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
+        progress: Told the stage and how much of it is done.
+
+    Returns:
+        The summary, as written to summary.json.
+
+    Raises:
+        PlannerError: If there is no plan.
+        SimulationError: If the physics diverges.
+        FilesError: If the folder cannot be written.
+        RenderError: If a film is wanted and cannot be made.
+    """
+    timing: dict[str, float] = {}
+    with _timed(timing, "compile"):
+        setup = prepare(scenario)
+    folder.write_text("scenario.toml", dumps(scenario))
+    folder.write_text("model.xml", setup.model_text)
+    walked = walk(setup, lambda fraction: progress("walking", fraction))
+    timing |= walked.timing
+    with _timed(timing, "evaluate"):
+        evaluation = evaluate(walked)
+        seconds = evaluation.walk.duration
+        summary = summarise(evaluation, creep_floor(setup, seconds))
+        _write_walk(folder, walked, trajectory(evaluation))
+    timing["render"] = 0.0
+    summary["timing"] = timing
+    folder.write_json("summary.json", summary)
+    if look is not None:
+        from sim.film import film
+
+        with _timed(timing, "render"):
+            film(folder.path, look=look, progress=lambda f: progress("filming", f))
+        folder.write_json("summary.json", summary)
+    return summary
+
+
+def _write_walk(folder: RunFolder, walked: Walk, arrays: dict[str, np.ndarray]) -> None:
+    recording = walked.recording
+    clock = (np.arange(len(recording.ctrl))) * recording.timestep
+    folder.write_arrays("commands.npz", time=clock, ctrl=recording.ctrl)
+    folder.write_arrays("trajectory.npz", **arrays)
+    folder.write_text("flows.csv", table(walked))
+
+
+@contextmanager
+def _timed(timing: dict[str, float], stage: str) -> Iterator[None]:
+    began = time.perf_counter()
+    yield
+    timing[stage] = time.perf_counter() - began

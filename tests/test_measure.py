@@ -1,0 +1,87 @@
+"""Contact and slip from sensors, against independent computations."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim.measure import Readings, Sensors, bridge, log_feet
+from sim.physics import Engine
+from sim.world import Channels, build, load
+
+
+def readings(force, speed):
+    force, speed = np.array(force, float)[:, None], np.array(speed, float)[:, None]
+    return Readings(force, speed, np.zeros((len(force), 1, 2)), np.zeros((len(force), 3)))
+
+
+def test_slip_counts_only_under_load():
+    log = log_feet(readings([0, 5, 5, 0, 0], [9, 1, 2, 9, 9]), weight=10.0, timestep=0.1)
+    assert log.contact[:, 0].tolist() == [False, True, True, False, False]
+    assert log.slip[:, 0] == pytest.approx([0, 0.1, 0.3, 0.3, 0.3])
+
+
+def test_less_than_one_per_cent_of_the_weight_is_no_contact():
+    log = log_feet(readings([0.09, 0.11], [1, 1]), weight=10.0, timestep=0.1)
+    assert log.contact[:, 0].tolist() == [False, True]
+
+
+def test_short_interruptions_are_bridged_and_counted():
+    loaded = np.array([1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0], bool)[:, None]
+    contact, bounces = bridge(loaded, shortest=3)
+    assert contact[:, 0].astype(int).tolist() == [1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 0]
+    assert bounces == 1
+
+
+def test_a_foot_in_the_air_keeps_the_point_it_last_touched():
+    points = np.array([[1.0, 2.0], [0, 0], [3.0, 4.0], [0, 0]])[:, None]
+    force = np.array([5.0, 0, 5.0, 0])[:, None]
+    log = log_feet(
+        Readings(force, force * 0, points, np.zeros((4, 3))), weight=10.0, timestep=0.001
+    )
+    assert log.point[:, 0].tolist() == [[1, 2], [1, 2], [3, 4], [3, 4]]
+
+
+@pytest.mark.physics
+def test_slip_speed_is_that_of_the_material_under_the_contact_point(hexapod, scenario):
+    """Contact force, point and slip of every foot, again from the engine's contacts."""
+    model = load(build(hexapod, scenario()))
+    time = np.arange(600)[:, None] * model.opt.timestep
+    swing = 0.15 * np.sin(4 * time) * np.array([1.0, -1.0])
+    ctrl = Channels(hexapod, model).ctrl(swing, np.zeros_like(swing))
+    record = Engine(model).advance(ctrl)
+    found = Sensors(model, hexapod).read(record.sensordata)
+
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    feet = {model.geom(f"foot_{leg}").id: i for i, leg in enumerate(hexapod.legs)}
+    worst = 0.0
+    for k, row in enumerate(ctrl):
+        data.ctrl[:] = row
+        mujoco.mj_forward(model, data)
+        for c, contact in enumerate(data.contact):
+            foot = feet[contact.geom2]
+            wrench = np.zeros(6)
+            mujoco.mj_contactForce(model, data, c, wrench)
+            body = model.geom_bodyid[contact.geom2]
+            jacobian = np.zeros((3, model.nv))
+            mujoco.mj_jac(model, data, jacobian, None, contact.pos, body)
+            speed = np.hypot(*(jacobian @ data.qvel)[:2])
+            worst = max(
+                worst,
+                abs(found.force[k, foot] - wrench[0]),
+                abs(found.speed[k, foot] - speed),
+                *abs(found.point[k, foot] - contact.pos[:2]),
+            )
+        mujoco.mj_step(model, data)
+    # the two loops differ in warm starts: the solver's tolerance on forces
+    assert worst < 1e-4
+
+
+@pytest.mark.physics
+def test_normal_forces_of_a_standing_robot_carry_its_weight(hexapod, scenario):
+    model = load(build(hexapod, scenario()))
+    record = Engine(model).advance(np.zeros((1200, model.nu)))
+    sensors = Sensors(model, hexapod)
+    found = sensors.read(record.sensordata[-1:])
+    # still settling by micrometres after 0.6 s
+    assert found.force.sum() == pytest.approx(sensors.weight, rel=1e-3)

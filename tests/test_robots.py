@@ -1,0 +1,199 @@
+"""The contract every shipped robot keeps."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.card import read_card
+from models.errors import ModelError, UnknownRobotError
+from models.kinematics import Kinematics
+from models.mjcf import write
+from models.robot import FOLDER, load, robots
+from models.shapes import SHAPES
+
+
+@pytest.fixture(params=robots(), scope="module")
+def robot(request):
+    return load(request.param)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
+def test_files_are_written_from_the_morphology(shape):
+    path = FOLDER / f"{shape.name}.xml"
+    first = next(iter(read_card(path.with_suffix(".toml")).groups.values())).legs
+    assert path.read_text() == write(shape, first)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
+def test_feet_hips_and_mass_are_where_the_morphology_says(shape):
+    robot = load(shape.name)
+    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
+    feet = [shape.legs[leg].foot for leg in robot.legs]
+    hips = [robot.model.body(f"leg_{leg}").pos[:2] for leg in robot.legs]
+    # twelve digits are written
+    assert stance.feet == pytest.approx(np.array(feet), abs=1e-11)
+    assert np.array(hips) == pytest.approx(
+        np.array([shape.legs[leg].hip for leg in robot.legs]), abs=1e-11
+    )
+    assert stance.height == pytest.approx(0.0, abs=1e-11)
+    assert robot.model.body_mass.sum() == pytest.approx(shape.mass)
+
+
+def test_every_joint_foot_camera_and_sensor_is_named(robot):
+    model = robot.model
+    for count, kind in (
+        (model.njnt, model.joint),
+        (model.nu, model.actuator),
+        (model.ncam, model.camera),
+        (model.nsensor, model.sensor),
+        (model.ngeom, model.geom),
+    ):
+        assert all(kind(i).name for i in range(count))
+    assert {model.camera(i).name for i in range(model.ncam)} == {"top", "side", "chase"}
+    assert model.nu == 2 * len(robot.legs)
+
+
+def test_every_leg_joint_has_a_position_servo_within_its_range(robot):
+    model = robot.model
+    for i in range(model.nu):
+        joint = model.actuator_trnid[i, 0]
+        assert model.actuator(i).name == model.joint(joint).name
+        assert model.actuator_biasprm[i, 1] == -model.actuator_gainprm[i, 0] < 0
+        assert model.actuator_ctrlrange[i] == pytest.approx(model.jnt_range[joint])
+
+
+def test_the_robot_stands_still_at_its_keyframe(robot):
+    model = robot.model
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    begin = data.qpos[:3].copy()
+    mujoco.mj_step(model, data, nstep=1000)
+    # the servos' sag: a third of the weight on one leg is 0.3 mm at most
+    assert data.qpos[:3] == pytest.approx(begin, abs=1e-3)
+
+
+def test_neighbouring_legs_clear_each_other_at_the_ends_of_their_range(robot):
+    model = robot.model
+    data = mujoco.MjData(model)
+    legs = range(len(robot.legs))
+    geoms = [
+        [model.geom(f"{part}_{leg}").id for part in ("hip", "femur", "tibia", "foot")]
+        for leg in robot.legs
+    ]
+    span = [model.joint(robot.card.legs[leg].swing).range for leg in robot.legs]
+    for a in legs:
+        for b in legs:
+            if a >= b:
+                continue
+            for i, j in np.ndindex(2, 2):
+                mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+                data.joint(f"swing_{robot.legs[a]}").qpos = span[a][i]
+                data.joint(f"swing_{robot.legs[b]}").qpos = span[b][j]
+                mujoco.mj_kinematics(model, data)
+                gaps = [
+                    mujoco.mj_geomDistance(model, data, g, h, 1.0, None)
+                    for g in geoms[a]
+                    for h in geoms[b]
+                ]
+                assert min(gaps) > 0, (robot.legs[a], robot.legs[b])
+
+
+def test_kinematics_agree_with_the_engine_at_any_angles(robot):
+    rng = np.random.default_rng(1)
+    kinematics, model = Kinematics(robot), robot.model
+    data = mujoco.MjData(model)
+    for _ in range(20):
+        swing = rng.uniform(-0.45, 0.45, len(robot.groups))
+        lift = rng.uniform(0, 0.5, len(robot.groups))
+        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+        for leg, of, sign in zip(
+            robot.legs, robot.group_of_leg, robot.swing_sign, strict=True
+        ):
+            card = robot.card.legs[leg]
+            data.joint(card.swing).qpos = sign * swing[of]
+            data.joint(card.lift).qpos = card.raise_sign * lift[of]
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        stance = kinematics.stance(swing, lift)
+        feet = np.array([data.geom(robot.card.legs[n].foot[0]).xpos for n in robot.legs])
+        # the same kinematics in another arrangement: rounding alone
+        assert stance.feet == pytest.approx(feet[:, :2], abs=1e-12)
+        root = model.body(robot.root).id
+        assert stance.center_of_mass == pytest.approx(data.subtree_com[root][:2], abs=1e-12)
+
+
+def test_rates_of_the_feet_are_their_derivatives_by_the_group_angle(robot):
+    kinematics, step = Kinematics(robot), 1e-6
+    swing = np.random.default_rng(2).uniform(-0.4, 0.4, (5, len(robot.groups)))
+    lift = np.full_like(swing, 0.1)
+    ahead = kinematics.stance(swing + step, lift).feet
+    behind = kinematics.stance(swing - step, lift).feet
+    rates = kinematics.stance(swing, lift).rates
+    # central differences: step^2 / 6 of a leg's length, and rounding over the step
+    assert rates == pytest.approx((ahead - behind) / (2 * step), abs=1e-9)
+
+
+def test_loading_an_unknown_name_lists_the_shipped_ones():
+    with pytest.raises(UnknownRobotError, match="unknown robot: 'hexapop'; shipped are hexapod"):
+        load("hexapop")
+
+
+def test_a_missing_file_is_named():
+    with pytest.raises(UnknownRobotError, match="no such robot file: nowhere.xml"):
+        load("nowhere.xml")
+
+
+def test_a_file_that_is_no_mjcf_is_refused_in_one_line(tmp_path):
+    path = tmp_path / "broken.xml"
+    path.write_text("<mujoco><worldbody><geom sizee='1'/></worldbody></mujoco>")
+    path.with_suffix(".toml").write_text((FOLDER / "hexapod.toml").read_text())
+    with pytest.raises(ModelError, match="not a usable MJCF file.*sizee") as refusal:
+        load(str(path))
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_card_that_names_missing_parts_is_refused_with_all_of_them(tmp_path):
+    path = tmp_path / "six.xml"
+    text = (FOLDER / "hexapod.xml").read_text()
+    scene = (FOLDER / "scene.xml").read_text()
+    (tmp_path / "scene.xml").write_text(scene)
+    path.write_text(text)
+    card = (FOLDER / "hexapod.toml").read_text().replace('"swing_1"', '"hip_yaw"')
+    path.with_suffix(".toml").write_text(card.replace('"foot_2"', '"toe"'))
+    with pytest.raises(ModelError, match="lacks: .*six.xml; joint 'hip_yaw', geom 'toe'"):
+        load(str(path))
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("lift_angle = 0.3", "lift_angle is missing"),
+        ('strata = ["12", "1", "12", "2", "12"]', "gait: strata is missing"),
+    ],
+)
+def test_a_card_without_a_needed_key_is_refused(tmp_path, line, message):
+    path = tmp_path / "card.toml"
+    path.write_text((FOLDER / "hexapod.toml").read_text().replace(line, ""))
+    with pytest.raises(ModelError, match=message):
+        read_card(path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("lift_angle = 0.3", "lift_angle = nan", "lift_angle must be positive, got nan"),
+        ("lift_angle", "lift_angel", "no key 'lift_angel'; did you mean 'lift_angle'?"),
+        ("1 = -1, 4", "1 = 2, 4", r"group.1: signs of legs must be 1 or -1, got \{1: 2\}"),
+        ("4 = -1, 5", "3 = -1, 5", "every leg belongs to exactly one group"),
+        ('"2", "12"]', '"2"]', "does not close"),
+        ('"12", "2"', '"12", "3"', "stratum '3' names no group"),
+        ("raise = 1, foot = [\"foot_1\"]", "raise = 1, foot = []", "leg.1: foot names no geom"),
+    ],
+)  # fmt: skip
+def test_an_impossible_card_is_refused_by_its_reason(tmp_path, old, new, message):
+    path = tmp_path / "card.toml"
+    text = (FOLDER / "hexapod.toml").read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ModelError, match=message):
+        read_card(path)
