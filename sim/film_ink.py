@@ -50,17 +50,18 @@ def join(inks: Iterable[Ink], fleeting: bool = False) -> Ink:
     return Ink(points[order], frames[order], fleeting)
 
 
-def ribbon(line: Array, frames: Array, width: float) -> Ink:
+def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Ink:
     """A line of constant width, each piece appearing with the point it leads to.
 
     Args:
         line: Points, shape (N, 2) [m]; repeated ones are skipped.
         frames: Frame of each point, shape (N,), ascending.
         width: In [m].
+        jump: Pieces longer than this are left out [m].
     """
     step = np.diff(line, axis=0)
     length = np.hypot(*step.T)
-    moved = length > 0
+    moved = (length > 0) & (length <= jump)
     along = step[moved] / length[moved, None] * width / 2
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     # Half a width too long at both ends: no notches where the direction changes.

@@ -1,7 +1,4 @@
-"""How films look: size, speed, colours, and the two qualities on offer.
-
-Constants only.
-"""
+"""How films look: size, speed, colours, and the two qualities on offer."""
 
 from __future__ import annotations
 
@@ -47,6 +44,16 @@ GROUPS: tuple[Colour, ...] = (
     (64, 158, 168),
     (196, 104, 160),
 )
+
+
+def group(index: int) -> Colour:
+    """Colour of a group of legs; after the last one they begin again."""
+    return GROUPS[index % len(GROUPS)]
+
+
+def footprint(index: int) -> Colour:
+    """A group's colour, paler than its legs."""
+    return tint(group(index), 0.45)
 
 
 def tint(colour: Colour, strength: float) -> Colour:
