@@ -13,9 +13,6 @@ from models.morphology import Leg, Morphology
 
 INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
 FIRST, SECOND = "0.16 0.44 0.75 1", "0.80 0.27 0.24 1"  # colours of the groups
-# As the floor of `scene.xml`. A sliding contact is pushed apart in proportion to its
-# speed and time constant; stiffer ones than this leave the ground for single steps.
-SOFTNESS = {"solref": "0.0075 1", "solimp": "0.8 0.9 0.001"}
 CONTACT_DATA = "found force pos linvel"
 
 
@@ -36,14 +33,20 @@ def write(shape: Morphology, first_group: Container[int]) -> str:
     actuators, sensors = SubElement(root, "actuator"), SubElement(root, "sensor")
     for joint in joints:
         SubElement(
-            actuators, "position", name=joint, joint=joint, attrib={"class": joint.split("_")[0]}
+            actuators,
+            "position",
+            name=joint,
+            joint=joint,
+            attrib={"class": joint.split("_")[0]},
         )
         SubElement(sensors, "jointpos", name=joint, joint=joint)
     for n in shape.legs:
         touching = {"geom1": "floor", "geom2": f"foot_{n}", "data": CONTACT_DATA}
         SubElement(sensors, "contact", name=f"contact_foot_{n}", attrib=touching)
     SubElement(sensors, "framepos", name="position", objtype="xbody", objname="torso")
-    SubElement(sensors, "framequat", name="orientation", objtype="xbody", objname="torso")
+    SubElement(
+        sensors, "framequat", name="orientation", objtype="xbody", objname="torso"
+    )
     SubElement(sensors, "subtreecom", name="center_of_mass", body="torso")
     start = _numbers(0, 0, shape.hip_height, 1, 0, 0, 0, *[0] * len(joints))
     SubElement(SubElement(root, "keyframe"), "key", name="start", qpos=start)
@@ -58,23 +61,28 @@ def _numbers(*values: float) -> str:
 
 def _defaults(root: Element, shape: Morphology) -> None:
     """One class a kind of part, so that the body below shows only what differs."""
-    default = SubElement(SubElement(root, "default"), "default", attrib={"class": "robot"})
+    default = SubElement(
+        SubElement(root, "default"), "default", attrib={"class": "robot"}
+    )
     # Robots touch floor and walls, never themselves: legs clear each other in range.
     SubElement(default, "geom", contype="0", conaffinity="1", rgba=INK)
     servo = {"kp": _numbers(shape.stiffness), "kv": _numbers(shape.damping)}
-    ranges = {"swing": (-shape.swing_range, shape.swing_range), "lift": shape.lift_range}
+    ranges = {
+        "swing": (-shape.swing_range, shape.swing_range),
+        "lift": shape.lift_range,
+    }
     for kind, axis in (("swing", "0 0 1"), ("lift", "0 -1 0")):
         part = SubElement(default, "default", attrib={"class": kind})
         limits = _numbers(*ranges[kind])
         inertia = _numbers(shape.armature)
-        SubElement(part, "joint", axis=axis, range=limits, limited="true", armature=inertia)
+        SubElement(
+            part, "joint", axis=axis, range=limits, limited="true", armature=inertia
+        )
         SubElement(part, "position", ctrlrange=limits, attrib=servo)
     link = SubElement(default, "default", attrib={"class": "link"})
     SubElement(link, "geom", type="capsule", size=_numbers(shape.leg_radius))
     foot = SubElement(default, "default", attrib={"class": "foot"})
-    SubElement(
-        foot, "geom", type="sphere", size=_numbers(shape.foot_radius), attrib=SOFTNESS
-    )
+    SubElement(foot, "geom", type="sphere", size=_numbers(shape.foot_radius))
 
 
 def _torso(world: Element, shape: Morphology) -> Element:
@@ -86,7 +94,12 @@ def _torso(world: Element, shape: Morphology) -> Element:
     raised = shape.hip_radius + thickness
     plate = {"pos": _numbers(0, 0, raised), "size": _numbers(*shape.plate)}
     SubElement(
-        torso, "geom", name="plate", type="box", mass=_numbers(shape.body_mass), attrib=plate
+        torso,
+        "geom",
+        name="plate",
+        type="box",
+        mass=_numbers(shape.body_mass),
+        attrib=plate,
     )
     nose = {
         "pos": _numbers(0.85 * length, 0, raised + 2 * thickness),
@@ -95,7 +108,9 @@ def _torso(world: Element, shape: Morphology) -> Element:
         "conaffinity": "0",
     }
     SubElement(torso, "geom", name="nose", type="box", mass="0", attrib=nose)
-    _cameras(torso, far=4 * max(abs(c) for leg in shape.legs.values() for c in leg.foot))
+    _cameras(
+        torso, far=4 * max(abs(c) for leg in shape.legs.values() for c in leg.foot)
+    )
     return torso
 
 

@@ -60,7 +60,10 @@ def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
 
 
 def _ensure_floor(spec: mujoco.MjSpec) -> str:
-    """Name of the plane to stand on; the shipped scene joins a robot that has none."""
+    """Name of the plane to stand on, with the contact of the shipped scene's floor.
+
+    The shipped scene joins a robot that has no plane.
+    """
     planes = [g for g in spec.worldbody.geoms if g.type == mujoco.mjtGeom.mjGEOM_PLANE]
     if not planes:
         scene = _scene()
@@ -68,12 +71,14 @@ def _ensure_floor(spec: mujoco.MjSpec) -> str:
         spec.visual.map.znear = scene.visual.map.znear
         spec.attach(scene, frame=spec.worldbody.add_frame(), prefix="scene_")
         return "scene_floor"
-    planes[0].name = planes[0].name or "floor"
-    return str(planes[0].name)
+    floor, own = planes[0], _scene().geom("floor")
+    floor.name = floor.name or "floor"
+    floor.priority, floor.solref, floor.solimp = own.priority, own.solref, own.solimp
+    return str(floor.name)
 
 
 def _set_friction(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
-    """Sliding friction of floor and feet; the engine takes the larger of the two."""
+    """Sliding friction of floor and feet; the engine takes the floor's."""
     feet = [name for leg in robot.card.legs.values() for name in leg.foot]
     for name in (floor, *feet):
         geom = spec.geom(name)
