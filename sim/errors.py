@@ -7,11 +7,16 @@ given their exit code here and nowhere else.
 from __future__ import annotations
 
 import errno
+import traceback
 from enum import IntEnum
+from pathlib import Path
 from typing import ClassVar
 
 from models.errors import ModelError, UnknownRobotError
 from planner.errors import PlannerError
+
+ROOT = Path(__file__).resolve().parent.parent
+LAYERS = ("planner", "models", "sim")
 
 
 class ExitCode(IntEnum):
@@ -115,6 +120,8 @@ def _describe(error: BaseException) -> str:
         return f"{_SIGNALS[code]}; what is written is whole, run again for the rest"
     if isinstance(error, OSError):
         return _describe_os_error(error)
+    if isinstance(error, PlannerError):
+        return f"no plan: {error}"
     return str(error)
 
 
@@ -125,13 +132,15 @@ def _describe_os_error(error: OSError) -> str:
 
 
 def _describe_bug(error: BaseException) -> str:
-    trace = error.__traceback__
-    while trace is not None and trace.tb_next is not None:
-        trace = trace.tb_next
-    where = "nowhere"
-    if trace is not None:
-        where = f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno}"
     return (
-        f"a bug of ours, {type(error).__name__}: {error}: {where}; "
+        f"a bug of ours, {type(error).__name__}: {error}: {_place(error)}; "
         "please report it with the output of --debug"
     )
+
+
+def _place(error: BaseException) -> str:
+    """The last line of our own that was running."""
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [f for f in frames if Path(f.filename).is_relative_to(ROOT)]
+    ours = [f for f in ours if Path(f.filename).relative_to(ROOT).parts[0] in LAYERS]
+    return f"{ours[-1].filename}:{ours[-1].lineno}" if ours else "outside our code"

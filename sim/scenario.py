@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import reprlib
 from dataclasses import Field, dataclass, fields
-from typing import Any
+from typing import Any, Literal
 
 from sim.errors import UsageError
 from sim.nominal import NominalPath
@@ -30,8 +30,10 @@ class Scenario:
     robot: str = setting(
         Text(), "a shipped robot, or a path to an MJCF file", "hexapod"
     )
-    fields: str = setting(Choice(("lifted", "paper")), "fields to steer with", "lifted")
-    stance: str | None = setting(
+    fields: Literal["lifted", "paper"] = setting(
+        Choice(("lifted", "paper")), "fields to steer with", "lifted"
+    )
+    stance: Literal["centred", "paper"] | None = setting(
         Choice(("centred", "paper")),
         "order of the flows: sweeps centred, or as printed",
         None,
@@ -40,7 +42,9 @@ class Scenario:
         Number(1, 100_000, whole=True), "pieces that the nominal path is planned in"
     )
     replan: bool = setting(Flag(), "plan each segment from the pose reached", False)
-    steer: str = setting(Choice(("ideal",)), "prediction to steer on", "ideal")
+    steer: Literal["ideal"] = setting(
+        Choice(("ideal",)), "prediction to steer on", "ideal"
+    )
     friction: float = setting(Number(0, 10), "sliding friction, feet and floor", 1.0)
     timestep: float = setting(Number(0, 0.02, above=True), "of the physics [s]", 0.0005)
     servo_stiffness: float | None = setting(

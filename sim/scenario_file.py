@@ -65,13 +65,25 @@ def parse_override(text: str) -> tuple[str, object]:
     return key, table["value"] if len(table) == 1 else value
 
 
+def to_table(scenario: Scenario) -> dict[str, Any]:
+    """The scenario as a table of plain values, as a file would give it."""
+    values = {item.name: getattr(scenario, item.name) for item in settings()}
+    said = {key: value for key, value in values.items() if value is not None}
+    return {**said, "path": nominal.encode(scenario.path)}
+
+
 def dumps(scenario: Scenario) -> str:
     """The scenario as TOML, each setting with its meaning; None is left out."""
-    lines = [_setting_line(scenario, item) for item in settings()]
+    table = to_table(scenario)
+    path = table.pop("path")
+    about = {item.name: item.metadata["about"] for item in settings()}
+    lines = [
+        f"{f'{key} = {_toml(value)}':30}  # {about[key]}"
+        for key, value in table.items()
+    ]
     lines += ["", "[path]"]
-    path = nominal.encode(scenario.path)
     lines += [f"{key} = {_toml(value)}" for key, value in path.items()]
-    return "\n".join(line for line in lines if line is not None) + "\n"
+    return "\n".join(lines) + "\n"
 
 
 def _find(source: str) -> Path:
@@ -132,13 +144,6 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
 
 def _keys() -> tuple[str, ...]:
     return (*(item.name for item in settings()), "path")
-
-
-def _setting_line(scenario: Scenario, item: Any) -> str | None:
-    value = getattr(scenario, item.name)
-    if value is None:
-        return None
-    return f"{item.name} = {_toml(value)}".ljust(30) + f"  # {item.metadata['about']}"
 
 
 def _toml(value: object) -> str:

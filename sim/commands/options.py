@@ -1,0 +1,63 @@
+"""Options that `run` and `plan` share, and the scenario they add up to."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.errors import UsageError
+
+if TYPE_CHECKING:
+    from sim.scenario import Scenario
+
+NAMED = ("robot", "fields", "segments", "replan", "steer")  # also keys of a scenario
+
+
+def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what decides a scenario: its name or file, and what to replace in it."""
+    parser.add_argument(
+        "scenario", metavar="SCENARIO", help="a shipped scenario, or a TOML file"
+    )
+    parser.add_argument("--robot", metavar="NAME|FILE.xml", help="robot to walk")
+    parser.add_argument("--fields", help="fields to steer with, lifted or paper")
+    parser.add_argument("--segments", type=int, metavar="N", help="pieces of the path")
+    parser.add_argument(
+        "--replan",
+        action="store_true",
+        default=None,
+        help="plan each segment from the pose reached",
+    )
+    parser.add_argument("--steer", help="prediction to steer on: ideal")
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="replace any key of the scenario file; may be repeated",
+    )
+
+
+def scenario_of(options: argparse.Namespace) -> Scenario:
+    """The scenario that the command line asks for.
+
+    Raises:
+        UsageError: If it cannot be read, or an option contradicts `--set`.
+    """
+    from sim.scenario_file import load, parse_override
+
+    overrides = dict(parse_override(text) for text in options.set)
+    for key in NAMED:
+        value = getattr(options, key)
+        if value is None:
+            continue
+        if key in overrides:
+            where = f"--{key} and --set {key}"
+            raise UsageError(f"{key} is given twice", where, "keep one of them")
+        overrides[key] = value
+    return load(options.scenario, overrides)
+
+
+def folder_of(options: argparse.Namespace) -> Path | None:
+    """The folder `--out` names, None if it is left to be numbered."""
+    return None if options.out is None else Path(options.out)

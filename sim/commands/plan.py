@@ -1,0 +1,136 @@
+"""`stratawalk plan`: the plan on the exact kinematics, without physics."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from sim.commands.options import add_scenario_arguments, scenario_of
+
+if TYPE_CHECKING:
+    from planner.flows import Flow
+    from sim.setup import Setup
+
+HELP = "plan a scenario and play it on the exact kinematics, without physics"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_scenario_arguments(parser)
+    parser.add_argument("--flows", action="store_true", help="print every flow as well")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Plan the scenario and print what the plan does."""
+    scenario = scenario_of(options)
+
+    from sim.setup import prepare  # the slow part; a refused scenario does not wait
+
+    began = time.perf_counter()
+    setup = prepare(scenario)
+    compiled = time.perf_counter()
+    flows = _replanned(setup) if scenario.replan else _open_loop(setup)
+    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
+    facts = summarise(setup, flows) | {"timing": timing}
+    if options.json:
+        print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
+        return
+    if options.flows:
+        print(*flows, "", sep="\n")
+    print(_describe(facts))
+
+
+def _open_loop(setup: Setup) -> Sequence[Flow]:
+    from planner.plan import plan
+
+    path, segments = setup.nominal(), setup.scenario.segments
+    limits = setup.swing_limits
+    return plan(
+        setup.extended, path, segments, stance=setup.stance, limits=limits
+    ).flows
+
+
+def _replanned(setup: Setup) -> Sequence[Flow]:
+    """Each segment planned from the state that the exact kinematics reached."""
+    from planner.paths import line
+    from planner.plan import plan
+    from planner.rollout import rollout
+
+    nominal, segments = setup.nominal(), setup.scenario.segments
+    state = nominal(0.0)
+    flows: list[Flow] = []
+    for k in range(1, segments + 1):
+        step = plan(
+            setup.extended,
+            line(state, nominal(k / segments)),
+            1,
+            stance=setup.stance,
+            limits=setup.swing_limits,
+        )
+        state = rollout(step)[-1]
+        flows += step.flows
+    return flows
+
+
+def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
+    """What flows do on the exact kinematics, in the words of summary.json."""
+    from planner.flows import contact_switches
+    from planner.rollout import play
+
+    scenario, system = setup.scenario, setup.equations.system
+    states = play(system, flows, setup.nominal()(0.0))
+    pose, goal = states[-1, :3], scenario.path.goal
+    return {
+        "scenario": scenario.name,
+        "robot": setup.robot.name,
+        "fields": scenario.fields,
+        "stance": setup.stance,
+        "segments": scenario.segments,
+        "replan": scenario.replan,
+        "goal": goal,
+        "path_length": scenario.path.length,
+        "pose": pose.tolist(),
+        "error": {
+            "position": math.dist(pose[:2], goal[:2]),
+            "yaw": abs(float(pose[2]) - goal[2]),
+        },
+        "contact_switches": contact_switches(system, flows),
+        "largest_swing": float(abs(states[:, 3 : 3 + len(setup.robot.groups)]).max()),
+        **_travel(setup, flows),
+    }
+
+
+def _travel(setup: Setup, flows: Sequence[Flow]) -> dict[str, float]:
+    """Way of the loaded and the lifted groups' angles, and of the body on them."""
+    groups, twists = setup.robot.groups, setup.equations.twists
+    travel = {"swing_travel": 0.0, "air_travel": 0.0, "distance_walked": 0.0}
+    for flow in flows:
+        group = groups[setup.equations.swings[flow.field]]
+        loaded = group in flow.stratum
+        travel["swing_travel" if loaded else "air_travel"] += abs(flow.duration)
+        if loaded:
+            stride = math.hypot(*twists[group][:2])
+            travel["distance_walked"] += stride * abs(flow.duration)
+    return travel
+
+
+def _describe(facts: Mapping[str, Any]) -> str:
+    x, y, yaw = facts["pose"]
+    error, timing = facts["error"], facts["timing"]
+    return "\n".join(
+        [
+            f"{facts['scenario']}: {facts['robot']}, {facts['fields']} fields, "
+            f"{facts['stance']} stance, {facts['segments']} segments, "
+            f"{facts['contact_switches']} contact switches",
+            f"{'walks':10}{facts['distance_walked']:.3f} m for a path of "
+            f"{facts['path_length']:.3f} m, legs to {facts['largest_swing']:.3f} rad",
+            f"{'ends at':10}x {x:.4f} m, y {y:.4f} m, yaw {yaw:.4f} rad",
+            f"{'off goal':10}{1e3 * error['position']:.2f} mm, {error['yaw']:.4f} rad",
+            f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "
+            f"{1e3 * timing['compile']:.0f} ms to load and compile",
+        ]
+    )
