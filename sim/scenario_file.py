@@ -102,7 +102,7 @@ def _find(source: str) -> Path:
 
 
 def _known(source: str) -> str:
-    return f"{nearest(source, shipped())} or give the path of a TOML file"
+    return f"{nearest(source, shipped())}; or give the path of a TOML file"
 
 
 def _read(path: Path) -> dict[str, Any]:

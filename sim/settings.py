@@ -141,9 +141,7 @@ def setting(kind: Kind, about: str, default: object = MISSING) -> Any:
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """The remedy for an unknown word: the nearest known one, or all of them."""
+    """The remedy for an unknown word: the nearest known one, and all of them."""
     names = list(known)
-    close = difflib.get_close_matches(word, names, n=1)
-    if close:
-        return f"did you mean {close[0]!r}?"
-    return f"known are {', '.join(names)}"
+    closest = difflib.get_close_matches(word, names, n=1, cutoff=0.0)[0]
+    return f"did you mean {closest!r}? known are {', '.join(names)}"
