@@ -77,8 +77,8 @@ def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
     path = _follow(field, np.asarray(x, dtype=float), duration, HALVINGS)
     if path is None:
         raise ConvergenceError(
-            f"flow for {duration:.6g} from {point(x)} does not converge; it escapes or is "
-            "not smooth, so make it shorter"
+            f"flow for {duration:.6g} from {point(x)} does not converge; it "
+            "escapes or is not smooth: make it shorter"
         )
     return path
 
@@ -114,7 +114,7 @@ def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array
 
 
 def resample(path: Array, samples: int) -> Array:
-    """States at equal times along a flow that `follow` gave, its end last, start left out."""
+    """States at equal times along what `follow` gave, without the start."""
     series = collocation(len(path)).coefficients @ path
     times = np.linspace(-1.0, 1.0, samples + 1)[1:]
     return np.concatenate([chebyshev.chebval(times[:-1], series).T, path[-1:]])
@@ -126,7 +126,7 @@ def _halves(first: Array, second: Array) -> Array:
 
     def at(values: Array, nodes: Array) -> Array:
         series = rule.coefficients @ values
-        return np.asarray(chebyshev.chebval(2 * nodes - 1, series).T)
+        return chebyshev.chebval(2 * nodes - 1, series).T
 
     early = rule.nodes <= 0.5
     halves = at(first, 2 * rule.nodes[early]), at(second, 2 * rule.nodes[~early] - 1)

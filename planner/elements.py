@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
-from typing import TypeVar, Union
+from typing import Any
 
 from planner.fields import VectorField, lie_bracket
 from planner.strata import StratifiedSystem, unknown
 
-Tree = Union[str, tuple["Tree", "Tree"]]
-T = TypeVar("T")
+Tree = Any  # a field's name, or a pair of trees
 
 TOKEN = re.compile(r"\s*([\[\],]|\w+)")
 

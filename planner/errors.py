@@ -33,8 +33,8 @@ class RankError(PlannerError):
     def __init__(self, configuration: Iterable[float], rank: int, needed: int) -> None:
         self.rank, self.needed = rank, needed
         super().__init__(
-            f"the extended system has rank {rank} of {needed} at {point(configuration)} "
-            "(Def. 3); add fields or brackets, or keep the path away from there"
+            f"the extended system has rank {rank} of {needed} at "
+            f"{point(configuration)} (Def. 3); add fields or brackets, or keep the path away from there"
         )
 
 
@@ -56,8 +56,8 @@ class RangeError(PlannerError):
             else "no number of segments would do; widen the range or shorten the path"
         )
         super().__init__(
-            f"{name} would reach {reached:.4g}, outside its range {low:.4g} to {high:.4g}; "
-            f"{way_out}"
+            f"{name} would reach {reached:.4g}, outside its range {low:.4g} to "
+            f"{high:.4g}; {way_out}"
         )
 
     def with_segments(self, segments: int | None) -> RangeError:
@@ -71,3 +71,14 @@ class StratumError(PlannerError):
 
 class ConvergenceError(PlannerError):
     """A flow, or a series of shots, that does not converge."""
+
+
+class DecouplingError(PlannerError):
+    """A lift that does not commute with a field used while the foot is up (eq. 13)."""
+
+    def __init__(self, lift: str, field: str) -> None:
+        self.lift, self.field = lift, field
+        super().__init__(
+            f"[{lift},{field}] does not vanish, so lifting changes what {field} does "
+            "(eq. 13); make the field independent of foot height (Assumption 2)"
+        )

@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.elements import Tree, column, leaves, name_of, parse
+from planner.elements import column, leaves, name_of, parse
 from planner.errors import PlannerError, RankError, point
 from planner.fields import Array, CompiledFields, compile_fields, vanishing
 from planner.flows import Flow
@@ -21,9 +21,10 @@ from planner.grouping import Grouper
 from planner.shape import Shape
 from planner.steering import Order, Steering, steering
 from planner.strata import StratifiedSystem
+from planner.tangency import on_bottom
 
 CONDITION = 1e9  # of B(x) beyond which its rank counts as lost
-UNREACHED = 1e-9  # relative part of a velocity that the elements may fail to give
+UNREACHED = 1e-6  # relative part of a velocity that the elements may fail to give
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,12 +80,9 @@ class ExtendedSystem:
     @cached_property
     def _moving(self) -> Array:
         """Coordinates that some element moves."""
-        varying = {i for i, _ in self.columns.varying}
-        numeric = bool(self.columns.numeric)
-        constant = self.columns.constant.any(axis=1)
-        return np.array(
-            [i for i, c in enumerate(constant) if c or numeric or i in varying]
-        )
+        moving = (self.columns.constant != 0).any(axis=1) | bool(self.columns.numeric)
+        moving[[i for i, _ in self.columns.varying]] = True
+        return np.flatnonzero(moving)
 
     def words(
         self, hall_coordinates: Array, orders: Sequence[Order]
@@ -112,15 +110,13 @@ class ExtendedSystem:
             raise RankError(x[worst], int(rank[worst]), needed)
         scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
         parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
-        return np.asarray(
-            (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
-        )
+        return (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
 
     def _require_reached(
         self, matrix: Array, inputs: Array, velocity: Array, x: Array
     ) -> None:
         missed = np.abs((matrix @ inputs[..., None])[..., 0] - velocity)
-        allowed = UNREACHED * (1.0 + np.abs(velocity).max(axis=-1, keepdims=True))
+        allowed = UNREACHED * np.abs(velocity).max(axis=-1, keepdims=True) + 1e-12
         if (missed > allowed).any():
             *where, i = np.unravel_index((missed - allowed).argmax(), missed.shape)
             raise PlannerError(
@@ -135,27 +131,27 @@ def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
 
     Args:
         system: System whose fields the elements are made of.
-        elements: Names as in `planner.elements`; brackets are Hall elements in the order
-            in which their fields first appear.
+        elements: Names as in `planner.elements`; brackets are Hall elements in the
+            order in which their fields first appear. A field that leaves the bottom
+            stratum is replaced by its tangent part, `planner.tangency`.
 
     Raises:
         ValueError: An element is unknown, repeated or no Hall element.
-        PlannerError: A bracket vanishes everywhere.
+        PlannerError: An element vanishes everywhere, leaves the bottom stratum for good,
+            or does not commute with the lifts it needs (eq. 13).
     """
+    if isinstance(elements, str):
+        raise ValueError(f"elements is the text {elements!r}; give a sequence of names")
     trees = [parse(text, system) for text in elements]
+    system, trees = on_bottom(system, trees)
     names = tuple(map(name_of, trees))
     _require_distinct(names)
     columns = [column(tree, system) for tree in trees]
-    for name, tree, zero in zip(
-        names, trees, vanishing(columns, system.state), strict=True
-    ):
+    zeros = vanishing(columns, system.state)
+    for name, tree, zero in zip(names, trees, zeros, strict=True):
         if zero:
-            reason = (
-                "its fields commute" if len(leaves(tree)) > 1 else "the field is zero"
-            )
-            raise PlannerError(
-                f"element {name} vanishes everywhere ({reason}); leave it out"
-            )
+            reason = "its fields commute" if len(leaves(tree)) > 1 else "it is zero"
+            raise PlannerError(f"element {name} vanishes everywhere: {reason}; drop it")
     compiled = compile_fields(columns, system.state, names)
     return ExtendedSystem(system, names, compiled, steering(system, trees))
 
@@ -171,7 +167,7 @@ def _require_distinct(names: Sequence[str]) -> None:
 
 
 def _inverse(matrix: Array) -> Array | None:
-    """Inverses of square, well-conditioned matrices; None where a look at rank is due."""
+    """Inverses of square, well-conditioned matrices; else None."""
     if matrix.shape[-1] != matrix.shape[-2]:
         return None
     try:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -15,9 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from planner.errors import SingularConfigurationError
 
-Array = NDArray[np.float64]
+Array = NDArray[Any]
 Symbols = tuple[sp.Symbol, ...]
-VectorField = sp.ImmutableMatrix  # (n, 1), or a NumericField
+VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
 
 STEP = 0.02  # of central differences; their sixth-order extrapolation errs by its power
 SAMPLES = 12  # an analytic field that vanishes at so many random points is zero
@@ -81,7 +82,7 @@ class NumericField:
 def central_difference(
     function: Callable[[Array], Array], x: Array, direction: Array, step: float = STEP
 ) -> Array:
-    """Derivative of a function along a direction, by extrapolated central differences."""
+    """Derivative along a direction, by extrapolated central differences."""
     size = float(np.linalg.norm(direction))
     if size == 0.0:
         return np.zeros_like(function(x))
@@ -132,7 +133,7 @@ class CompiledFields:
     numeric: tuple[tuple[int, NumericField], ...]
 
     def __call__(self, x: ArrayLike) -> Array:
-        """The fields as columns, shape (..., n, p), at configurations of shape (..., n).
+        """The fields as columns, shape (..., n, p), at configurations (..., n).
 
         Raises:
             SingularConfigurationError: A field has no finite value somewhere.
@@ -143,6 +144,10 @@ class CompiledFields:
             *where, _, j = np.argwhere(~np.isfinite(columns))[0]
             raise SingularConfigurationError(self.names[j], x[tuple(where)])
         return columns
+
+    def velocity(self, x: Array) -> Array:
+        """The first field at configurations of shape (..., n), same shape."""
+        return self(x)[..., 0]
 
     def values(self, x: Array) -> Array:
         """The same without the check: not finite where a field is singular."""
@@ -170,7 +175,9 @@ def compile_fields(
     """
     rows = next((len(f) for f in fields if not isinstance(f, NumericField)), len(state))
     constant = np.zeros((rows, len(fields)))
-    varying, expressions, numeric = [], [], []
+    varying: list[tuple[int, int]] = []
+    expressions: list[sp.Expr] = []
+    numeric: list[tuple[int, NumericField]] = []
     for j, field in enumerate(fields):
         if isinstance(field, NumericField):
             numeric.append((j, field))
@@ -190,10 +197,10 @@ def compile_fields(
     )
 
 
-def sample_configurations(size: int) -> Array:
-    """Fixed random configurations, shape (SAMPLES, size), the later half positive."""
-    points = np.random.default_rng(0).uniform(-1.0, 1.0, (SAMPLES, size))
-    points[SAMPLES // 2 :] = np.abs(points[SAMPLES // 2 :]) + 0.1
+def sample_configurations(size: int, count: int = SAMPLES) -> Array:
+    """Fixed random configurations, shape (count, size), the later half positive."""
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (count, size))
+    points[count // 2 :] = np.abs(points[count // 2 :]) + 0.1
     return points
 
 

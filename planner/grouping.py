@@ -147,7 +147,7 @@ def regroup(
 
 
 def _joined(grouper: Grouper, flows: Iterable[Flow]) -> list[Flow]:
-    """Join flows of one field that nothing but commuting flows of the visit keep apart."""
+    """Join flows of one field of a visit that only commuting flows keep apart."""
     joined: list[Flow] = []
     for flow in flows:
         for i in range(len(joined) - 1, -1, -1):

@@ -1,6 +1,6 @@
 """The set where given functions vanish, such as a stratum where feet have height zero.
 
-Answers which configurations lie on it and how fast a field leaves it (Sec. 3, Sec. 5.1).
+Answers which configurations lie on it and how fast a field leaves it (Sec. 5.1).
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ class LevelSet:
             if rates.is_zero_matrix:
                 return np.zeros((1, len(self.functions)))
             return _stack(rates, self.state)(self.points)[..., 0]
-        slopes = np.swapaxes(self._gradients.values(self.points), -1, -2)
+        slopes = np.swapaxes(self.gradients(self.points), -1, -2)
         velocities = compile_fields([field], self.state).values(self.points)
-        return np.asarray((slopes @ velocities)[..., 0])
+        return (slopes @ velocities)[..., 0]
 
     @cached_property
     def points(self) -> Array:
@@ -71,7 +71,7 @@ class LevelSet:
         if not found:
             raise ValueError(f"found no configuration where {listed} vanish together")
         for x in found:
-            if np.linalg.matrix_rank(self._gradients.values(x), tol=1e-9) < len(
+            if np.linalg.matrix_rank(self.gradients(x), tol=1e-9) < len(
                 self.functions
             ):
                 raise ValueError(
@@ -80,8 +80,12 @@ class LevelSet:
         return np.array(found)
 
     def value(self, x: Array) -> Array:
-        """The functions at configurations of shape (..., n), shape (..., codimension)."""
+        """The functions at configurations (..., n), shape (..., codimension)."""
         return self._values.values(x)[..., 0]
+
+    def gradients(self, x: Array) -> Array:
+        """Gradients at configurations (..., n), shape (..., n, codimension)."""
+        return self._gradients.values(x)
 
     @cached_property
     def _values(self) -> CompiledFields:
@@ -98,7 +102,7 @@ class LevelSet:
                 break
             if np.abs(residual).max() < 1e-12:
                 return x
-            x = x - np.linalg.pinv(self._gradients.values(x).T) @ residual
+            x = x - np.linalg.pinv(self.gradients(x).T) @ residual
         return np.empty(0)
 
 

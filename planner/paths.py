@@ -28,11 +28,11 @@ class Path:
 
     def __call__(self, s: float) -> Array:
         """The configuration at one parameter, shape (n,)."""
-        return np.asarray(self.at(np.array([s], dtype=float))[0])
+        return self.at(np.array([s], dtype=float))[0]
 
 
 def line(start: ArrayLike, goal: ArrayLike) -> Path:
-    """The straight line between two configurations, Fig. 6 and, with heading, Fig. 8."""
+    """The straight line between two configurations (Figs. 6 and 8)."""
     return waypoints([start, goal])
 
 
@@ -57,7 +57,7 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
     def at(s: Array) -> Array:
         k = np.clip(np.searchsorted(where, s, side="right") - 1, 0, len(where) - 2)
         part = (s - where[k]) / (where[k + 1] - where[k])
-        return np.asarray((1 - part)[:, None] * knots[k] + part[:, None] * knots[k + 1])
+        return (1 - part)[:, None] * knots[k] + part[:, None] * knots[k + 1]
 
     return Path(at, tuple(float(s) for s in where[1:-1]))
 
@@ -107,7 +107,7 @@ def grid(path: Path, segments: int) -> Array:
         if k not in taken and k < segments:
             parameters[k] = corner
             taken.add(k)
-    return np.asarray(np.maximum.accumulate(parameters))
+    return np.maximum.accumulate(parameters)
 
 
 def _configurations(points: Sequence[ArrayLike], least: int = 2) -> Array:

@@ -2,34 +2,22 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.collocation import collocation
 from planner.errors import RangeError
+from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.fields import Array
 from planner.flows import Flow, contact_switches, visits
-from planner.grouping import regroup
-from planner.paths import Path, as_path, grid
-from planner.shape import Limits, Shape
-from planner.stance import centred
-from planner.steering import Order
+from planner.nominal import default_nodes, fictitious_inputs, sample
+from planner.paths import Path, as_path
+from planner.shape import Limits
 from planner.strata import StratifiedSystem
 
-Stance = Literal["paper", "centred"]
-Coordinates = Literal["backward", "forward", "fewest"]
-
-ORDERS: dict[Coordinates, tuple[Order, ...]] = {
-    "backward": ("backward",),
-    "forward": ("forward",),
-    "fewest": ("backward", "forward"),
-}
 MOST_SEGMENTS = 100_000  # tried when a plan's range asks for more segments
 
 
@@ -45,9 +33,11 @@ class Plan:
         segment_ends: For each segment the number of flows up to its end.
         inputs: Fictitious inputs at nodes of segments of unit duration, shape
             (segments, nodes, p).
-        hall_coordinates: Backward Hall coordinates of each segment, shape (segments, s).
+        hall_coordinates: Backward coordinates of each segment, shape (segments, s).
         start: Configuration that the plan starts from, shape (n,).
         goal: Configuration that the path ends in, shape (n,).
+        depart: Stratum at rest before the first flow.
+        arrive: Stratum at rest after the last one.
     """
 
     system: StratifiedSystem
@@ -59,11 +49,13 @@ class Plan:
     hall_coordinates: Array
     start: Array
     goal: Array
+    depart: str
+    arrive: str
 
     @property
     def contact_switches(self) -> int:
         """Commanded lifts plus landings."""
-        return contact_switches(self.system, self.flows)
+        return contact_switches(self.system, self.flows, self.depart, self.arrive)
 
     def segments(self) -> Iterator[tuple[Flow, ...]]:
         """The flows of each segment."""
@@ -75,7 +67,8 @@ class Plan:
     def __str__(self) -> str:
         lines = [
             f"{len(self.segment_ends)} segments, {len(self.flows)} flows, "
-            f"{self.contact_switches} contact switches; elements {', '.join(self.elements)}"
+            f"{self.contact_switches} contact switches; "
+            f"elements {', '.join(self.elements)}"
         ]
         for k, flows in enumerate(self.segments(), start=1):
             stays = (
@@ -97,147 +90,125 @@ def plan(
     limits: Limits | None = None,
     coordinates: Coordinates = "fewest",
     finish: bool = True,
+    depart: str = "",
+    arrive: str = "",
     nodes: int | None = None,
 ) -> Plan:
     """Plan flows along a path, open loop (Sec. 5.2).
 
     Args:
         system: System to steer; compiled by `extend` beforehand where speed matters.
-        path: Configurations for s in [0, 1] over the whole state, on the bottom stratum.
+        path: Configurations on the bottom stratum for s in [0, 1].
         segments: Number of pieces that the path is cut into, each planned by itself.
         elements: Fields and brackets of the extended system; not with a compiled one.
-        stance: `paper` keeps the printed order, `centred` puts every sweep under load
-            around shape zero by swings in the air.
+        stance: As in `planner.execution.Execution`, like the next five.
         limits: Lowest and highest value of shape coordinates by name.
-        coordinates: Hall coordinates that the flows follow; `fewest` takes for each
-            segment those that switch contacts least.
-        finish: Whether a centred plan ends by bringing the legs to the goal's shape.
+        coordinates: Hall coordinates to follow.
+        finish: Whether a centred plan ends in the goal's shape.
+        depart: Stratum at rest before the plan.
+        arrive: Stratum at rest after it.
         nodes: Points at which a segment of the path is sampled; more for long segments
             if not given.
 
     Raises:
-        ValueError: An argument is out of range or misshapen, or the path is not finite.
-        PlannerError: The elements do not reach the path's velocity, or lose rank on it.
+        ValueError: An argument is out of range or misshapen, or the path is not finite
+            or not on the bottom stratum.
+        PlannerError: The elements lose rank on the path, or do not reach its velocity.
         RangeError: The plan leaves the limits; it says how many segments would do.
     """
     extended = _extended(system, elements)
     if segments < 1:
         raise ValueError(f"segments is {segments}; at least 1 is needed")
-    planner = _Planner(
-        extended, as_path(path), stance, limits or {}, coordinates, finish
+    execution = Execution(
+        stance=stance,
+        coordinates=coordinates,
+        limits=limits or {},
+        finish=finish,
+        depart=depart,
+        arrive=arrive,
     )
+    nominal = as_path(path)
     try:
-        return planner.plan(segments, nodes)
+        return follow_path(extended, nominal, segments, execution, nodes)
     except RangeError as error:
-        raise error.with_segments(planner.enough(segments)) from None
+        enough = _enough(extended, nominal, segments, execution)
+        raise error.with_segments(enough) from None
 
 
-@dataclass(frozen=True, eq=False)
-class _Planner:
-    """What stays the same when the number of segments changes."""
+def follow_path(
+    extended: ExtendedSystem,
+    path: Path,
+    segments: int,
+    execution: Execution,
+    nodes: int | None = None,
+) -> Plan:
+    """The five steps of Sec. 5.2 for one number of segments.
 
-    extended: ExtendedSystem
-    path: Path
-    stance: Stance
-    limits: Limits
-    coordinates: Coordinates
-    finish: bool
+    Raises:
+        RangeError: The plan leaves the limits; how many segments would do is not tried.
+    """
+    nodes = nodes or default_nodes(segments)
+    samples = sample(path, extended.system, segments, nodes)
+    inputs = fictitious_inputs(extended, samples)
+    hall_coordinates = extended.steering.hall_coordinates(inputs)
+    ends = samples[0, 0], samples[-1, -1]
+    return assemble(extended, inputs, hall_coordinates, ends, execution)
 
-    def plan(self, segments: int, nodes: int | None = None) -> Plan:
-        """The five steps, then the order of flows."""
-        samples = sample(
-            self.path, self.extended.system, segments, nodes or default_nodes(segments)
-        )
-        inputs = fictitious_inputs(self.extended, samples)
-        hall_coordinates = self.extended.steering.hall_coordinates(inputs)
-        start, goal = samples[0, 0], samples[-1, -1]
-        ordered = self._order(hall_coordinates, start, goal)
-        flows = tuple(flow for segment in ordered for flow in segment)
-        self.extended.shape.require_within(self.limits, flows, start)
-        return Plan(
-            self.extended.system,
-            self.extended.elements,
-            self.extended.steering.basis,
-            flows,
-            tuple(np.cumsum([len(segment) for segment in ordered]).tolist()),
-            inputs,
-            hall_coordinates,
-            start,
-            goal,
-        )
 
-    def _order(
-        self, hall_coordinates: Array, start: Array, goal: Array
-    ) -> list[list[Flow]]:
-        bottom = self.extended.system.bottom
-        words = self.extended.words(hall_coordinates, ORDERS[self.coordinates])
-        ordered = regroup(self.extended.grouper, words, bottom, bottom)
-        if self.stance == "paper":
-            return ordered
-        last = goal if self.finish else None
-        return centred(self.extended.shape, ordered, start, last, (bottom, bottom))
+def assemble(
+    extended: ExtendedSystem,
+    inputs: Array,
+    hall_coordinates: Array,
+    ends: tuple[Array, Array],
+    execution: Execution,
+) -> Plan:
+    """The plan that carries out given Hall coordinates.
 
-    def enough(self, segments: int) -> int | None:
-        """The smallest number of segments found that keeps the limits."""
-        low, high = segments, 2 * segments
-        while not self._fits(high):
-            low, high = high, 2 * high
-            if high > MOST_SEGMENTS:
-                return None
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (low, middle) if self._fits(middle) else (middle, high)
-        return high
+    Args:
+        extended: System that they are of.
+        inputs: Fictitious inputs behind them, shape (segments, nodes, p).
+        hall_coordinates: Backward coordinates, shape (segments, s).
+        ends: Start and goal, of shape (n,) each.
+        execution: How to carry them out.
+    """
+    start, goal = ends
+    ordered = execution.flows(extended, hall_coordinates, start, goal)
+    return Plan(
+        system=extended.system,
+        elements=extended.elements,
+        basis=extended.steering.basis,
+        flows=tuple(flow for flows in ordered for flow in flows),
+        segment_ends=tuple(np.cumsum([len(flows) for flows in ordered]).tolist()),
+        inputs=inputs,
+        hall_coordinates=hall_coordinates,
+        start=start,
+        goal=goal,
+        depart=execution.depart or extended.system.bottom,
+        arrive=execution.arrive or extended.system.bottom,
+    )
 
-    def _fits(self, segments: int) -> bool:
+
+def _enough(
+    extended: ExtendedSystem, path: Path, segments: int, execution: Execution
+) -> int | None:
+    """The smallest number of segments found that keeps the limits."""
+
+    def fits(segments: int) -> bool:
         try:
-            self.plan(segments)
+            follow_path(extended, path, segments, execution)
         except RangeError:
             return False
         return True
 
-
-def default_nodes(segments: int) -> int:
-    """Nodes a segment that follow a smooth closed path to rounding, however it is cut."""
-    return max(5, 1 + math.ceil(40 / segments))
-
-
-def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> Array:
-    """Configurations at the nodes of each segment, shape (segments, nodes, n).
-
-    Raises:
-        ValueError: The path's shape does not match the state, or it is not finite.
-    """
-    cuts = grid(path, segments)
-    inner = cuts[:-1, None] + np.diff(cuts)[:, None] * collocation(nodes).nodes[:-1]
-    parameters = np.append(inner.ravel(), 1.0)
-    values = path.at(parameters)
-    if values.shape != (parameters.size, system.dimension):
-        raise ValueError(
-            f"path returns shape {values.shape[1:]}, expected ({system.dimension},): "
-            f"{', '.join(map(str, system.state))}"
-        )
-    if not np.isfinite(values).all():
-        s = parameters[~np.isfinite(values).all(axis=1)][0]
-        raise ValueError(f"path is not finite at s = {s:.6g}")
-    starts = values[:-1].reshape(segments, nodes - 1, -1)
-    ends = values[nodes - 1 :: nodes - 1, None]
-    return np.concatenate([starts, ends], axis=1)
-
-
-def fictitious_inputs(extended: ExtendedSystem, samples: Array) -> Array:
-    """Inputs that follow sampled segments in unit time each, zero where nothing moves.
-
-    The path is differentiated as the polynomial through its samples, so that the
-    integral of its velocity meets the segment's end exactly.
-    """
-    segments, nodes, _ = samples.shape
-    inputs = np.zeros((segments, nodes, len(extended.elements)))
-    moving = np.ptp(samples, axis=1).any(axis=1)
-    if moving.any():
-        velocity = collocation(nodes).derivative @ samples[moving]
-        inputs[moving] = extended.fictitious_inputs(samples[moving], velocity)
-    return inputs
+    low, high = segments, 2 * segments
+    while not fits(high):
+        low, high = high, 2 * high
+        if high > MOST_SEGMENTS:
+            return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (low, middle) if fits(middle) else (middle, high)
+    return high
 
 
 def _extended(
@@ -249,6 +220,6 @@ def _extended(
         return system
     if elements is None:
         raise ValueError(
-            "elements are missing; name fields that span the bottom stratum"
+            "elements are missing: name fields that span the bottom stratum"
         )
     return extend(system, elements)

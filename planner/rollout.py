@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner.collocation import follow, resample
-from planner.fields import Array, compile_fields
+from planner.fields import Array, CompiledFields, compile_fields
 from planner.flows import Flow
 from planner.plan import Plan
-from planner.strata import StratifiedSystem
+from planner.strata import StratifiedSystem, unknown
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:
@@ -37,18 +37,13 @@ def play(
     """
     if samples < 1:
         raise ValueError(f"samples is {samples}; at least 1 is needed")
-    fields = {}
+    fields: dict[str, CompiledFields] = {}
     for name in dict.fromkeys(flow.field for flow in flows):
         if name not in system.fields:
-            raise ValueError(f"field {name} of a flow is not in the system")
-        fields[name] = compile_fields(
-            [system.fields[name]], system.state, [f"field {name}"]
-        )
+            raise ValueError(f"field {name} of a flow {unknown(name, system.fields)}")
+        fields[name] = compile_fields([system.fields[name]], system.state, [name])
     states = [np.asarray(start, dtype=float)]
     for flow in flows:
-        field = fields[flow.field]
-        path = follow(
-            lambda x, field=field: field(x)[..., 0], states[-1], flow.duration
-        )
+        path = follow(fields[flow.field].velocity, states[-1], flow.duration)
         states += list(path[-1:] if samples == 1 else resample(path, samples))
     return np.array(states)

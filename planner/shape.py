@@ -1,6 +1,6 @@
-"""Shape coordinates: those that every field moves at a constant rate, such as leg angles.
+"""Shape coordinates: those that every field moves at a constant rate.
 
-Their course along a plan is a running sum, so ranges are checked and sweeps are centred
+Such are the angles of legs. Their course along a plan is a running sum, so ranges are checked and sweeps are centred
 without integrating anything.
 """
 
@@ -73,7 +73,7 @@ class Shape:
     def course(self, coordinate: int, flows: Iterable[Flow], start: float) -> Array:
         """Values of one shape coordinate before, between and after flows."""
         steps = [self.rates[flow.field][coordinate] * flow.duration for flow in flows]
-        return np.asarray(np.cumsum([start, *steps]))
+        return np.cumsum([start, *steps])
 
     def require_within(
         self, limits: Limits, flows: Iterable[Flow], start: Array

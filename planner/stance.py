@@ -3,7 +3,7 @@
 A field that moves one shape coordinate alone, on which no field depends, commutes with
 everything: a leg in the air may be put anywhere. A plan's own air swings are dropped;
 before each visit that sweeps a leg under load, the leg is put where the sweep will lie
-around zero. The body's motion is the same, the legs stay near the middle of their range.
+around zero. The body moves as before, the legs stay near the middle of their range.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def centred(
         shape: Shape coordinates of the system.
         segments: Flows of each segment, grouped by stratum.
         start: Configuration before the first flow, shape (n,).
-        goal: Configuration whose shape to return to; None leaves the legs where they are.
+        goal: Configuration whose shape to return to; None lets the legs be.
         ends: Strata at rest before the first flow and after the last one.
     """
     visits = list(_visits(shape, segments))

@@ -179,8 +179,8 @@ def _index(tree: Tree, coordinates: Sequence[str]) -> int:
         f"write {turned}" if turned in coordinates else "choose among the Hall basis"
     )
     raise ValueError(
-        f"element {name} is not in the Hall basis over the fields in order of appearance; "
-        f"{way_out}"
+        f"element {name} is not in the Hall basis over the fields in order of "
+        f"appearance; {way_out}"
     )
 
 

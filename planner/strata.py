@@ -86,7 +86,7 @@ class StratifiedSystem:
 
     @cached_property
     def contacts(self) -> dict[str, frozenset[str]]:
-        """Contacts of each stratum: its level sets, or else the characters of its name."""
+        """Contacts of each stratum: its level sets, or else its name's characters."""
         if self.level_sets:
             return {
                 s: frozenset(map(str, self.level_sets.get(s, ()))) for s in self.strata
@@ -122,7 +122,7 @@ class StratifiedSystem:
         }
 
     def route(self, start: str, goal: str) -> tuple[str, ...]:
-        """The shortest walk between strata, both included; feet land before others lift.
+        """The shortest walk between strata; feet land before others lift.
 
         Raises:
             StratumError: A stratum is unknown, or the graph does not join the two.
@@ -138,7 +138,7 @@ class StratifiedSystem:
         return self.walks[start][goal]
 
     def switches(self, start: str, goal: str) -> int:
-        """Contact events, lifts plus landings, on the way from one stratum to another."""
+        """Contact events, lifts plus landings, from one stratum to another."""
         route = self.route(start, goal)
         return sum(len(self.contacts[a] ^ self.contacts[b]) for a, b in steps(route))
 
@@ -155,8 +155,8 @@ class StratifiedSystem:
                 where, which = divmod(int(rates.argmax()), rates.shape[1])
                 raise ValueError(
                     f"field {name} leaves its stratum S{stratum}: it changes "
-                    f"{level_set.functions[which]} at {point(level_set.points[where])}; "
-                    "a field that lifts a foot belongs to the stratum it leads to"
+                    f"{level_set.functions[which]} at "
+                    f"{point(level_set.points[where])}; a field that lifts a foot belongs to the stratum it leads to"
                 )
 
 
@@ -218,7 +218,7 @@ def unknown(name: str, known: Iterable[str]) -> str:
 def _walks(
     start: str, neighbours: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[str, ...]]:
-    walks = {start: (start,)}
+    walks: dict[str, tuple[str, ...]] = {start: (start,)}
     queue = deque([start])
     while queue:
         here = queue.popleft()

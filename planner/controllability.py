@@ -1,0 +1,276 @@
+"""Gait controllability (Sec. 4): can a gait reach every direction of its bottom stratum?
+
+Two tests, both pointwise. The filtration is the paper's: distributions closed stratum
+by stratum, summed on the way up and cut down to tangent spaces on the way down. It never
+brackets fields of different strata, so it is sufficient only. The closure brackets all
+fields of the gait's strata that are tangent to the bottom stratum, as the extended
+system of Def. 3 may.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.closure import LieAlgebra, lie_algebra
+from planner.errors import point
+from planner.fields import Array
+from planner.level_sets import LevelSet
+from planner.strata import Gait, StratifiedSystem, steps
+from planner.tangency import tangent_field
+
+SPANNED = 1e-8  # relative size of a singular value that counts
+OFF_STRATUM = 1e-9  # of the level sets at the configuration
+MAX_DEPTH = 12
+
+
+@dataclass(frozen=True)
+class Controllability:
+    """What the two tests found.
+
+    Attributes:
+        gait: The gait in words.
+        at: Configuration that was looked at.
+        controllable: Whether some test reaches the whole tangent space.
+        conclusive: Whether more depth could not change the answer.
+        rank: The larger of the two dimensions reached.
+        dimension: Dimension of the gait's first stratum.
+        filtration: Dimension that the filtration reaches.
+        closure: Dimension that the closure reaches.
+        decided_by: `filtration`, `closure` or, if neither reaches it, `neither`.
+        depth: Highest degree of brackets that was formed.
+        missing: Directions not reached, in words; empty if controllable.
+        advice: What to add; empty if controllable.
+    """
+
+    gait: str
+    at: tuple[float, ...]
+    controllable: bool
+    conclusive: bool
+    rank: int
+    dimension: int
+    filtration: int
+    closure: int
+    decided_by: str
+    depth: int
+    missing: tuple[str, ...]
+    advice: tuple[str, ...]
+
+    def __str__(self) -> str:
+        tests = (
+            f"filtration {self.filtration}, closure {self.closure} of {self.dimension} "
+            f"with brackets to degree {self.depth}"
+        )
+        if self.controllable:
+            return f"{self.gait} is controllable at {point(self.at)} by {self.decided_by}: {tests}"
+        verdict = "is not" if self.conclusive else "has not been shown to be"
+        return (
+            f"{self.gait} {verdict} controllable at {point(self.at)}: {tests}; no motion "
+            f"along {', '.join(self.missing)}; {'; or '.join(self.advice)}"
+        )
+
+
+def gait_controllability(
+    system: StratifiedSystem,
+    gait: Sequence[str],
+    at: Sequence[float],
+    max_depth: int = MAX_DEPTH,
+) -> Controllability:
+    """Both tests of a gait at a configuration.
+
+    Args:
+        system: System that walks.
+        gait: Strata in order, first and last the same (eq. 11).
+        at: Configuration in the first stratum, shape (n,).
+        max_depth: Highest degree of brackets to form; fewer where a lower one decides.
+
+    Raises:
+        StratumError: The gait is not a closed walk in the graph of strata.
+        ValueError: The configuration is misshapen, or not in the first stratum.
+        SingularConfigurationError: A field is not finite there.
+    """
+    walk = Gait(system, tuple(gait))
+    home = system.level_set(walk.strata[0])
+    x = _configuration(system, home, at)
+    dimension = system.dimension - len(home.functions)
+    algebras = _algebras(system, walk, x, max_depth)
+    filtered = _filtration(system, walk, algebras, x)
+    union = _closure(system, walk.strata, x, max_depth)
+    closed = _column_space(union.at(x))
+    reached = max(filtered, closed, key=lambda space: space.shape[1])
+    controllable = reached.shape[1] == dimension
+    missing = () if controllable else _missing(system, home, reached, x)
+    tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
+    return Controllability(
+        gait=str(walk),
+        at=tuple(x.tolist()),
+        controllable=controllable,
+        conclusive=controllable or union.complete,
+        rank=reached.shape[1],
+        dimension=dimension,
+        **tests,
+        decided_by=next(
+            (t for t, rank in tests.items() if rank == dimension), "neither"
+        ),
+        depth=max(union.depth, *(algebra.depth for algebra in algebras.values())),
+        missing=missing,
+        advice=() if controllable else _advice(system, walk, x, union, missing),
+    )
+
+
+def _configuration(
+    system: StratifiedSystem, home: LevelSet, at: Sequence[float]
+) -> Array:
+    x = np.asarray(at, dtype=float)
+    if x.shape != (system.dimension,):
+        raise ValueError(
+            f"configuration has shape {x.shape}, expected ({system.dimension},): "
+            f"{', '.join(map(str, system.state))}"
+        )
+    if not np.isfinite(x).all():
+        raise ValueError(f"configuration {point(x)} is not finite")
+    if home.functions and (missed := np.abs(home.value(x))).max() > OFF_STRATUM:
+        raise ValueError(
+            f"configuration {point(x)} is not in the gait's first stratum: "
+            f"{home.functions[missed.argmax()]} is not 0 there"
+        )
+    return x
+
+
+def _algebras(
+    system: StratifiedSystem, walk: Gait, x: Array, max_depth: int
+) -> dict[str, LieAlgebra]:
+    """The involutive closure of each stratum's own fields."""
+
+    def closure(stratum: str) -> LieAlgebra:
+        size = system.dimension - len(system.level_set(stratum).functions)
+        return lie_algebra(
+            system.strata[stratum],
+            system.state,
+            max_depth,
+            until=lambda algebra: _column_space(algebra.at(x)).shape[1] == size,
+        )
+
+    return {stratum: closure(stratum) for stratum in dict.fromkeys(walk.strata)}
+
+
+def _filtration(
+    system: StratifiedSystem, walk: Gait, algebras: dict[str, LieAlgebra], x: Array
+) -> Array:
+    """D_{n+1} of Sec. 4 in the numbering of eq. (11), as orthonormal columns."""
+    space = _column_space(algebras[walk.strata[0]].at(x))
+    for before, here in steps(walk.strata):
+        if system.contacts[before] < system.contacts[here]:
+            space = _within_tangent_space(space, system.level_set(here), x)
+        space = _column_space(np.hstack([space, algebras[here].at(x)]))
+    return space
+
+
+def _closure(
+    system: StratifiedSystem, strata: Sequence[str], x: Array, max_depth: int
+) -> LieAlgebra:
+    """The algebra of all fields that are tangent to the first stratum, or made so."""
+    home = strata[0]
+    size = system.dimension - len(system.level_set(home).functions)
+    fields = {
+        name: field
+        for stratum in dict.fromkeys(strata)
+        for name in system.strata[stratum]
+        if (field := tangent_field(system, name, home)) is not None
+    }
+    return lie_algebra(
+        fields,
+        system.state,
+        max_depth,
+        until=lambda algebra: _column_space(algebra.at(x)).shape[1] == size,
+    )
+
+
+def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
+    """The part of a space, given by orthonormal columns, on which all d Phi vanish."""
+    if not level_set.functions:
+        return space
+    slopes = level_set.gradients(x).T @ space  # (codimension, rank)
+    return space @ _null_space(slopes)
+
+
+def _missing(
+    system: StratifiedSystem, home: LevelSet, reached: Array, x: Array
+) -> tuple[str, ...]:
+    """Directions of the tangent space that are orthogonal to what is reached, in words."""
+    rows = [reached.T]
+    if home.functions:
+        rows.append(home.gradients(x).T)
+    return tuple(
+        _in_words(direction, system)
+        for direction in _sparse(_null_space(np.vstack(rows)).T)
+    )
+
+
+def _sparse(rows: Array) -> Array:
+    """Reduced row echelon form: a basis of the same space with many zeros."""
+    rows, done = rows.copy(), 0
+    for column in range(rows.shape[1]):
+        if done == len(rows):
+            break
+        pivot = done + int(np.abs(rows[done:, column]).argmax())
+        if abs(rows[pivot, column]) < SPANNED:
+            continue
+        rows[[done, pivot]] = rows[[pivot, done]]
+        rows[done] /= rows[done, column]
+        others = np.arange(len(rows)) != done
+        rows[others] -= np.outer(rows[others, column], rows[done])
+        done += 1
+    return rows
+
+
+def _in_words(direction: Array, system: StratifiedSystem) -> str:
+    terms = [
+        (value, str(symbol))
+        for value, symbol in zip(direction, system.state, strict=True)
+        if abs(value) > SPANNED
+    ]
+    words = [
+        f"{'+' if v > 0 else '-'} {'' if abs(abs(v) - 1) < SPANNED else f'{abs(v):.3g} '}{s}"
+        for v, s in terms
+    ]
+    return " ".join(words).removeprefix("+ ")
+
+
+def _advice(
+    system: StratifiedSystem,
+    walk: Gait,
+    x: Array,
+    union: LieAlgebra,
+    missing: Sequence[str],
+) -> tuple[str, ...]:
+    """What would help: a further stratum, more depth, or another field."""
+    rank = _column_space(union.at(x)).shape[1]
+    advice = []
+    for stratum in system.strata:
+        if stratum not in walk.strata:
+            wider = _closure(system, (*walk.strata, stratum), x, union.depth)
+            if _column_space(wider.at(x)).shape[1] > rank:
+                advice.append(f"visit S{stratum}")
+    if not union.complete:
+        advice.append(f"form brackets beyond degree {union.depth}")
+    return (*advice, f"give some stratum a field that moves along {missing[0]}")
+
+
+def _column_space(columns: Array) -> Array:
+    """Orthonormal columns that span the same space."""
+    if columns.shape[1] == 0:
+        return columns
+    sizes = np.linalg.norm(columns, axis=0)
+    left, singular, _ = np.linalg.svd(
+        columns / np.where(sizes > 0, sizes, 1.0), full_matrices=False
+    )
+    return left[:, singular > SPANNED]
+
+
+def _null_space(rows: Array) -> Array:
+    _, singular, right = np.linalg.svd(rows)
+    rank = int((singular > SPANNED).sum())
+    return right[rank:].T

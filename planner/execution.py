@@ -1,0 +1,103 @@
+"""How Hall coordinates are carried out: which words, in which order, how centred.
+
+The last step of Sec. 5.2: flows of all segments, regrouped by stratum with the fewest
+contact switches, within the range of the legs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+from planner.errors import StratumError
+from planner.extended import ExtendedSystem
+from planner.fields import Array
+from planner.flows import Flow
+from planner.grouping import regroup
+from planner.shape import Limits
+from planner.stance import centred
+from planner.steering import Order
+from planner.strata import unknown
+
+Stance = Literal["paper", "centred"]
+Coordinates = Literal["backward", "forward", "fewest"]
+
+ORDERS: Mapping[str, tuple[Order, ...]] = {
+    "backward": ("backward",),
+    "forward": ("forward",),
+    "fewest": ("backward", "forward"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Execution:
+    """Choices that change the order of flows and the course of legs, not the goal.
+
+    Attributes:
+        stance: `paper` keeps the printed order, `centred` puts every sweep under load
+            around shape zero by swings in the air.
+        coordinates: Hall coordinates that the flows follow; `fewest` takes for each
+            segment those that switch contacts least.
+        limits: Lowest and highest value of shape coordinates by name.
+        finish: Whether centred flows end by bringing the legs to the goal's shape.
+        depart: Stratum at rest before the first flow; the bottom stratum if empty.
+        arrive: Stratum at rest after the last one; the bottom stratum if empty.
+
+    Raises:
+        ValueError: A choice is unknown.
+    """
+
+    stance: Stance = "paper"
+    coordinates: Coordinates = "fewest"
+    limits: Limits = field(default_factory=dict)
+    finish: bool = True
+    depart: str = ""
+    arrive: str = ""
+
+    def __post_init__(self) -> None:
+        if self.stance not in get_args(Stance):
+            raise ValueError(
+                f"stance {self.stance!r} {unknown(self.stance, get_args(Stance))}"
+            )
+        if self.coordinates not in ORDERS:
+            raise ValueError(
+                f"coordinates {self.coordinates!r} {unknown(self.coordinates, ORDERS)}"
+            )
+
+    def flows(
+        self,
+        extended: ExtendedSystem,
+        hall_coordinates: Array,
+        start: Array,
+        goal: Array,
+    ) -> list[list[Flow]]:
+        """Flows of each segment in time order, within the limits.
+
+        Args:
+            extended: System that the coordinates are of.
+            hall_coordinates: Backward coordinates, shape (segments, s).
+            start: Configuration before the first flow, shape (n,).
+            goal: Configuration whose shape to end in, shape (n,).
+
+        Raises:
+            StratumError: `depart` or `arrive` is unknown or cannot be joined.
+            RangeError: The flows leave the limits.
+        """
+        ends = self._ends(extended)
+        words = extended.words(hall_coordinates, ORDERS[self.coordinates])
+        ordered = regroup(extended.grouper, words, *ends)
+        if self.stance == "centred":
+            last = goal if self.finish else None
+            ordered = centred(extended.shape, ordered, start, last, ends)
+        every = [flow for flows in ordered for flow in flows]
+        extended.shape.require_within(self.limits, every, start)
+        return ordered
+
+    def _ends(self, extended: ExtendedSystem) -> tuple[str, str]:
+        system = extended.system
+        ends = (self.depart or system.bottom, self.arrive or system.bottom)
+        for name in ends:
+            if name not in system.strata:
+                raise StratumError(f"stratum {name!r} {unknown(name, system.strata)}")
+        return ends
