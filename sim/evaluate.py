@@ -60,8 +60,8 @@ def evaluate(walk: Walk) -> Evaluation:
 def _achieved(walk: Walk) -> Achieved:
     recording, feet = walk.recording, walk.recording.feet
     at = recording.at_rows
-    contact, points = feet.contact[at], feet.point[at]
-    center = feet.center_of_mass[at].copy()
+    contact, points = feet.contact[at], recording.point
+    center = recording.center_of_mass.copy()
     margin = stability_margin(points, contact, center[:, :2])
     before = feet.slip[walk.starts - 1]
     x, y, yaw = walk.origin

@@ -53,6 +53,10 @@ class Sensors:
         at = self._center_of_mass
         return Readings(force, speed, point, sensordata[:, at : at + 3].copy())
 
+    def loaded(self, readings: Readings) -> Array:
+        """Whether each foot carries more than `LOADED` of the weight, (n, F), bool."""
+        return np.asarray(readings.force > LOADED * self.weight)
+
     @staticmethod
     def _foot(sensordata: Array, sensors: list) -> tuple[Array, Array, Array]:
         """Sum over a foot's contacts, each weighted by its normal force."""
@@ -79,25 +83,35 @@ class FootLog:
 
     contact: Array  # (n, F), bool
     slip: Array  # cumulative, (n, F) [m]
-    point: Array  # (n, F, 2) [m]
-    center_of_mass: Array  # (n, 3) [m]
     bounces: int
 
 
-def log_feet(readings: Readings, weight: float, timestep: float) -> FootLog:
-    """Decide contacts, and integrate the slip of the feet that are in contact."""
-    loaded = readings.force > LOADED * weight
+def log_feet(loaded: Array, speed: Array, timestep: float) -> FootLog:
+    """Decide contacts, and integrate the slip of the feet that are in contact.
+
+    Args:
+        loaded: Whether a foot carries load, shape (n, F), bool.
+        speed: Tangential speed at the contact, shape (n, F) [m/s].
+        timestep: [s].
+    """
     contact, bounces = bridge(loaded, round(BOUNCE / timestep))
-    slip = np.cumsum(np.where(contact, readings.speed, 0.0) * timestep, axis=0)
-    point = _last_touched(readings.point, readings.force > 0)
-    return FootLog(contact, slip, point, readings.center_of_mass, bounces)
+    slip = np.cumsum(np.where(contact, speed, 0.0), axis=0, dtype=float)
+    slip *= timestep
+    return FootLog(contact, slip, bounces)
 
 
-def _last_touched(point: Array, touching: Array) -> Array:
-    """Contact points, those of the last touch where nothing touches."""
-    steps = np.where(touching, np.arange(len(point))[:, None], 0)
-    last = np.maximum.accumulate(steps, axis=0)  # (n, F)
-    return np.take_along_axis(point, last[:, :, None], axis=0)
+def last_touched(point: Array, touching: Array, before: Array | None = None) -> Array:
+    """Contact points, and where nothing touches those of the last touch.
+
+    Args:
+        point: Shape (n, F, 2) [m].
+        touching: Shape (n, F), bool.
+        before: Points touched before the first step, shape (1, F, 2).
+    """
+    first = point[:1] if before is None else before
+    steps = np.where(touching, np.arange(1, len(point) + 1)[:, None], 0)
+    last = np.maximum.accumulate(steps, axis=0)  # (n, F), 0 for `first`
+    return np.take_along_axis(np.concatenate([first, point]), last[:, :, None], axis=0)
 
 
 def bridge(loaded: Array, shortest: int) -> tuple[Array, int]:

@@ -48,12 +48,12 @@ def as_planned(walk: Walk, phase: Phase) -> bool:
 
 
 def count_changes(walk: Walk) -> int:
-    """Lifts and landings of whole groups, as measured.
+    """Lifts and landings of whole groups during the walk, as measured.
 
     A group has lifted when its last foot has left the ground, and landed when its last
     foot has touched it.
     """
-    contact = walk.recording.feet.contact
+    contact = walk.recording.feet.contact[walk.starts - 1 :]
     changes = 0
     for group in range(len(walk.setup.robot.groups)):
         feet = contact[:, walk.setup.robot.group_of_leg == group]

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.measure import FootLog, Readings, Sensors, log_feet
+from sim.measure import FootLog, Sensors, last_touched, log_feet
 from sim.physics import STRETCH, Engine
 
 Array = np.ndarray
+Samples = tuple[Array, ...]  # qpos, qvel, point, centre of mass
 Progress = Callable[[int], None]  # called with the steps just done
 
 
@@ -27,7 +28,9 @@ class Recording:
     rows: Array  # steps after which a row was taken, (T',)
     qpos: Array  # (T', nq)
     qvel: Array  # (T', nv)
-    feet: FootLog  # (T, ...)
+    point: Array  # where each foot touches the ground, or last did, (T', F, 2) [m]
+    center_of_mass: Array  # (T', 3) [m]
+    feet: FootLog  # (T, F)
 
     @property
     def at_rows(self) -> Array:
@@ -49,9 +52,9 @@ class Recorder:
         self._sensors, self._every, self._progress = sensors, sample_every, progress
         self._ctrl: list[Array] = []
         self._rows: list[Array] = []
-        self._states: list[tuple[Array, Array]] = []
-        self._readings: list[Readings] = []
-        self._last: tuple[Array, Array] | None = None
+        self._samples: list[Samples] = []
+        self._feet: list[tuple[Array, Array]] = []  # loaded, speed
+        self._last: Samples | None = None
 
     def play(self, ctrl: Array) -> None:
         """Apply one row of commands a step, shape (n, nu)."""
@@ -62,26 +65,26 @@ class Recorder:
     def _stretch(self, ctrl: Array) -> None:
         before = self.engine.steps
         record = self.engine.advance(ctrl)
+        readings = self._sensors.read(record.sensordata)
+        touched = None if self._last is None else self._last[2]
+        point = last_touched(readings.point, readings.force > 0, touched)
+        states = (record.qpos, record.qvel, point, readings.center_of_mass)
         due = np.arange(self._every - before % self._every, len(ctrl) + 1, self._every)
         self._rows.append(before + due)
-        self._states.append((record.qpos[due - 1], record.qvel[due - 1]))
-        self._last = (record.qpos[-1:], record.qvel[-1:])
-        self._readings.append(self._sensors.read(record.sensordata))
+        self._samples.append(tuple(s[due - 1] for s in states))
+        self._last = tuple(s[-1:].copy() for s in states)
+        self._feet.append((self._sensors.loaded(readings), readings.speed.astype("f4")))
         if self._progress is not None:
             self._progress(len(ctrl))
 
     def finish(self) -> Recording:
         """Everything recorded; the last state is always a row."""
         timestep = float(self.engine.model.opt.timestep)
-        rows, states = np.concatenate(self._rows), list(self._states)
+        rows, samples = np.concatenate(self._rows), list(self._samples)
         if self._last is not None and (not len(rows) or rows[-1] != self.engine.steps):
             rows = np.append(rows, self.engine.steps)
-            states.append(self._last)
-        qpos, qvel = (np.concatenate(c) for c in zip(*states, strict=True))
-        feet = log_feet(_joined(self._readings), self._sensors.weight, timestep)
-        return Recording(timestep, np.concatenate(self._ctrl), rows, qpos, qvel, feet)
-
-
-def _joined(readings: list[Readings]) -> Readings:
-    names = ("force", "speed", "point", "center_of_mass")
-    return Readings(*(np.concatenate([getattr(r, n) for r in readings]) for n in names))
+            samples.append(self._last)
+        states = [np.concatenate(column) for column in zip(*samples, strict=True)]
+        loaded, speed = (np.concatenate(c) for c in zip(*self._feet, strict=True))
+        feet = log_feet(loaded, speed, timestep)
+        return Recording(timestep, np.concatenate(self._ctrl), rows, *states, feet)

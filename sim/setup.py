@@ -11,6 +11,7 @@ import numpy as np
 from models.equations import Equations, equations
 from models.kinematics import Kinematics
 from models.robot import Robot, load, root_body
+from planner.execution import Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from sim.poses import pose_of
 from sim.scenario import Scenario
@@ -36,7 +37,7 @@ class Setup:
     limits: Limits
 
     @property
-    def stance(self) -> str:
+    def stance(self) -> Stance:
         """Centred with lifted fields, the printed order with the paper's."""
         automatic = {"lifted": "centred", "paper": "paper"}[self.scenario.fields]
         return self.scenario.stance or automatic
@@ -45,6 +46,14 @@ class Setup:
     def swing_limits(self) -> dict[str, tuple[float, float]]:
         """Joint range of every group's angle, by the name of its coordinate."""
         return {f"phi_{g}": span for g, span in self.robot.swing_range.items()}
+
+    def execution(self, finish: bool = True) -> Execution:
+        """How plans are carried out.
+
+        Args:
+            finish: Whether a centred plan brings the legs back to angle 0 at its end.
+        """
+        return Execution(stance=self.stance, limits=self.swing_limits, finish=finish)
 
     @property
     def channels(self) -> Channels:

@@ -14,6 +14,7 @@ import numpy as np
 
 from planner.flows import Flow
 from planner.plan import plan
+from planner.replan import plan_step
 from sim.measure import Sensors
 from sim.physics import Engine
 from sim.poses import nearest_turn, seen_from
@@ -91,14 +92,23 @@ class Walker:
         if self._origin is None:
             self._origin = self.setup.pose(self._recorder.engine.qpos)
 
-    def go(self, segments: Iterable[Iterable[Flow]], first: int = 0) -> None:
-        """Carry out the flows of consecutive segments and come to stand on all feet."""
+    def go(
+        self, segments: Iterable[Iterable[Flow]], first: int = 0, rest: float = 0.0
+    ) -> None:
+        """Carry out the flows of consecutive segments, then stand still on all feet.
+
+        Args:
+            segments: Flows of each segment.
+            first: Number of the first of them.
+            rest: How long to stand at the end [s].
+        """
         scheduler = self._scheduler()
         for number, flows in enumerate(segments, start=first):
             scheduler.segment = number
             for flow in flows:
                 scheduler.flow(flow, self.setup.equations.swings[flow.field])
         scheduler.enter(self.setup.robot.card.bottom)
+        scheduler.hold(rest)
         self._play(scheduler.finish())
 
     def finish(self, saturated_segments: int = 0) -> Walk:
@@ -133,7 +143,7 @@ def walk(setup: Setup, progress: Progress | None = None) -> Walk:
         SimulationError: If the physics diverges.
     """
     walker = Walker(setup, progress)
-    follow = _open_loop
+    follow = _replanned if setup.scenario.replan else _open_loop
     return walker.finish(follow(walker))
 
 
@@ -150,6 +160,29 @@ def _open_loop(walker: Walker) -> int:
     )
     walker.seconds["plan"] += time.perf_counter() - began
     walker.stand()
-    walker.go(planned.segments())
-    walker.stand()
+    walker.go(planned.segments(), rest=setup.limits.hold)
     return 0
+
+
+def _replanned(walker: Walker) -> int:
+    """Every segment planned from the pose reached, read with all feet down."""
+    setup, segments = walker.setup, walker.setup.scenario.segments
+    saturated = 0
+    walker.stand()
+    for segment in range(segments):
+        last = segment == segments - 1
+        began = time.perf_counter()
+        target = setup.nominal()((segment + 1) / segments)
+        pose = walker.pose
+        pose[2] = nearest_turn(pose[2], to=target[2])
+        step = plan_step(
+            setup.extended,
+            setup.state(pose, walker.swing),
+            target,
+            setup.execution(finish=last),
+        )
+        saturated += step.fraction < 1
+        walker.seconds["plan"] += time.perf_counter() - began
+        rest = setup.limits.hold if last else 0.0
+        walker.go(step.plan.segments(), first=segment, rest=rest)
+    return saturated

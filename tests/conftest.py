@@ -3,7 +3,7 @@
 import pytest
 
 from models.robot import load as load_robot
-from sim.nominal import Line
+from sim.nominal import line
 from sim.scenario import Scenario
 
 
@@ -17,7 +17,7 @@ def scenario():
     """Make a scenario that differs from a short straight line only in what is given."""
 
     def make(**changes):
-        given = {"name": "short", "segments": 2, "path": Line(goal=(0.01, 0.01, 0.0))} | changes
+        given = {"name": "short", "segments": 2, "path": line((0.01, 0.01, 0.0))} | changes
         return Scenario(**given)
 
     return make

@@ -4,25 +4,24 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.measure import Readings, Sensors, bridge, log_feet
+from sim.measure import Readings, Sensors, bridge, last_touched, log_feet
 from sim.physics import Engine
 from sim.world import Channels, build, load
 
 
-def readings(force, speed):
-    force, speed = np.array(force, float)[:, None], np.array(speed, float)[:, None]
-    return Readings(force, speed, np.zeros((len(force), 1, 2)), np.zeros((len(force), 3)))
-
-
 def test_slip_counts_only_under_load():
-    log = log_feet(readings([0, 5, 5, 0, 0], [9, 1, 2, 9, 9]), weight=10.0, timestep=0.1)
+    loaded = np.array([0, 1, 1, 0, 0], bool)[:, None]
+    speed = np.array([9.0, 1.0, 2.0, 9.0, 9.0])[:, None]
+    log = log_feet(loaded, speed, timestep=0.1)
     assert log.contact[:, 0].tolist() == [False, True, True, False, False]
     assert log.slip[:, 0] == pytest.approx([0, 0.1, 0.3, 0.3, 0.3])
 
 
-def test_less_than_one_per_cent_of_the_weight_is_no_contact():
-    log = log_feet(readings([0.09, 0.11], [1, 1]), weight=10.0, timestep=0.1)
-    assert log.contact[:, 0].tolist() == [False, True]
+def test_less_than_one_per_cent_of_the_weight_is_no_contact(hexapod, scenario):
+    sensors = Sensors(load(build(hexapod, scenario())), hexapod)
+    force = sensors.weight * np.array([[0.0099, 0.0101]])
+    still = Readings(force, force * 0, np.zeros((1, 2, 2)), np.zeros((1, 3)))
+    assert sensors.loaded(still).tolist() == [[False, True]]
 
 
 def test_short_interruptions_are_bridged_and_counted():
@@ -33,12 +32,11 @@ def test_short_interruptions_are_bridged_and_counted():
 
 
 def test_a_foot_in_the_air_keeps_the_point_it_last_touched():
-    points = np.array([[1.0, 2.0], [0, 0], [3.0, 4.0], [0, 0]])[:, None]
-    force = np.array([5.0, 0, 5.0, 0])[:, None]
-    log = log_feet(
-        Readings(force, force * 0, points, np.zeros((4, 3))), weight=10.0, timestep=0.001
-    )
-    assert log.point[:, 0].tolist() == [[1, 2], [1, 2], [3, 4], [3, 4]]
+    points = np.array([[0, 0], [1.0, 2.0], [0, 0], [3.0, 4.0]])[:, None]
+    touching = np.array([0, 1, 0, 1], bool)[:, None]
+    before = np.array([[[7.0, 8.0]]])
+    kept = last_touched(points, touching, before)
+    assert kept[:, 0].tolist() == [[7, 8], [1, 2], [1, 2], [3, 4]]
 
 
 @pytest.mark.physics

@@ -11,10 +11,10 @@ from sim.world import build, load
 
 @pytest.fixture(scope="module")
 def model(hexapod):
-    from sim.nominal import Line
+    from sim.nominal import line
     from sim.scenario import Scenario
 
-    return load(build(hexapod, Scenario(name="stand", segments=1, path=Line(goal=(0, 0, 0)))))
+    return load(build(hexapod, Scenario(name="stand", segments=1, path=line((0, 0, 0)))))
 
 
 @pytest.fixture
