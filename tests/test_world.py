@@ -99,7 +99,7 @@ def test_the_solver_is_set_for_slip_to_mean_something(hexapod, scenario):
     option = load(build(hexapod, scenario())).opt
     assert option.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
     assert option.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
-    assert option.impratio == 4000
+    assert option.impratio == 10000
 
 
 def test_dense_and_sparse_factorisations_agree_on_a_standing_robot(hexapod, scenario):
