@@ -1,0 +1,198 @@
+"""Hall coordinates of formal flows: h' = A(h) v, eq. (9), and what follows from it.
+
+A flow S has backward coordinates h and forward coordinates f,
+
+    S = e^(h_s B_s) ... e^(h_1 B_1) = e^(f_1 B_1) ... e^(f_s B_s),    eq. (6)
+
+in time order: B_s runs first in the one, B_1 in the other. Words of generators that
+realise them are made in `planner.realise`.
+
+    integrate(basis, inputs) -> (..., s)    many segments at once, the fast path:
+        inputs of shape (..., nodes, s) at the nodes of `planner.collocation`
+    backward(basis, v) -> (s,)              one segment, v constant or a function of t
+    forward(basis, h), backward_from_forward(basis, f)
+    logarithm(basis, h), exponential(basis, a)    S = e^(a_1 B_1 + ... + a_s B_s)
+    product(basis, first, then)             one flow after another
+    backward_matrix(basis)                  A(h) in symbols
+
+Wherever a basis is asked for, it is a Hall basis or what is left of one when the
+elements of an ideal vanish (`planner.free_lie.LieAlgebra`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+from sympy.polys.rings import ring
+
+from planner.collocation import collocation
+from planner.fields import Array
+from planner.free_lie import LieAlgebra, lie_algebra
+from planner.hall import Element
+
+TOLERANCE = 1e-13  # of inputs that are functions of time, relative and absolute
+
+Terms = dict[int, Any]  # coefficients by place in the basis
+
+
+def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
+    """The matrix A(h) of eq. (9) over the symbols h1, ..., hs, polynomials in them."""
+    algebra = lie_algebra(tuple(basis))
+    size = len(algebra.basis)
+    _, *h = ring([f"h{j + 1}" for j in range(size)], sp.QQ)
+    matrix = sp.zeros(size, size)
+    for column in range(size):
+        rates = _unwind(algebra, {column: h[0].ring.one}, lambda j, _: h[j])
+        for row, rate in rates.items():
+            matrix[row, column] = rate.as_expr()
+    return matrix
+
+
+def integrate(
+    basis: Sequence[Element], inputs: Array, start: Array | None = None
+) -> Array:
+    """Backward coordinates that inputs reach in unit time, eq. (9).
+
+    Exact for inputs that are polynomials of degree below the number of nodes, as long
+    as the coordinates' rates are, too. Inputs that are zero throughout cost nothing.
+
+    Args:
+        basis: Hall elements, s of them.
+        inputs: Inputs v at the nodes of `collocation(nodes)`, shape (..., nodes, s).
+        start: Coordinates at time zero, shape (..., s); zero if not given.
+
+    Returns:
+        Shape (..., s).
+    """
+    algebra = lie_algebra(tuple(basis))
+    integral = collocation(inputs.shape[-2]).integral.T
+    h = np.zeros((*inputs.shape[:-2], len(algebra.basis)))
+    if start is not None:
+        h += start
+
+    def advance(j: int, rate: Array | None) -> Array | None:
+        before = h[..., j, None]
+        if rate is None:
+            return before if before.any() else None
+        path: Array = before + rate @ integral
+        h[..., j] = path[..., -1]
+        return path
+
+    driven = {j: v for j, v in enumerate(np.moveaxis(inputs, -1, 0)) if v.any()}
+    _unwind(algebra, driven, advance)
+    return h
+
+
+def backward(
+    basis: Sequence[Element], v: ArrayLike | Callable[[float], ArrayLike]
+) -> Array:
+    """Backward coordinates h(1) that inputs reach in unit time, eq. (9), shape (s,).
+
+    Args:
+        basis: Hall elements, s of them.
+        v: Inputs of shape (s,), constant or a function of time in [0, 1].
+
+    Raises:
+        ValueError: The inputs are not finite or have another shape.
+    """
+    algebra = lie_algebra(tuple(basis))
+    if not callable(v):
+        return exponential(basis, algebra.vector(v, "inputs"))
+
+    def rates(t: float, h: Array) -> list[float]:
+        inputs = dict(enumerate(algebra.vector(v(t), f"inputs at {t:.6g}").tolist()))
+        coordinates = h.tolist()
+        return [*_unwind(algebra, inputs, lambda j, _: coordinates[j]).values()]
+
+    start = np.zeros(len(algebra.basis))
+    options = {"method": "DOP853", "rtol": TOLERANCE, "atol": TOLERANCE}
+    return np.asarray(solve_ivp(rates, (0.0, 1.0), start, **options).y[:, -1])
+
+
+def forward(basis: Sequence[Element], h: ArrayLike) -> Array:
+    """Forward coordinates of a flow from its backward ones, shape (..., s).
+
+    S^-1 = e^(-f_s B_s) ... e^(-f_1 B_1): its backward coordinates are -f.
+    """
+    return -exponential(basis, -logarithm(basis, h))
+
+
+def backward_from_forward(basis: Sequence[Element], f: ArrayLike) -> Array:
+    """Backward coordinates of a flow from its forward ones, shape (..., s)."""
+    return -forward(basis, -np.asarray(f))
+
+
+def exponential(
+    basis: Sequence[Element], a: ArrayLike, start: Array | None = None
+) -> Array:
+    """Backward coordinates of S e^(a_1 B_1 + ... + a_s B_s), shape (..., s).
+
+    Args:
+        basis: Hall elements, s of them.
+        a: Coordinates of the first kind, shape (..., s).
+        start: Backward coordinates of S, shape (..., s); S = 1 if not given.
+    """
+    algebra = lie_algebra(tuple(basis))
+    a = algebra.vector(a)
+    nodes = max(2, algebra.max_degree)  # the coordinates' rates have a lower degree
+    constant = np.broadcast_to(a[..., None, :], (*a.shape[:-1], nodes, a.shape[-1]))
+    return integrate(basis, constant, start)
+
+
+def logarithm(basis: Sequence[Element], h: ArrayLike) -> Array:
+    """Coordinates a of the first kind from backward ones, shape (..., s)."""
+    algebra = lie_algebra(tuple(basis))
+    a = h = algebra.vector(h)
+    for _ in range(1, algebra.max_degree):  # each makes one degree more exact
+        a = a + h - exponential(basis, a)
+    return a
+
+
+def product(basis: Sequence[Element], first: ArrayLike, then: ArrayLike) -> Array:
+    """Backward coordinates of one flow, then another, from theirs, shape (..., s)."""
+    return exponential(basis, logarithm(basis, then), np.asarray(first))
+
+
+def _unwind(
+    algebra: LieAlgebra, terms: Terms, coordinate: Callable[[int, Any], Any]
+) -> Terms:
+    """Rates h' for which S^-1 S' is the given sum of terms, eqs. (7) to (9).
+
+    S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is its
+    coefficient at B_1. Ad(e^(h_1 B_1)) of the rest is the same sum without B_1.
+
+    Args:
+        algebra: Lie algebra of the terms.
+        terms: Coefficients by place; anything that adds and multiplies.
+        coordinate: Gives h_j from its place and rate, None for zero.
+    """
+    rates = {}
+    for j, structure in enumerate(algebra.structure):
+        rate = terms.pop(j, None)
+        h = coordinate(j, rate)
+        if rate is not None:
+            rates[j] = rate
+        if h is not None:
+            terms = _conjugated(structure, h, terms)
+    return rates
+
+
+def _conjugated(
+    structure: Mapping[int, Mapping[int, int]], h: Any, terms: Terms
+) -> Terms:
+    """Ad(e^(h B)) of a sum of terms, from the structure constants of [B, .]."""
+    total, power, n = dict(terms), terms, 0
+    while power:
+        n, before, power = n + 1, power, {}
+        for j in structure.keys() & before.keys():
+            for k, c in structure[j].items():
+                term = before[j] * h * c / n
+                power[k] = power[k] + term if k in power else term
+        for k, term in power.items():
+            total[k] = total[k] + term if k in total else term
+    return total

@@ -1,0 +1,112 @@
+"""Philip Hall basis of the free Lie algebra, the elements B_1, B_2, ... of eq. (6).
+
+Elements are formal: no vector fields and no numbers here. A generator is its number,
+counted from 1 as in g_1, ..., g_m; everything else is a `Bracket` of two elements.
+
+The conventions are those of Lafferriere and Sussmann, the paper's [3]:
+    * Elements are ordered by degree, generators by number, brackets of one degree by
+      their left and then by their right element.
+    * [a, b] belongs to the basis if a comes before b and, where b = [c, d], c does not
+      come after a.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Bracket:
+    """The formal Lie bracket [left, right] of two elements; written `[1,[1,2]]`."""
+
+    left: Element
+    right: Element
+
+    def __str__(self) -> str:
+        return f"[{self.left},{self.right}]"
+
+
+Element = int | Bracket
+"""A generator's number, or a bracket of elements."""
+
+Rank = tuple[Any, ...]
+
+
+@cache
+def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
+    """All Hall elements up to a degree, in order.
+
+    Args:
+        generators: Number m of generators, at least 1.
+        max_degree: Highest degree, at least 1.
+
+    Raises:
+        ValueError: One of them is below 1.
+    """
+    if generators < 1:
+        raise ValueError(f"generators is {generators}; a Lie algebra needs at least 1")
+    if max_degree < 1:
+        raise ValueError(f"max_degree is {max_degree}; generators have degree 1")
+    layers: list[list[Element]] = [[*range(1, generators + 1)]]
+    for total in range(2, max_degree + 1):
+        layers.append(sorted(_brackets(layers, total), key=rank))
+    return tuple(element for layer in layers for element in layer)
+
+
+def _brackets(layers: list[list[Element]], total: int) -> Iterator[Bracket]:
+    """Hall elements of one degree from the layers of all lower degrees."""
+    for low in range(1, total // 2 + 1):
+        for left in layers[low - 1]:
+            for right in layers[total - low - 1]:
+                if is_hall_pair(left, right):
+                    yield Bracket(left, right)
+
+
+def is_hall_pair(left: Element, right: Element) -> bool:
+    """Whether the bracket of two Hall elements is a Hall element."""
+    if rank(left) >= rank(right):
+        return False
+    return not isinstance(right, Bracket) or rank(right.left) <= rank(left)
+
+
+@cache
+def rank(element: Element) -> Rank:
+    """A key that sorts elements in the order of the basis."""
+    if isinstance(element, Bracket):
+        return (degree(element), rank(element.left), rank(element.right))
+    return (1, element)
+
+
+@cache
+def degree(element: Element) -> int:
+    """The number of generators in an element, each counted as often as it occurs."""
+    if isinstance(element, Bracket):
+        return degree(element.left) + degree(element.right)
+    return 1
+
+
+def parse(text: str) -> Element:
+    """The element that `str` writes as the text, in the Hall basis or not.
+
+    Raises:
+        ValueError: The text is neither a generator's number nor a bracket of elements.
+    """
+    try:
+        return _element(json.loads(text))
+    except ValueError:
+        raise ValueError(
+            f"{text!r} is no element; write a generator's number from 1 on, or a "
+            "bracket of two elements such as [1,[1,2]]"
+        ) from None
+
+
+def _element(tree: object) -> Element:
+    if type(tree) is int and tree >= 1:
+        return tree
+    if isinstance(tree, list) and len(tree) == 2:
+        return Bracket(_element(tree[0]), _element(tree[1]))
+    raise ValueError(tree)

@@ -1,0 +1,157 @@
+"""Words: flows of real inputs that realise Hall coordinates at any degree (Sec. 2.1).
+
+A bracket's flow is approximated by the commutator word of its parts. What the word does
+beyond that, in higher degrees, is taken off the coordinates that are still to be
+realised, so the whole word is exact wherever brackets beyond the basis vanish.
+
+A word lists generators, counted from 1, and signed durations in time order. Words for
+systems whose longer brackets do not vanish, and their repetition until the goal is met,
+are not made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from functools import cache
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.coordinates import exponential, forward
+from planner.fields import Array
+from planner.free_lie import LieAlgebra, lie_algebra
+from planner.hall import Bracket, Element
+
+Order = Literal["backward", "forward"]
+Word = list[tuple[int, float]]
+T = TypeVar("T", int, float)
+Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
+
+NEGLIGIBLE = 1e-12  # rounding of this size in degree k would move by its k-th root
+
+
+def word(
+    basis: Sequence[Element],
+    hall_coordinates: ArrayLike,
+    order: Order = "backward",
+    vanishing: Collection[Element] = (),
+) -> Word:
+    """Flows of generators that realise backward Hall coordinates.
+
+    Args:
+        basis: Hall elements, s of them.
+        hall_coordinates: Backward coordinates, shape (s,).
+        order: `backward` runs the words of B_s, ..., B_1, `forward` those of B_1, ...,
+            B_s; both end at the same point.
+        vanishing: Elements whose fields are zero and need no flow.
+
+    Returns:
+        Generators, from 1, and signed durations in time order, no generator twice in
+        a row.
+
+    Raises:
+        ValueError: The coordinates are not finite or have another shape.
+    """
+    return words(basis, np.asarray(hall_coordinates)[None], order, vanishing)[0]
+
+
+def words(
+    basis: Sequence[Element],
+    hall_coordinates: ArrayLike,
+    order: Order = "backward",
+    vanishing: Collection[Element] = (),
+) -> list[Word]:
+    """Words of many segments at once, see `word`.
+
+    Args:
+        basis: Hall elements, s of them.
+        hall_coordinates: Backward coordinates, shape (segments, s).
+        order: As in `word`.
+        vanishing: As in `word`.
+    """
+    algebra = lie_algebra(tuple(basis))
+    h = algebra.vector(hall_coordinates)
+    if order == "backward":
+        return _spelled(algebra, _amounts(algebra, h, vanishing))
+    # -f are the backward coordinates of the flow back, whose word is then run back.
+    way_back = _amounts(algebra, -forward(basis, h), vanishing)
+    return [_inverse(one) for one in _spelled(algebra, way_back)]
+
+
+def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> Array:
+    """How much of each element its word has to give, shape (segments, s).
+
+    The words come off the right of the flow one by one, lower degrees first; what is
+    left keeps the backward coordinates `rest`.
+    """
+    amounts, rest = np.zeros_like(h), h.copy()
+    for j, element in enumerate(algebra.basis):
+        if element not in vanishing:
+            amounts[:, j] = np.where(np.abs(rest[:, j]) < NEGLIGIBLE, 0.0, rest[:, j])
+            if 1 < algebra.degrees[j] < algebra.max_degree and amounts[:, j].any():
+                undone = -_given(algebra, j, amounts[:, j])
+                rest = exponential(algebra.basis, undone, rest)
+        rest[:, j] = 0.0
+    return amounts
+
+
+def _given(algebra: LieAlgebra, j: int, amounts: Array) -> Array:
+    """The logarithms of an element's words for some amounts, shape (segments, s)."""
+    scale = np.abs(amounts) ** (1 / algebra.degrees[j])
+    powers = scale[:, None] ** np.array(algebra.degrees)
+    unit = _logarithm(algebra, algebra.basis[j])
+    return np.asarray(np.sign(amounts)[:, None] * powers * unit)
+
+
+@cache
+def _logarithm(algebra: LieAlgebra, element: Element) -> Array:
+    """The logarithm of an element's word with durations of one, shape (s,)."""
+    if not isinstance(element, Bracket):
+        return np.asarray(np.eye(len(algebra.basis))[algebra.index[element]])
+    left = _logarithm(algebra, element.left)
+    right = _logarithm(algebra, element.right)
+    join = algebra.campbell_baker_hausdorff
+    return join(join(left, right), join(-left, -right))
+
+
+@cache
+def _letters(element: Element) -> Letters:
+    """The word of an element: A C A^-1 C^-1 for [A, C], after Sec. 2."""
+    if not isinstance(element, Bracket):
+        return ((element, 1),)
+    left, right = _letters(element.left), _letters(element.right)
+    return (*left, *right, *_inverse(left), *_inverse(right))
+
+
+def _spelled(algebra: LieAlgebra, amounts: Array) -> list[Word]:
+    """The words for amounts of all elements, the last element's first."""
+    durations = np.sign(amounts) * np.abs(amounts) ** (1 / np.array(algebra.degrees))
+    letters = [_letters(element) for element in algebra.basis]
+    back = [_inverse(one) for one in letters]
+    order = range(len(letters) - 1, -1, -1)
+    return [
+        _merged(
+            (generator, sign * abs(row[j]))
+            for j in order
+            if row[j]
+            for generator, sign in (letters[j] if row[j] > 0 else back[j])
+        )
+        for row in durations.tolist()
+    ]
+
+
+def _inverse(letters: Sequence[tuple[int, T]]) -> list[tuple[int, T]]:
+    """The same flows run back."""
+    return [(generator, -amount) for generator, amount in reversed(letters)]
+
+
+def _merged(letters: Iterable[tuple[int, float]]) -> Word:
+    """Join consecutive letters of one generator; those that cancel disappear."""
+    joined: Word = []
+    for generator, duration in letters:
+        if joined and joined[-1][0] == generator:
+            duration += joined.pop()[1]
+        if abs(duration) >= NEGLIGIBLE:
+            joined.append((generator, duration))
+    return joined
