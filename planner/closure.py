@@ -1,4 +1,4 @@
-"""The Lie algebra that fields generate, degree by degree, and whether it is complete.
+"""Involutive closure: the Lie algebra that fields generate, degree by degree.
 
 Left-normed brackets [g, B] of generators with what is known span each next degree. A
 degree that adds nothing, as fields and not merely at one point, ends the algebra: then
@@ -30,7 +30,7 @@ Named = tuple[str, VectorField]
 
 
 @dataclass(frozen=True, eq=False)
-class LieAlgebra:
+class Involution:
     """Fields that span a Lie algebra up to a depth.
 
     Attributes:
@@ -52,12 +52,12 @@ class LieAlgebra:
         return compile_fields(self.fields, self.state, self.names)(x)
 
 
-def lie_algebra(
+def involutive_closure(
     generators: Mapping[str, VectorField],
     state: Symbols,
     max_depth: int,
-    until: Callable[[LieAlgebra], bool] = lambda algebra: False,
-) -> LieAlgebra:
+    until: Callable[[Involution], bool] = lambda algebra: False,
+) -> Involution:
     """The Lie algebra of fields: complete, or as far as asked for.
 
     Args:
@@ -91,9 +91,9 @@ def lie_algebra(
 
 def _algebra(
     known: list[Named], depth: int, complete: bool, state: Symbols
-) -> LieAlgebra:
+) -> Involution:
     names = tuple(name for name, _ in known)
-    return LieAlgebra(names, tuple(f for _, f in known), depth, complete, state)
+    return Involution(names, tuple(f for _, f in known), depth, complete, state)
 
 
 class _Span:

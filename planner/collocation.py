@@ -126,7 +126,8 @@ def _halves(first: Array, second: Array) -> Array:
 
     def at(values: Array, nodes: Array) -> Array:
         series = rule.coefficients @ values
-        return chebyshev.chebval(2 * nodes - 1, series).T
+        resampled: Array = chebyshev.chebval(2 * nodes - 1, series).T
+        return resampled
 
     early = rule.nodes <= 0.5
     halves = at(first, 2 * rule.nodes[early]), at(second, 2 * rule.nodes[~early] - 1)

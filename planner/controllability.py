@@ -1,10 +1,10 @@
-"""Gait controllability (Sec. 4): can a gait reach every direction of its bottom stratum?
+"""Gait controllability (Sec. 4): does a gait reach all directions of its first stratum?
 
-Two tests, both pointwise. The filtration is the paper's: distributions closed stratum
-by stratum, summed on the way up and cut down to tangent spaces on the way down. It never
-brackets fields of different strata, so it is sufficient only. The closure brackets all
-fields of the gait's strata that are tangent to the bottom stratum, as the extended
-system of Def. 3 may.
+Two tests at one configuration. The filtration is the paper's: distributions are closed
+stratum by stratum, added on the way up, and cut down to tangent spaces on the way down.
+It never brackets fields of different strata, so it is sufficient only. The closure
+brackets all fields of the gait's strata that are tangent to the first one, as the
+extended system of Def. 3 may.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.closure import LieAlgebra, lie_algebra
+from planner.closure import Involution, involutive_closure
 from planner.errors import point
 from planner.fields import Array
 from planner.level_sets import LevelSet
 from planner.strata import Gait, StratifiedSystem, steps
+from planner.subspaces import column_space, in_words, null_space, rank, sparse_basis
 from planner.tangency import tangent_field
 
-SPANNED = 1e-8  # relative size of a singular value that counts
 OFF_STRATUM = 1e-9  # of the level sets at the configuration
 MAX_DEPTH = 12
 
@@ -64,11 +64,12 @@ class Controllability:
             f"with brackets to degree {self.depth}"
         )
         if self.controllable:
-            return f"{self.gait} is controllable at {point(self.at)} by {self.decided_by}: {tests}"
+            verdict = f"controllable by {self.decided_by}"
+            return f"{self.gait} at {point(self.at)} is {verdict}: {tests}"
         verdict = "is not" if self.conclusive else "has not been shown to be"
         return (
-            f"{self.gait} {verdict} controllable at {point(self.at)}: {tests}; no motion "
-            f"along {', '.join(self.missing)}; {'; or '.join(self.advice)}"
+            f"{self.gait} at {point(self.at)} {verdict} controllable: {tests}; "
+            f"no motion along {', '.join(self.missing)}; {'; or '.join(self.advice)}"
         )
 
 
@@ -98,7 +99,7 @@ def gait_controllability(
     algebras = _algebras(system, walk, x, max_depth)
     filtered = _filtration(system, walk, algebras, x)
     union = _closure(system, walk.strata, x, max_depth)
-    closed = _column_space(union.at(x))
+    closed = column_space(union.at(x))
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
     missing = () if controllable else _missing(system, home, reached, x)
@@ -141,36 +142,36 @@ def _configuration(
 
 def _algebras(
     system: StratifiedSystem, walk: Gait, x: Array, max_depth: int
-) -> dict[str, LieAlgebra]:
+) -> dict[str, Involution]:
     """The involutive closure of each stratum's own fields."""
 
-    def closure(stratum: str) -> LieAlgebra:
+    def closure(stratum: str) -> Involution:
         size = system.dimension - len(system.level_set(stratum).functions)
-        return lie_algebra(
+        return involutive_closure(
             system.strata[stratum],
             system.state,
             max_depth,
-            until=lambda algebra: _column_space(algebra.at(x)).shape[1] == size,
+            until=lambda algebra: rank(algebra.at(x)) == size,
         )
 
     return {stratum: closure(stratum) for stratum in dict.fromkeys(walk.strata)}
 
 
 def _filtration(
-    system: StratifiedSystem, walk: Gait, algebras: dict[str, LieAlgebra], x: Array
+    system: StratifiedSystem, walk: Gait, algebras: dict[str, Involution], x: Array
 ) -> Array:
     """D_{n+1} of Sec. 4 in the numbering of eq. (11), as orthonormal columns."""
-    space = _column_space(algebras[walk.strata[0]].at(x))
+    space = column_space(algebras[walk.strata[0]].at(x))
     for before, here in steps(walk.strata):
         if system.contacts[before] < system.contacts[here]:
             space = _within_tangent_space(space, system.level_set(here), x)
-        space = _column_space(np.hstack([space, algebras[here].at(x)]))
+        space = column_space(np.hstack([space, algebras[here].at(x)]))
     return space
 
 
 def _closure(
     system: StratifiedSystem, strata: Sequence[str], x: Array, max_depth: int
-) -> LieAlgebra:
+) -> Involution:
     """The algebra of all fields that are tangent to the first stratum, or made so."""
     home = strata[0]
     size = system.dimension - len(system.level_set(home).functions)
@@ -180,11 +181,11 @@ def _closure(
         for name in system.strata[stratum]
         if (field := tangent_field(system, name, home)) is not None
     }
-    return lie_algebra(
+    return involutive_closure(
         fields,
         system.state,
         max_depth,
-        until=lambda algebra: _column_space(algebra.at(x)).shape[1] == size,
+        until=lambda algebra: rank(algebra.at(x)) == size,
     )
 
 
@@ -193,84 +194,35 @@ def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
     if not level_set.functions:
         return space
     slopes = level_set.gradients(x).T @ space  # (codimension, rank)
-    return space @ _null_space(slopes)
+    return space @ null_space(slopes)
 
 
 def _missing(
     system: StratifiedSystem, home: LevelSet, reached: Array, x: Array
 ) -> tuple[str, ...]:
-    """Directions of the tangent space that are orthogonal to what is reached, in words."""
+    """Directions of the tangent space orthogonal to what is reached, in words."""
     rows = [reached.T]
     if home.functions:
         rows.append(home.gradients(x).T)
-    return tuple(
-        _in_words(direction, system)
-        for direction in _sparse(_null_space(np.vstack(rows)).T)
-    )
-
-
-def _sparse(rows: Array) -> Array:
-    """Reduced row echelon form: a basis of the same space with many zeros."""
-    rows, done = rows.copy(), 0
-    for column in range(rows.shape[1]):
-        if done == len(rows):
-            break
-        pivot = done + int(np.abs(rows[done:, column]).argmax())
-        if abs(rows[pivot, column]) < SPANNED:
-            continue
-        rows[[done, pivot]] = rows[[pivot, done]]
-        rows[done] /= rows[done, column]
-        others = np.arange(len(rows)) != done
-        rows[others] -= np.outer(rows[others, column], rows[done])
-        done += 1
-    return rows
-
-
-def _in_words(direction: Array, system: StratifiedSystem) -> str:
-    terms = [
-        (value, str(symbol))
-        for value, symbol in zip(direction, system.state, strict=True)
-        if abs(value) > SPANNED
-    ]
-    words = [
-        f"{'+' if v > 0 else '-'} {'' if abs(abs(v) - 1) < SPANNED else f'{abs(v):.3g} '}{s}"
-        for v, s in terms
-    ]
-    return " ".join(words).removeprefix("+ ")
+    directions = sparse_basis(null_space(np.vstack(rows)))
+    return tuple(in_words(direction, system.state) for direction in directions.T)
 
 
 def _advice(
     system: StratifiedSystem,
     walk: Gait,
     x: Array,
-    union: LieAlgebra,
+    union: Involution,
     missing: Sequence[str],
 ) -> tuple[str, ...]:
     """What would help: a further stratum, more depth, or another field."""
-    rank = _column_space(union.at(x)).shape[1]
+    reached = rank(union.at(x))
     advice = []
     for stratum in system.strata:
         if stratum not in walk.strata:
             wider = _closure(system, (*walk.strata, stratum), x, union.depth)
-            if _column_space(wider.at(x)).shape[1] > rank:
+            if rank(wider.at(x)) > reached:
                 advice.append(f"visit S{stratum}")
     if not union.complete:
         advice.append(f"form brackets beyond degree {union.depth}")
     return (*advice, f"give some stratum a field that moves along {missing[0]}")
-
-
-def _column_space(columns: Array) -> Array:
-    """Orthonormal columns that span the same space."""
-    if columns.shape[1] == 0:
-        return columns
-    sizes = np.linalg.norm(columns, axis=0)
-    left, singular, _ = np.linalg.svd(
-        columns / np.where(sizes > 0, sizes, 1.0), full_matrices=False
-    )
-    return left[:, singular > SPANNED]
-
-
-def _null_space(rows: Array) -> Array:
-    _, singular, right = np.linalg.svd(rows)
-    rank = int((singular > SPANNED).sum())
-    return right[rank:].T

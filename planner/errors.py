@@ -34,7 +34,8 @@ class RankError(PlannerError):
         self.rank, self.needed = rank, needed
         super().__init__(
             f"the extended system has rank {rank} of {needed} at "
-            f"{point(configuration)} (Def. 3); add fields or brackets, or keep the path away from there"
+            f"{point(configuration)} (Def. 3); add fields or brackets, or keep the "
+            "path away from there"
         )
 
 

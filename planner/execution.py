@@ -15,9 +15,9 @@ from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow
 from planner.grouping import regroup
+from planner.realise import Order
 from planner.shape import Limits
 from planner.stance import centred
-from planner.steering import Order
 from planner.strata import unknown
 
 Stance = Literal["paper", "centred"]

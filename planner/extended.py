@@ -18,8 +18,9 @@ from planner.errors import PlannerError, RankError, point
 from planner.fields import Array, CompiledFields, compile_fields, vanishing
 from planner.flows import Flow
 from planner.grouping import Grouper
+from planner.realise import Order
 from planner.shape import Shape
-from planner.steering import Order, Steering, steering
+from planner.steering import Steering, steering
 from planner.strata import StratifiedSystem
 from planner.tangency import on_bottom
 
@@ -110,7 +111,10 @@ class ExtendedSystem:
             raise RankError(x[worst], int(rank[worst]), needed)
         scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
         parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
-        return (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
+        inputs: Array = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[
+            ..., 0
+        ]
+        return inputs
 
     def _require_reached(
         self, matrix: Array, inputs: Array, velocity: Array, x: Array
@@ -137,8 +141,8 @@ def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
 
     Raises:
         ValueError: An element is unknown, repeated or no Hall element.
-        PlannerError: An element vanishes everywhere, leaves the bottom stratum for good,
-            or does not commute with the lifts it needs (eq. 13).
+        PlannerError: An element vanishes everywhere, leaves the bottom stratum for
+            good, or does not commute with the lifts it needs (eq. 13).
     """
     if isinstance(elements, str):
         raise ValueError(f"elements is the text {elements!r}; give a sequence of names")

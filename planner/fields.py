@@ -92,7 +92,8 @@ def central_difference(
         return (function(x + h * along) - function(x - h * along)) / (2 * h)
 
     coarse, middle, fine = (quotient(step / 2**k) for k in range(3))
-    return size * (64 * fine - 20 * middle + coarse) / 45
+    derivative: Array = size * (64 * fine - 20 * middle + coarse) / 45
+    return derivative
 
 
 def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
@@ -147,7 +148,8 @@ class CompiledFields:
 
     def velocity(self, x: Array) -> Array:
         """The first field at configurations of shape (..., n), same shape."""
-        return self(x)[..., 0]
+        first: Array = self(x)[..., 0]
+        return first
 
     def values(self, x: Array) -> Array:
         """The same without the check: not finite where a field is singular."""

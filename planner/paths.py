@@ -28,7 +28,8 @@ class Path:
 
     def __call__(self, s: float) -> Array:
         """The configuration at one parameter, shape (n,)."""
-        return self.at(np.array([s], dtype=float))[0]
+        configuration: Array = self.at(np.array([s], dtype=float))[0]
+        return configuration
 
 
 def line(start: ArrayLike, goal: ArrayLike) -> Path:
@@ -57,7 +58,9 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
     def at(s: Array) -> Array:
         k = np.clip(np.searchsorted(where, s, side="right") - 1, 0, len(where) - 2)
         part = (s - where[k]) / (where[k + 1] - where[k])
-        return (1 - part)[:, None] * knots[k] + part[:, None] * knots[k + 1]
+        part = part[:, None]
+        between: Array = (1 - part) * knots[k] + part * knots[k + 1]
+        return between
 
     return Path(at, tuple(float(s) for s in where[1:-1]))
 

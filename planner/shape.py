@@ -1,7 +1,7 @@
 """Shape coordinates: those that every field moves at a constant rate.
 
-Such are the angles of legs. Their course along a plan is a running sum, so ranges are checked and sweeps are centred
-without integrating anything.
+Such are the angles of legs. Their course along a plan is a running sum, so ranges are
+checked and sweeps are centred without integrating anything.
 """
 
 from __future__ import annotations

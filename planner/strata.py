@@ -156,7 +156,8 @@ class StratifiedSystem:
                 raise ValueError(
                     f"field {name} leaves its stratum S{stratum}: it changes "
                     f"{level_set.functions[which]} at "
-                    f"{point(level_set.points[where])}; a field that lifts a foot belongs to the stratum it leads to"
+                    f"{point(level_set.points[where])}; a field that lifts a foot "
+                    "belongs to the stratum it leads to"
                 )
 
 

@@ -1,0 +1,58 @@
+"""Subspaces as columns of a matrix: span, complement, and words for directions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from planner.fields import Array
+
+SPANNED = 1e-8  # relative size of a singular value that counts
+
+
+def column_space(columns: Array) -> Array:
+    """Orthonormal columns that span the same space; each column counts alike."""
+    sizes = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(sizes > 0, sizes, 1.0)
+    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
+    spanned: Array = left[:, singular > SPANNED]
+    return spanned
+
+
+def rank(columns: Array) -> int:
+    """Dimension of the space that columns span."""
+    return int(column_space(columns).shape[1])
+
+
+def null_space(rows: Array) -> Array:
+    """Orthonormal columns orthogonal to all rows."""
+    _, singular, right = np.linalg.svd(rows)
+    orthogonal: Array = right[int((singular > SPANNED).sum()) :].T
+    return orthogonal
+
+
+def sparse_basis(columns: Array) -> Array:
+    """A basis of the same space with many zeros: its reduced echelon form."""
+    rows, done = columns.T.copy(), 0
+    for k in range(rows.shape[1]):
+        if done == len(rows):
+            break
+        pivot = done + int(np.abs(rows[done:, k]).argmax())
+        if abs(rows[pivot, k]) > SPANNED:
+            rows[[done, pivot]] = rows[[pivot, done]]
+            rows[done] /= rows[done, k]
+            others = np.arange(len(rows)) != done
+            rows[others] -= np.outer(rows[others, k], rows[done])
+            done += 1
+    return rows.T
+
+
+def in_words(direction: Array, names: Iterable[object]) -> str:
+    """A direction as a sum of coordinates, `x - 0.5 y`."""
+    words = []
+    for value, name in zip(direction, names, strict=True):
+        if abs(value) > SPANNED:
+            size = "" if abs(abs(value) - 1) < SPANNED else f"{abs(value):.3g} "
+            words.append(f"{'+' if value > 0 else '-'} {size}{name}")
+    return " ".join(words).removeprefix("+ ")
