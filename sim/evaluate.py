@@ -136,7 +136,10 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
     swings = [p for p in walk.phases if p.kind == "swing"]
     loaded = [p for p in swings if setup.robot.groups[p.group] in p.stratum]
-    strides = [np.hypot(*setup.equations.twists[setup.robot.groups[p.group]][:2]) for p in loaded]
+    strides = [
+        np.hypot(*setup.equations.twists[setup.robot.groups[p.group]][:2])
+        for p in loaded
+    ]
     walked = float(sum(s * abs(p.amount) for s, p in zip(strides, loaded, strict=True)))
     length = scenario.path.length
     slips = phase_slips(walk)

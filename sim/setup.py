@@ -15,7 +15,7 @@ from planner.execution import Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from sim.poses import pose_of
 from sim.scenario import Scenario
-from sim.schedule import Limits
+from sim.schedule import Limits, Shape
 from sim.world import Channels, build, lift_angle
 from sim.world import load as load_world
 
@@ -46,6 +46,11 @@ class Setup:
     def swing_limits(self) -> dict[str, tuple[float, float]]:
         """Joint range of every group's angle, by the name of its coordinate."""
         return {f"phi_{g}": span for g, span in self.robot.swing_range.items()}
+
+    @property
+    def at_rest(self) -> Shape:
+        """Legs at angle 0, all feet down."""
+        return Shape((0.0,) * len(self.robot.groups), self.robot.card.bottom)
 
     def execution(self, finish: bool = True) -> Execution:
         """How plans are carried out.

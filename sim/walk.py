@@ -13,13 +13,13 @@ from functools import cached_property
 import numpy as np
 
 from planner.flows import Flow
-from planner.plan import plan
+from planner.plan import Plan, plan
 from planner.replan import plan_step
 from sim.measure import Sensors
 from sim.physics import Engine
 from sim.poses import nearest_turn, seen_from
 from sim.recording import Progress, Recorder, Recording
-from sim.schedule import Phase, Schedule, Scheduler, Shape
+from sim.schedule import Phase, Schedule, Scheduler
 from sim.setup import Setup
 
 Array = np.ndarray
@@ -67,9 +67,11 @@ class Walker:
         self.setup = setup
         engine = Engine(setup.model)
         sensors = Sensors(setup.model, setup.robot)
-        self._recorder = Recorder(engine, sensors, setup.scenario.sample_every, progress)
+        self._recorder = Recorder(
+            engine, sensors, setup.scenario.sample_every, progress
+        )
         self._stretches: list[Stretch] = []
-        self._shape = Shape((0.0,) * len(setup.robot.groups), setup.robot.card.bottom)
+        self._shape = setup.at_rest
         self._origin: Array | None = None
         self.seconds = {"plan": 0.0, "simulate": 0.0}
 
@@ -103,11 +105,8 @@ class Walker:
             rest: How long to stand at the end [s].
         """
         scheduler = self._scheduler()
-        for number, flows in enumerate(segments, start=first):
-            scheduler.segment = number
-            for flow in flows:
-                scheduler.flow(flow, self.setup.equations.swings[flow.field])
-        scheduler.enter(self.setup.robot.card.bottom)
+        scheduler.segment = first
+        lay(self.setup, scheduler, segments)
         scheduler.hold(rest)
         self._play(scheduler.finish())
 
@@ -135,6 +134,15 @@ class Walker:
         self.seconds["simulate"] += time.perf_counter() - began
 
 
+def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) -> None:
+    """Lay the flows of consecutive segments, and put all feet down at their end."""
+    for number, flows in enumerate(segments, start=scheduler.segment):
+        scheduler.segment = number
+        for flow in flows:
+            scheduler.flow(flow, setup.equations.swings[flow.field])
+    scheduler.enter(setup.robot.card.bottom)
+
+
 def walk(setup: Setup, progress: Progress | None = None) -> Walk:
     """Walk the scenario, open loop or planned again at every segment.
 
@@ -147,17 +155,22 @@ def walk(setup: Setup, progress: Progress | None = None) -> Walk:
     return walker.finish(follow(walker))
 
 
-def _open_loop(walker: Walker) -> int:
-    """One plan for the whole path, carried out blindly."""
-    setup = walker.setup
-    began = time.perf_counter()
-    planned = plan(
+def plan_open_loop(setup: Setup) -> Plan:
+    """One plan for the whole path."""
+    return plan(
         setup.extended,
         setup.nominal(),
         setup.scenario.segments,
         stance=setup.stance,
         limits=setup.swing_limits,
     )
+
+
+def _open_loop(walker: Walker) -> int:
+    """Carry one plan out blindly."""
+    setup = walker.setup
+    began = time.perf_counter()
+    planned = plan_open_loop(setup)
     walker.seconds["plan"] += time.perf_counter() - began
     walker.stand()
     walker.go(planned.segments(), rest=setup.limits.hold)

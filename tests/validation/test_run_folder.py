@@ -1,0 +1,128 @@
+"""The run folder: complete, replayable in bare MuJoCo, repeatable to the last bit."""
+
+import csv
+import json
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim.folder import RunFolder
+from sim.run import run
+from sim.scenario_file import load
+
+pytestmark = pytest.mark.physics
+
+SHORT = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.05]}, "segments": 2}
+CONTRACT = {
+    "time", "qpos", "qvel", "achieved_pose", "predicted_pose", "contact",
+    "planned_contact", "slip", "predicted_slip", "achieved_margin", "predicted_margin",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """The same scenario twice; the second from the first one's scenario.toml."""
+    first, second = (tmp_path_factory.mktemp(name) for name in ("first", "second"))
+    run(load("line", SHORT | {"sample_every": 7}), RunFolder(first))
+    run(load(str(first / "scenario.toml")), RunFolder(second))
+    return first, second
+
+
+@pytest.fixture(scope="module")
+def arrays(folders):
+    with np.load(folders[0] / "trajectory.npz") as file:
+        return dict(file)
+
+
+def test_the_folder_holds_what_the_contract_names(folders, arrays):
+    assert {path.name for path in folders[0].iterdir()} >= {
+        "scenario.toml", "model.xml", "commands.npz", "trajectory.npz", "summary.json",
+        "flows.csv",
+    }  # fmt: skip
+    assert arrays.keys() >= CONTRACT
+    rows = len(arrays["time"])
+    assert all(len(arrays[name]) == rows for name in CONTRACT)
+    assert arrays["slip"].shape == arrays["contact"].shape == (rows, 6)
+
+
+def test_commands_replay_bit_for_bit_in_bare_mujoco(folders, arrays):
+    model = mujoco.MjModel.from_xml_path(str(folders[0] / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    with np.load(folders[0] / "commands.npz") as commands:
+        time, ctrl = commands["time"], commands["ctrl"]
+    assert time == pytest.approx(np.arange(len(ctrl)) * model.opt.timestep)
+    replayed = []
+    for step, row in enumerate(ctrl, start=1):
+        data.ctrl[:] = row
+        mujoco.mj_step(model, data)
+        if step % 7 == 0 or step == len(ctrl):
+            replayed.append(np.concatenate([data.qpos, data.qvel]))
+    recorded = np.concatenate([arrays["qpos"], arrays["qvel"]], axis=1)
+    assert np.array_equal(recorded, replayed)
+
+
+def test_a_rerun_from_the_folders_scenario_gives_the_same_numbers(folders):
+    for name in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
+        assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()
+    first, second = (json.loads((f / "summary.json").read_text()) for f in folders)
+    del first["timing"], second["timing"]
+    assert first == second
+
+
+def test_the_last_row_is_the_state_after_the_last_command(folders, arrays):
+    with np.load(folders[0] / "commands.npz") as commands:
+        steps = len(commands["time"])
+    assert arrays["time"][-1] == pytest.approx(steps * 0.0005)
+    assert arrays["time"][0] == pytest.approx(7 * 0.0005)
+
+
+def test_the_summary_has_the_keys_of_the_contract(folders):
+    summary = json.loads((folders[0] / "summary.json").read_text())
+    assert summary.keys() >= {
+        "scenario", "robot", "fields", "stance", "segments", "replan", "steer", "goal",
+        "path_length", "distance_walked", "contact_switches", "contact_switches_achieved",
+        "swing_travel", "air_travel", "bounces", "saturated_segments", "walk_starts",
+        "predicted", "achieved", "error", "simulated_time", "timestep", "timing",
+    }  # fmt: skip
+    assert summary["achieved"].keys() == {
+        "pose", "min_margin", "slip", "slip_swing", "slip_transition", "slip_per_foot",
+        "creep_floor",
+    }  # fmt: skip
+    assert summary["timing"].keys() == {
+        "compile",
+        "plan",
+        "simulate",
+        "evaluate",
+        "render",
+    }
+    assert summary["error"]["ideal"].keys() == {
+        "position", "yaw", "position_per_path", "position_per_walked",
+    }  # fmt: skip
+    assert summary["error"]["goal"].keys() == {"position", "yaw"}
+
+
+def test_flows_are_told_one_a_line_in_time_order(folders):
+    with (folders[0] / "flows.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    assert [line["end"] for line in lines[:-1]] == [line["start"] for line in lines[1:]]
+    assert lines[0]["kind"] == lines[-1]["kind"] == "hold"
+    swings = [line for line in lines if line["kind"] == "swing"]
+    assert all(line["as_planned"] == "1" for line in swings)
+
+
+def test_achieved_and_predicted_start_together_in_the_start_frame(arrays):
+    held = arrays["time"] <= 0.5
+    assert arrays["achieved_pose"][held][-1] == pytest.approx(np.zeros(3), abs=1e-6)
+    assert np.array_equal(arrays["predicted_pose"][held], np.zeros((held.sum(), 3)))
+    assert (arrays["slip"][held] == 0).all()
+
+
+def test_a_path_of_no_length_walks_nowhere_and_divides_by_nothing(tmp_path):
+    still = {"path": {"kind": "line", "goal": [0.0, 0.0, 0.0]}, "segments": 1}
+    summary = run(load("line", still), RunFolder(tmp_path))
+    assert summary["contact_switches"] == 0
+    assert summary["error"]["ideal"]["position_per_path"] is None
+    assert summary["error"]["ideal"]["position_per_walked"] is None
+    assert summary["simulated_time"] == pytest.approx(1.0)
