@@ -1,0 +1,60 @@
+"""A process of its own that draws and encodes some pictures of a film.
+
+Started by `sim.film` with the driver chosen in MUJOCO_GL, so that a driver that crashes,
+leaks or hangs does it here. Prints a dot for every picture.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import mujoco
+
+from sim.film_camera import camera
+from sim.film_captions import Captions
+from sim.film_clock import clock
+from sim.film_file import encoding
+from sim.film_marks import marks
+from sim.film_stage import Stage
+from sim.film_style import LOOKS
+from sim.film_walk import read_walk
+
+
+def draw(folder: Path, look: str, frames: range, piece: Path) -> None:
+    """Draw frames of the film of a run folder.
+
+    Args:
+        folder: Of a finished run.
+        look: Name of the look.
+        frames: Which ones.
+        piece: File to encode them to.
+    """
+    walk = read_walk(folder)
+    film_clock = clock(walk.time, walk.scenario.playback)
+    captions = Captions(walk, film_clock)
+    drawn = marks(walk, film_clock, frames)
+    with (
+        Stage(walk, drawn, camera(walk, film_clock), LOOKS[look]) as stage,
+        encoding(piece) as writer,
+    ):
+        for frame in frames:
+            row = int(film_clock.rows[frame])
+            picture = stage.picture(frame, row)
+            captions.write(picture, row)
+            writer.append_data(picture)
+            os.write(sys.stdout.fileno(), b".")
+
+
+def main() -> None:
+    """Read the command line that `sim.film` composes."""
+    folder, look, start, stop, piece = sys.argv[1:]
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = False  # it would litter the current folder
+    log.set()
+    draw(Path(folder), look, range(int(start), int(stop)), Path(piece))
+
+
+if __name__ == "__main__":
+    main()
