@@ -56,23 +56,17 @@ def _open_loop(setup: Setup) -> Sequence[Flow]:
 
 def _replanned(setup: Setup) -> Sequence[Flow]:
     """Each segment planned from the state that the exact kinematics reached."""
-    from planner.paths import line
-    from planner.plan import plan
+    from planner.replan import plan_step
     from planner.rollout import rollout
 
     nominal, segments = setup.nominal(), setup.scenario.segments
     state = nominal(0.0)
     flows: list[Flow] = []
     for k in range(1, segments + 1):
-        step = plan(
-            setup.extended,
-            line(state, nominal(k / segments)),
-            1,
-            stance=setup.stance,
-            limits=setup.swing_limits,
-        )
-        state = rollout(step)[-1]
-        flows += step.flows
+        choices = setup.execution(finish=k == segments)
+        step = plan_step(setup.extended, state, nominal(k / segments), choices)
+        state = rollout(step.plan)[-1]
+        flows += step.plan.flows
     return flows
 
 
