@@ -6,11 +6,12 @@ contact switches, within the range of the legs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from typing import Literal, get_args
 
-from planner.errors import StratumError
+from planner.errors import RangeError, StratumError
 from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow
@@ -23,11 +24,12 @@ from planner.strata import unknown
 Stance = Literal["paper", "centred"]
 Coordinates = Literal["backward", "forward", "fewest"]
 
-ORDERS: Mapping[str, tuple[Order, ...]] = {
-    "backward": ("backward",),
-    "forward": ("forward",),
-    "fewest": ("backward", "forward"),
+CHOICES: Mapping[str, tuple[tuple[Order, ...], ...]] = {
+    "backward": (("backward",),),
+    "forward": (("forward",),),
+    "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
+"""Words to choose from in each segment; the next entry where limits refuse the first."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,9 +62,9 @@ class Execution:
             raise ValueError(
                 f"stance {self.stance!r} {unknown(self.stance, get_args(Stance))}"
             )
-        if self.coordinates not in ORDERS:
+        if self.coordinates not in CHOICES:
             raise ValueError(
-                f"coordinates {self.coordinates!r} {unknown(self.coordinates, ORDERS)}"
+                f"coordinates {self.coordinates!r} {unknown(self.coordinates, CHOICES)}"
             )
 
     def flows(
@@ -84,14 +86,30 @@ class Execution:
             StratumError: `depart` or `arrive` is unknown or cannot be joined.
             RangeError: The flows leave the limits.
         """
+        *choices, last_choice = CHOICES[self.coordinates]
+        for orders in choices:
+            try:
+                return self._flows(extended, hall_coordinates, (start, goal), orders)
+            except RangeError:
+                continue
+        return self._flows(extended, hall_coordinates, (start, goal), last_choice)
+
+    def _flows(
+        self,
+        extended: ExtendedSystem,
+        hall_coordinates: Array,
+        states: tuple[Array, Array],
+        orders: Sequence[Order],
+    ) -> list[list[Flow]]:
+        """Flows of words in one of the orders, a segment each."""
         ends = self._ends(extended)
-        words = extended.words(hall_coordinates, ORDERS[self.coordinates])
+        start, goal = states
+        words = extended.words(hall_coordinates, orders)
         ordered = regroup(extended.grouper, words, *ends)
         if self.stance == "centred":
-            last = goal if self.finish else None
-            ordered = centred(extended.shape, ordered, start, last, ends)
-        every = [flow for flows in ordered for flow in flows]
-        extended.shape.require_within(self.limits, every, start)
+            shape_after = goal if self.finish else None
+            ordered = centred(extended.shape, ordered, start, shape_after, ends)
+        extended.shape.require_within(self.limits, chain(*ordered), start)
         return ordered
 
     def _ends(self, extended: ExtendedSystem) -> tuple[str, str]:

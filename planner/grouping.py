@@ -11,6 +11,7 @@ import heapq
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import groupby
 
 from planner.flows import Flow
 from planner.strata import StratifiedSystem
@@ -74,7 +75,7 @@ class Grouper:
                 continue
             settled.add((done, here))
             if done == everything:
-                yield Arrangement(order, here, switches)
+                yield Arrangement(_late(pattern, after, order), here, switches)
                 continue
             for there in dict.fromkeys(stratum for stratum, _ in pattern):
                 run, then = _run(pattern, after, done, there)
@@ -104,6 +105,22 @@ def _run(
             run.append(j)
             done |= 1 << j
     return tuple(run), done
+
+
+def _late(
+    pattern: Pattern, after: Sequence[int], order: Sequence[int]
+) -> tuple[int, ...]:
+    """The same visits with every flow as late as it can be, the paper's order."""
+    walk = [stratum for stratum, _ in groupby(pattern[i][0] for i in order)]
+    waiting = set(order)
+    late: list[int] = []
+    for stratum in reversed(walk):
+        for j in sorted(waiting, reverse=True):  # one pass: what follows comes later
+            free = not any(after[k] >> j & 1 for k in waiting if k != j)
+            if pattern[j][0] == stratum and free:
+                late.append(j)
+                waiting.remove(j)
+    return tuple(reversed(late))
 
 
 def regroup(

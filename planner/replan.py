@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.errors import ConvergenceError, RangeError
-from planner.execution import ORDERS, Execution
+from planner.execution import CHOICES, Execution
 from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.nominal import fictitious_inputs, sample
@@ -155,7 +155,8 @@ def _shot(
     samples = sample(line(here, target), extended.system, 1, NODES)
     inputs = fictitious_inputs(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)
-    ((flows,),) = extended.words(coordinates, ORDERS[execution.coordinates])
+    (orders,) = CHOICES[execution.coordinates]
+    ((flows,),) = extended.words(coordinates, orders)
     return inputs, coordinates, play(extended.system, flows, here)[-1]
 
 

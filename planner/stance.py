@@ -36,7 +36,7 @@ class _Visit:
         """Middle and net of the coordinate's sweep, from where it starts."""
         flows = merged(flow for _, flow in self.sweeps)
         course = shape.course(coordinate, flows, 0.0)
-        return (course.min() + course.max()) / 2, course[-1]
+        return float(course.min() + course.max()) / 2, float(course[-1])
 
 
 def centred(
