@@ -56,15 +56,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _execute(words: Sequence[str]) -> int:
     try:
-        options = _parser().parse_args(words)
+        options = parser().parse_args(words)
     except SystemExit as finished:  # --help
         return int(finished.code or ExitCode.OK)
     return int(options.execute(options) or ExitCode.OK)
 
 
-def _parser() -> Parser:
-    parser = Parser("stratawalk", description=DESCRIPTION, allow_abbrev=False)
-    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+def parser() -> Parser:
+    """The command line of every command."""
+    stratawalk = Parser("stratawalk", description=DESCRIPTION, allow_abbrev=False)
+    commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
     for name in COMMANDS:
         module = import_module(f"sim.commands.{name}")
         command = commands.add_parser(
@@ -76,7 +77,7 @@ def _parser() -> Parser:
             "--debug", action="store_true", help="show the traceback of an error"
         )
         command.set_defaults(execute=module.execute)
-    return parser
+    return stratawalk
 
 
 def _terminate(number: int, frame: object) -> NoReturn:

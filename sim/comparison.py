@@ -59,7 +59,7 @@ def _row(
     name: str, pose: Any, off: str, along: Mapping[str, float] | None = None
 ) -> str:
     x, y, yaw = pose
-    end = f"{x:8.4f} {y:8.4f} {yaw:8.4f}"
+    end = f"{x:z8.4f} {y:z8.4f} {yaw:z8.4f}"
     way = "" if along is None else _way(along)
     return f"{name:13}{end:29}{off:31}{way}".rstrip()
 

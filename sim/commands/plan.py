@@ -122,7 +122,7 @@ def _describe(facts: Mapping[str, Any]) -> str:
             f"{facts['contact_switches']} contact switches",
             f"{'walks':10}{facts['distance_walked']:.3f} m for a path of "
             f"{facts['path_length']:.3f} m, legs to {facts['largest_swing']:.3f} rad",
-            f"{'ends at':10}x {x:.4f} m, y {y:.4f} m, yaw {yaw:.4f} rad",
+            f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad",
             f"{'off goal':10}{1e3 * error['position']:.2f} mm, {error['yaw']:.4f} rad",
             f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "
             f"{1e3 * timing['compile']:.0f} ms to load and compile",

@@ -1,0 +1,83 @@
+"""The README tells the truth: its code runs, its commands, options and files exist."""
+
+import argparse
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from models.robot import robots
+from sim.cli import COMMANDS, parser
+from sim.scenario_file import load, shipped
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text()
+
+
+def blocks(language):
+    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+
+
+def command_lines():
+    """The words of every `$ stratawalk ...` line, comments left out."""
+    lines = (line for block in blocks("console") for line in block.splitlines())
+    return [
+        shlex.split(line[2:], comments=True) for line in lines if "$ stratawalk" in line
+    ]
+
+
+def options(command):
+    """Options that a command of the parser knows."""
+    (commands,) = (
+        a for a in parser()._actions if isinstance(a, argparse._SubParsersAction)
+    )
+    return {
+        word for a in commands.choices[command]._actions for word in a.option_strings
+    }
+
+
+@pytest.mark.parametrize("block", blocks("python"))
+def test_every_python_block_runs(block):
+    exec(compile(block, "README.md", "exec"), {})
+
+
+@pytest.mark.parametrize("words", command_lines(), ids=" ".join)
+def test_every_command_line_parses_and_names_what_is_shipped(words):
+    given = parser().parse_args(words[1:])
+    assert getattr(given, "scenario", None) in (*shipped(), None)
+    assert getattr(given, "robot", None) in (*robots(), None)
+
+
+def test_every_option_exists():
+    ours = {word for command in COMMANDS for word in options(command)}
+    named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", README))
+    assert named - ours == set()
+
+
+def test_every_command_named_exists():
+    assert set(re.findall(r"stratawalk ([a-z]+)", README)) <= set(COMMANDS)
+
+
+def test_every_path_of_this_project_exists():
+    named = re.findall(
+        r"`((?:planner|models|sim|scripts|tests|docs)/[\w./-]*)`", README
+    )
+    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
+    assert [path for path in (*named, *pictures) if not (ROOT / path).exists()] == []
+    assert named
+
+
+def test_the_scenario_shown_is_one(tmp_path):
+    (block,) = (b for b in blocks("toml") if "[path]" in b)
+    (tmp_path / "mine.toml").write_text(block)
+    assert load(str(tmp_path / "mine.toml")).path.kind == "waypoints"
+
+
+def test_the_card_shown_has_the_keys_of_the_shipped_cards():
+    (block,) = (b for b in blocks("toml") if "[gait]" in b)
+    shown = tomllib.loads(block)
+    real = tomllib.loads((ROOT / "models" / "hexapod.toml").read_text())
+    assert real.keys() - {"description"} <= shown.keys()
+    assert real["leg"]["1"].keys() <= shown["leg"]["1"].keys()
