@@ -24,11 +24,12 @@ from planner.paths import line
 from planner.plan import plan
 from sim.measure import Sensors
 from sim.physics import Engine
+from sim.planning import plan_open_loop
 from sim.recording import Recorder
 from sim.scenario_file import load
 from sim.schedule import Scheduler
 from sim.setup import Setup, prepare
-from sim.walk import lay, plan_open_loop
+from sim.walk import lay
 
 PAIRS = 5
 STEPS = 20_000  # of physics in each measurement: a third of a second
@@ -67,7 +68,8 @@ def simulation(setup: Setup) -> Iterator[Row]:
             Sensors(setup.model, setup.robot),
             setup.scenario.sample_every,
         )
-        recorder.play(ctrl)
+        for _ in recorder.play(ctrl):
+            pass
         recorder.finish()
 
     def bare() -> None:
@@ -126,7 +128,7 @@ def command() -> Iterator[Row]:
 
 
 def paired(other: Callable[[], None], ours: Callable[[], None]) -> tuple[float, float]:
-    """Median of other / ours over interleaved pairs, and the median time of ours [s]."""
+    """Median of other / ours over interleaved pairs, and that of our time [s]."""
     times = [(_seconds(other), _seconds(ours)) for _ in range(PAIRS)]
     ratios = [a / b for a, b in times]
     return statistics.median(ratios), statistics.median(b for _, b in times)

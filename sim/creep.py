@@ -26,8 +26,11 @@ def creep_floor(setup: Setup, duration: float) -> float:
     """
     stand = min(duration, LONGEST_STAND)
     dt, hold = setup.limits.timestep, setup.limits.hold
-    recorder = Recorder(Engine(setup.model), Sensors(setup.model, setup.robot), 1_000_000)
+    recorder = Recorder(
+        Engine(setup.model), Sensors(setup.model, setup.robot), 1_000_000
+    )
     still = np.zeros((round((hold + stand) / dt), len(setup.robot.groups)))
-    recorder.play(setup.channels.ctrl(still, still))
+    for _ in recorder.play(setup.channels.ctrl(still, still)):
+        pass
     slip = recorder.finish().feet.slip.sum(axis=1)
     return float((slip[-1] - slip[round(hold / dt) - 1]) * duration / stand)

@@ -45,14 +45,14 @@ class RunFolder:
         self.write_text(name, json.dumps(value, indent=1, allow_nan=False) + "\n")
 
     def write_arrays(self, name: str, **arrays: np.ndarray) -> None:
-        """Write named arrays as .npz; equal arrays give equal bytes.
+        """Write named arrays as compressed .npz; equal arrays give equal bytes.
 
         Raises:
             FilesError: If the disk is full or the folder cannot be written.
         """
         size = sum(array.nbytes for array in arrays.values())
         with whole(self.path / name, size) as part, part.open("wb") as file:
-            np.savez(file, allow_pickle=False, **arrays)
+            np.savez_compressed(file, allow_pickle=False, **arrays)
 
     def discard_if_empty(self) -> None:
         """Remove the folder if nothing was written, so a refusal leaves no trace."""

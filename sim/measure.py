@@ -35,7 +35,9 @@ class Sensors:
     """Reads the contact sensors of a robot's feet out of sensordata."""
 
     def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
-        self.weight = float(model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity))
+        self.weight = float(
+            model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity)
+        )
         self._feet = [
             [model.sensor(contact_sensor(geom)) for geom in robot.card.legs[leg].foot]
             for leg in robot.legs

@@ -70,11 +70,15 @@ class Engine:
         if len(bad):
             step, channel = bad[0]
             name = self.model.actuator(int(channel)).name
-            raise self._failure(f"command of {name!r} is {ctrl[step, channel]}", int(step))
+            raise self._failure(
+                f"command of {name!r} is {ctrl[step, channel]}", int(step)
+            )
 
     def _check_warnings(self, record: Record) -> None:
         now = self._batch.warning
-        risen = np.flatnonzero((now != self._warnings).reshape(-1, now.shape[-1])[..., -1])
+        risen = np.flatnonzero(
+            (now != self._warnings).reshape(-1, now.shape[-1])[..., -1]
+        )
         if len(risen):
             moved = np.flatnonzero((np.diff(record.qpos, axis=0) != 0).any(axis=1))
             step = int(moved[-1]) + 1 if len(moved) else 0
@@ -89,7 +93,7 @@ class Engine:
 
 
 def _silence_the_engine() -> None:
-    """Warnings are raised here as errors; the engine need not print and log them too."""
+    """Warnings are raised here as errors; no need to print and log them too."""
     log = mujoco.MjLogConfig.get()
     log.logto_file = log.logto_console = False
     log.set()

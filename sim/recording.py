@@ -1,12 +1,12 @@
 """Play commands on the engine and keep what evaluation needs, and no more.
 
-Sensors are reduced stretch by stretch to contact, slip speed and positions, so a walk of
-minutes at half a millisecond a step stays within a few hundred megabytes.
+Sensors are reduced stretch by stretch to contact, slip speed and positions, so a walk
+of minutes at half a millisecond a step stays within a few hundred megabytes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,6 @@ from sim.physics import STRETCH, Engine
 
 Array = np.ndarray
 Samples = tuple[Array, ...]  # qpos, qvel, point, centre of mass
-Progress = Callable[[int], None]  # called with the steps just done
 
 
 @dataclass(frozen=True)
@@ -41,28 +40,28 @@ class Recording:
 class Recorder:
     """Advances an engine and gathers a `Recording`."""
 
-    def __init__(
-        self,
-        engine: Engine,
-        sensors: Sensors,
-        sample_every: int,
-        progress: Progress | None = None,
-    ) -> None:
+    def __init__(self, engine: Engine, sensors: Sensors, sample_every: int) -> None:
         self.engine = engine
-        self._sensors, self._every, self._progress = sensors, sample_every, progress
+        self._sensors, self._every = sensors, sample_every
         self._ctrl: list[Array] = []
         self._rows: list[Array] = []
         self._samples: list[Samples] = []
         self._feet: list[tuple[Array, Array]] = []  # loaded, speed
         self._last: Samples | None = None
 
-    def play(self, ctrl: Array) -> None:
-        """Apply one row of commands a step, shape (n, nu)."""
+    def play(self, ctrl: Array) -> Iterator[float]:
+        """Apply one row of commands a step, shape (n, nu), stretch by stretch.
+
+        Yields:
+            How much of it is done, from 0 to 1.
+        """
         self._ctrl.append(ctrl)
         for begin in range(0, len(ctrl), STRETCH):
-            self._stretch(ctrl[begin : begin + STRETCH])
+            stretch = ctrl[begin : begin + STRETCH]
+            self._record(stretch)
+            yield (begin + len(stretch)) / len(ctrl)
 
-    def _stretch(self, ctrl: Array) -> None:
+    def _record(self, ctrl: Array) -> None:
         before = self.engine.steps
         record = self.engine.advance(ctrl)
         readings = self._sensors.read(record.sensordata)
@@ -74,8 +73,6 @@ class Recorder:
         self._samples.append(tuple(s[due - 1] for s in states))
         self._last = tuple(s[-1:].copy() for s in states)
         self._feet.append((self._sensors.loaded(readings), readings.speed.astype("f4")))
-        if self._progress is not None:
-            self._progress(len(ctrl))
 
     def finish(self) -> Recording:
         """Everything recorded; the last state is always a row."""

@@ -12,6 +12,7 @@ from sim.creep import creep_floor
 from sim.evaluate import Summary, evaluate, summarise, trajectory
 from sim.folder import RunFolder
 from sim.phases import table
+from sim.planning import plan_open_loop
 from sim.progress import Progress, silent
 from sim.scenario import Scenario
 from sim.scenario_file import dumps
@@ -46,10 +47,13 @@ def run(
     timing: dict[str, float] = {}
     with _timed(timing, "compile"):
         setup = prepare(scenario)
+    with _timed(timing, "plan"):
+        planned = None if scenario.replan else plan_open_loop(setup)
     folder.write_text("scenario.toml", dumps(scenario))
     folder.write_text("model.xml", setup.model_text)
-    walked = walk(setup, lambda fraction: progress("walking", fraction))
-    timing |= walked.timing
+    walked = walk(setup, planned, lambda fraction: progress("walking", fraction))
+    timing["plan"] += walked.seconds["plan"]
+    timing["simulate"] = walked.seconds["simulate"]
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walked)
         seconds = evaluation.walk.duration

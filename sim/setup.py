@@ -10,7 +10,7 @@ import numpy as np
 
 from models.equations import Equations, equations
 from models.kinematics import Kinematics
-from models.robot import Robot, load, root_body
+from models.robot import Robot, load
 from planner.execution import Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from sim.poses import pose_of

@@ -1,28 +1,33 @@
-"""Walk a plan in the physics: open loop, or planned again from every pose reached.
+"""Walk in the physics: a plan open loop, or planned again from every pose reached.
 
-Produces a `Walk`, the raw material of `sim.evaluate`; judges nothing itself.
+Produces a `Walk`, the raw material of `sim.evaluate`; plans and judges nothing itself.
 """
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from planner.flows import Flow
-from planner.plan import Plan, plan
-from planner.replan import plan_step
+from planner.plan import Plan
 from sim.measure import Sensors
 from sim.physics import Engine
-from sim.poses import nearest_turn, seen_from
-from sim.recording import Progress, Recorder, Recording
+from sim.planning import plan_segment
+from sim.poses import seen_from
+from sim.recording import Recorder, Recording
 from sim.schedule import Phase, Schedule, Scheduler
 from sim.setup import Setup
 
 Array = np.ndarray
+Progress = Callable[[float], None]
+
+
+def nothing(fraction: float) -> None:
+    """Show no progress."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +47,7 @@ class Walk:
     recording: Recording
     origin: Array  # start pose in the world, (3,)
     saturated_segments: int
-    timing: dict[str, float]  # [s]
+    seconds: dict[str, float]  # spent on planning again, and on simulating
 
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
@@ -63,13 +68,12 @@ class Walk:
 class Walker:
     """Executes flows and keeps track of where the robot is."""
 
-    def __init__(self, setup: Setup, progress: Progress | None = None) -> None:
+    def __init__(self, setup: Setup, progress: Progress = nothing) -> None:
         self.setup = setup
         engine = Engine(setup.model)
         sensors = Sensors(setup.model, setup.robot)
-        self._recorder = Recorder(
-            engine, sensors, setup.scenario.sample_every, progress
-        )
+        self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
+        self._progress = progress
         self._stretches: list[Stretch] = []
         self._shape = setup.at_rest
         self._origin: Array | None = None
@@ -87,28 +91,29 @@ class Walker:
         return world * 0.0 if self._origin is None else seen_from(self._origin, world)
 
     def stand(self) -> None:
-        """Hold still on all feet; the end of the first hold is the start of the walk."""
+        """Hold still on all feet; the walk starts when the first hold ends."""
         scheduler = self._scheduler()
         scheduler.hold(self.setup.limits.hold)
         self._play(scheduler.finish())
         if self._origin is None:
             self._origin = self.setup.pose(self._recorder.engine.qpos)
 
-    def go(
-        self, segments: Iterable[Iterable[Flow]], first: int = 0, rest: float = 0.0
-    ) -> None:
-        """Carry out the flows of consecutive segments, then stand still on all feet.
+    def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:
+        """Carry out the flows of consecutive segments and put all feet down.
+
+        After the last segment of the scenario the robot stands still for a while.
 
         Args:
             segments: Flows of each segment.
             first: Number of the first of them.
-            rest: How long to stand at the end [s].
         """
+        count, last = self.setup.scenario.segments, first + len(segments)
         scheduler = self._scheduler()
         scheduler.segment = first
         lay(self.setup, scheduler, segments)
-        scheduler.hold(rest)
-        self._play(scheduler.finish())
+        if last == count:
+            scheduler.hold(self.setup.limits.hold)
+        self._play(scheduler.finish(), share=(first / count, last / count))
 
     def finish(self, saturated_segments: int = 0) -> Walk:
         """The walk so far."""
@@ -119,18 +124,21 @@ class Walker:
             recording=self._recorder.finish(),
             origin=origin,
             saturated_segments=saturated_segments,
-            timing=self.seconds,
+            seconds=self.seconds,
         )
 
     def _scheduler(self) -> Scheduler:
         return Scheduler(self.setup.limits, self._shape, self._recorder.engine.steps)
 
-    def _play(self, schedule: Schedule) -> None:
+    def _play(
+        self, schedule: Schedule, share: tuple[float, float] = (0.0, 0.0)
+    ) -> None:
         ctrl = self.setup.channels.ctrl(*schedule.angles())
         self._stretches.append(Stretch(schedule, self.pose))
         self._shape = schedule.end
         began = time.perf_counter()
-        self._recorder.play(ctrl)
+        for done in self._recorder.play(ctrl):
+            self._progress(share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began
 
 
@@ -143,59 +151,33 @@ def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) 
     scheduler.enter(setup.robot.card.bottom)
 
 
-def walk(setup: Setup, progress: Progress | None = None) -> Walk:
-    """Walk the scenario, open loop or planned again at every segment.
+def walk(setup: Setup, planned: Plan | None, progress: Progress = nothing) -> Walk:
+    """Carry a plan out blindly; without one, plan each segment from the pose reached.
+
+    Args:
+        setup: What to walk.
+        planned: Plan of the whole path; None to replan.
+        progress: Told how much of the walk is done, from 0 to 1.
 
     Raises:
-        PlannerError: If there is no plan, or it leaves the joint range.
+        PlannerError: If a segment cannot be planned from where the robot has come to.
         SimulationError: If the physics diverges.
     """
     walker = Walker(setup, progress)
-    follow = _replanned if setup.scenario.replan else _open_loop
-    return walker.finish(follow(walker))
-
-
-def plan_open_loop(setup: Setup) -> Plan:
-    """One plan for the whole path."""
-    return plan(
-        setup.extended,
-        setup.nominal(),
-        setup.scenario.segments,
-        stance=setup.stance,
-        limits=setup.swing_limits,
-    )
-
-
-def _open_loop(walker: Walker) -> int:
-    """Carry one plan out blindly."""
-    setup = walker.setup
-    began = time.perf_counter()
-    planned = plan_open_loop(setup)
-    walker.seconds["plan"] += time.perf_counter() - began
     walker.stand()
-    walker.go(planned.segments(), rest=setup.limits.hold)
-    return 0
+    if planned is None:
+        return walker.finish(_replanned(walker))
+    walker.go(list(planned.segments()))
+    return walker.finish()
 
 
 def _replanned(walker: Walker) -> int:
-    """Every segment planned from the pose reached, read with all feet down."""
-    setup, segments = walker.setup, walker.setup.scenario.segments
+    """Walk segment by segment, all feet down in between; count saturated ones."""
     saturated = 0
-    walker.stand()
-    for segment in range(segments):
-        last = segment == segments - 1
+    for segment in range(walker.setup.scenario.segments):
         began = time.perf_counter()
-        target = setup.nominal()((segment + 1) / segments)
-        pose = walker.pose
-        pose[2] = nearest_turn(pose[2], to=target[2])
-        step = plan_step(
-            setup.extended,
-            setup.state(pose, walker.swing),
-            target,
-            setup.execution(finish=last),
-        )
-        saturated += step.fraction < 1
+        step = plan_segment(walker.setup, segment, walker.pose, walker.swing)
         walker.seconds["plan"] += time.perf_counter() - began
-        rest = setup.limits.hold if last else 0.0
-        walker.go(step.plan.segments(), first=segment, rest=rest)
+        saturated += step.fraction < 1
+        walker.go(list(step.plan.segments()), first=segment)
     return saturated

@@ -1,4 +1,4 @@
-"""The model a run simulates: a robot on the floor with the run's settings, as MJCF text.
+"""The model that a run simulates: a robot on the floor, with the run's settings.
 
 Adds to the robot's file what measurement needs and is not there yet: floor, position
 servos, sensors, keyframe `start`. The run simulates the model compiled from the text.
@@ -169,7 +169,7 @@ def _add_contact_sensor(spec: mujoco.MjSpec, geom: str, floor: str) -> None:
 
 
 def _ensure_start(spec: mujoco.MjSpec, robot: Robot) -> None:
-    """Keyframe `start` where the robot has none: its initial pose, feet on the floor."""
+    """Keyframe `start` where missing: the initial pose with its feet on the floor."""
     if "start" in {key.name for key in spec.keys}:
         return
     sunk = Kinematics(robot).stance(np.zeros(len(robot.groups))).height.min()
@@ -180,7 +180,7 @@ def _ensure_start(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 @dataclass(frozen=True)
 class Channels:
-    """Where a model takes commands: addresses of swing, lift and held joints in ctrl."""
+    """Where a model takes commands: its leg joints' places in ctrl."""
 
     robot: Robot
     model: mujoco.MjModel

@@ -14,7 +14,9 @@ def model(hexapod):
     from sim.nominal import line
     from sim.scenario import Scenario
 
-    return load(build(hexapod, Scenario(name="stand", segments=1, path=line((0, 0, 0)))))
+    return load(
+        build(hexapod, Scenario(name="stand", segments=1, path=line((0, 0, 0))))
+    )
 
 
 @pytest.fixture
@@ -39,7 +41,9 @@ def test_stretches_are_bit_for_bit_a_bare_loop_over_mj_step(model, wobble):
     engine = Engine(model)
     cuts = np.split(wobble, [700, STRETCH])
     records = [engine.advance(part) for part in cuts]
-    assert np.array_equal(np.concatenate([r.qpos for r in records]), bare_loop(model, wobble))
+    assert np.array_equal(
+        np.concatenate([r.qpos for r in records]), bare_loop(model, wobble)
+    )
     assert engine.steps == len(wobble)
     assert np.array_equal(engine.qpos, records[-1].qpos[-1])
 
@@ -55,7 +59,9 @@ def test_two_runs_are_identical(model, wobble):
 def test_a_diverging_simulation_stops_with_time_and_warning(hexapod, scenario, capfd):
     wild = scenario(timestep=0.01, servo_stiffness=1e6, servo_damping=0.0)
     engine = Engine(load(build(hexapod, wild)))
-    with pytest.raises(SimulationError, match=r"diverged.*BADQ.*: t = 0\.\d+ s; try a small"):
+    with pytest.raises(
+        SimulationError, match=r"diverged.*BADQ.*: t = 0\.\d+ s; try a small"
+    ):
         engine.advance(np.full((400, 12), 0.4))
     assert capfd.readouterr().err == ""
 
@@ -64,5 +70,7 @@ def test_a_command_that_is_not_finite_is_stopped_before_the_engine(model):
     ctrl = np.zeros((10, model.nu))
     ctrl[4, 3] = np.nan
     name = model.actuator(3).name
-    with pytest.raises(SimulationError, match=rf"command of '{name}' is nan: t = 0.0020 s"):
+    with pytest.raises(
+        SimulationError, match=rf"command of '{name}' is nan: t = 0.0020 s"
+    ):
         Engine(model).advance(ctrl)

@@ -115,11 +115,15 @@ def test_kinematics_agree_with_the_engine_at_any_angles(robot):
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         stance = kinematics.stance(swing, lift)
-        feet = np.array([data.geom(robot.card.legs[n].foot[0]).xpos for n in robot.legs])
+        feet = np.array(
+            [data.geom(robot.card.legs[n].foot[0]).xpos for n in robot.legs]
+        )
         # the same kinematics in another arrangement: rounding alone
         assert stance.feet == pytest.approx(feet[:, :2], abs=1e-12)
         root = model.body(robot.root).id
-        assert stance.center_of_mass == pytest.approx(data.subtree_com[root][:2], abs=1e-12)
+        assert stance.center_of_mass == pytest.approx(
+            data.subtree_com[root][:2], abs=1e-12
+        )
 
 
 def test_rates_of_the_feet_are_their_derivatives_by_the_group_angle(robot):
@@ -134,7 +138,9 @@ def test_rates_of_the_feet_are_their_derivatives_by_the_group_angle(robot):
 
 
 def test_loading_an_unknown_name_lists_the_shipped_ones():
-    with pytest.raises(UnknownRobotError, match="unknown robot: 'hexapop'; shipped are hexapod"):
+    with pytest.raises(
+        UnknownRobotError, match="unknown robot: 'hexapop'; shipped are hexapod"
+    ):
         load("hexapop")
 
 
@@ -160,7 +166,9 @@ def test_a_card_that_names_missing_parts_is_refused_with_all_of_them(tmp_path):
     path.write_text(text)
     card = (FOLDER / "hexapod.toml").read_text().replace('"swing_1"', '"hip_yaw"')
     path.with_suffix(".toml").write_text(card.replace('"foot_2"', '"toe"'))
-    with pytest.raises(ModelError, match="lacks: .*six.xml; joint 'hip_yaw', geom 'toe'"):
+    with pytest.raises(
+        ModelError, match="lacks: .*six.xml; joint 'hip_yaw', geom 'toe'"
+    ):
         load(str(path))
 
 

@@ -54,7 +54,9 @@ def tricycle(tmp_path):
             for n, a in enumerate(angles, start=1)
         )
         motors = "".join(
-            f'<motor name="m_{j}{n}" joint="{j}{n}"/>' for j in ("yaw", "roll") for n in (1, 2, 3)
+            f'<motor name="m_{j}{n}" joint="{j}{n}"/>'
+            for j in ("yaw", "roll")
+            for n in (1, 2, 3)
         )
         path = tmp_path / "tricycle.xml"
         path.write_text(BARE.format(legs=legs, motors=motors))
@@ -71,7 +73,9 @@ def test_the_text_loads_in_bare_mujoco_and_stands(hexapod, scenario):
     assert data.qpos[:2] == pytest.approx([0, 0])
     mujoco.mj_step(model, data, nstep=400)
     weight = model.body_subtreemass[0] * 9.81
-    forces = [data.sensor(contact_sensor(f"foot_{leg}")).data[1] for leg in hexapod.legs]
+    forces = [
+        data.sensor(contact_sensor(f"foot_{leg}")).data[1] for leg in hexapod.legs
+    ]
     # settled to a per cent after 0.2 s of critically damped servos
     assert sum(forces) == pytest.approx(weight, rel=0.01)
 
@@ -136,13 +140,17 @@ def test_a_bare_robot_gets_floor_servos_sensors_and_keyframe(tricycle, scenario)
 
 
 def test_a_joint_without_a_servo_needs_one_on_the_card(tricycle, scenario):
-    with pytest.raises(ModelError, match=r"joint 'yaw1' has no position servo.*\[servo\]"):
+    with pytest.raises(
+        ModelError, match=r"joint 'yaw1' has no position servo.*\[servo\]"
+    ):
         build(tricycle(card=CARD), scenario())
 
 
 def test_commands_turn_and_raise_every_leg_of_a_group(hexapod, scenario):
     model = load(build(hexapod, scenario()))
-    ctrl = Channels(hexapod, model).ctrl(np.array([[0.1, -0.2]]), np.array([[0.3, 0.0]]))[0]
+    ctrl = Channels(hexapod, model).ctrl(
+        np.array([[0.1, -0.2]]), np.array([[0.3, 0.0]])
+    )[0]
     for leg in (1, 4, 5):
         assert ctrl[model.actuator(f"swing_{leg}").id] == -0.1  # clockwise from above
         assert ctrl[model.actuator(f"lift_{leg}").id] == 0.3
@@ -161,7 +169,9 @@ def test_a_lift_height_is_reached_by_every_foot(hexapod):
 
 
 def test_a_height_out_of_reach_is_refused_with_the_reachable_one(hexapod):
-    with pytest.raises(UsageError, match=r"lift_height = 0.5 .*: hexapod; give at most 0\.1"):
+    with pytest.raises(
+        UsageError, match=r"lift_height = 0.5 .*: hexapod; give at most 0\.1"
+    ):
         lift_angle(hexapod, 0.5)
 
 

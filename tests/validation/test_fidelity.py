@@ -11,6 +11,7 @@ import pytest
 
 from sim.creep import creep_floor
 from sim.evaluate import evaluate, summarise, trajectory
+from sim.planning import plan_open_loop
 from sim.scenario_file import load
 from sim.setup import prepare
 from sim.walk import walk
@@ -30,7 +31,8 @@ class Result:
 
 def run(name, **changes):
     setup = prepare(load(name, changes))
-    walked = walk(setup)
+    planned = None if setup.scenario.replan else plan_open_loop(setup)
+    walked = walk(setup, planned)
     evaluation = evaluate(walked)
     summary = summarise(evaluation, creep_floor(setup, walked.duration))
     return Result(walked, evaluation, summary, trajectory(evaluation))

@@ -82,8 +82,9 @@ def test_the_summary_has_the_keys_of_the_contract(folders):
     summary = json.loads((folders[0] / "summary.json").read_text())
     assert summary.keys() >= {
         "scenario", "robot", "fields", "stance", "segments", "replan", "steer", "goal",
-        "path_length", "distance_walked", "contact_switches", "contact_switches_achieved",
-        "swing_travel", "air_travel", "bounces", "saturated_segments", "walk_starts",
+        "path_length", "distance_walked", "contact_switches", "swing_travel",
+        "contact_switches_achieved", "air_travel", "bounces", "saturated_segments",
+        "walk_starts",
         "predicted", "achieved", "error", "simulated_time", "timestep", "timing",
     }  # fmt: skip
     assert summary["achieved"].keys() == {
