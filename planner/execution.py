@@ -29,7 +29,7 @@ CHOICES: Mapping[str, tuple[tuple[Order, ...], ...]] = {
     "forward": (("forward",),),
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
-"""Words to choose from in each segment; the next entry where limits refuse the first."""
+"""Words to choose from in each segment, and again where limits refuse the plan."""
 
 
 @dataclass(frozen=True, kw_only=True)

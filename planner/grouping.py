@@ -11,7 +11,7 @@ import heapq
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import groupby
+from itertools import chain, groupby
 
 from planner.flows import Flow
 from planner.strata import StratifiedSystem
@@ -140,6 +140,7 @@ def regroup(
     Returns:
         For each segment its flows in time order.
     """
+    system = grouper.system
     best: dict[str, int] = {start: 0}  # fewest switches on the way to each stratum
     back: list[dict[str, tuple[str, int, Arrangement]]] = []
     for ways in segments:
@@ -153,14 +154,25 @@ def regroup(
                     if total < reached.get(found.end, total + 1):
                         reached[found.end] = total
                         links[found.end] = (here, k, found)
+        if not reached:
+            _refuse(system, best, patterns)
         best = reached
         back.append(links)
-    end = min(best, key=lambda s: best[s] + grouper.price[s, goal])
+    end = min(best, key=lambda stratum: best[stratum] + system.switches(stratum, goal))
     chosen = []
     for ways, links in zip(reversed(segments), reversed(back), strict=True):
         end, k, found = links[end]
         chosen.append(_joined(grouper, [ways[k][i] for i in found.order]))
     return chosen[::-1]
+
+
+def _refuse(
+    system: StratifiedSystem, starts: Iterable[str], patterns: Iterable[Pattern]
+) -> None:
+    """Name the strata that the graph does not join."""
+    for start in starts:
+        for stratum, _ in chain(*patterns):
+            system.route(start, stratum)
 
 
 def _joined(grouper: Grouper, flows: Iterable[Flow]) -> list[Flow]:
