@@ -60,7 +60,9 @@ def film(
         FilesError: If the film cannot be written.
     """
     if look not in LOOKS:
-        raise UsageError(f"unknown look {look!r}", "film", f"known are {', '.join(LOOKS)}")
+        raise UsageError(
+            f"unknown look {look!r}", "film", f"known are {', '.join(LOOKS)}"
+        )
     folder, driver = folder.resolve(), check()
     walk = read_walk(folder)
     pictures = len(clock(walk.time, walk.scenario.playback).rows)
@@ -81,7 +83,9 @@ def film(
         draw(pieces, driver, report)
         join([piece.path for piece in pieces], part)
         if (found := count_pictures(part)) != pictures:
-            raise RenderError(f"film cut short, {found} of {pictures} pictures", str(path), KEPT)
+            raise RenderError(
+                f"film cut short, {found} of {pictures} pictures", str(path), KEPT
+            )
     return path
 
 

@@ -19,9 +19,13 @@ Array = np.ndarray
 FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
 ELEVATION = -50.0  # [degrees]
 SWAY = 7.0  # [degrees] to either side in the course of the film
-MARGINS = (0.86, 0.70)  # of the half picture, sideways and upright, left for captions
-BODY_HEIGHT = 0.5  # in units of the robot's reach
+ROOM = (0.78, 0.76)  # of half the picture, sideways and upright: the rest is captions
+MIDDLE = (0.16, 0.12)  # of that room, right of and above the middle of the picture
+KNEES = 0.35  # above the feet, in units of the robot's reach
 FARTHEST = 7.0  # in units of the robot's reach; beyond, the camera follows
+HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
+HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
+ROUNDS = 8  # of moving the target; settles to a pixel
 CALM = 1.5  # [s] of film over which the camera follows
 
 
@@ -37,23 +41,25 @@ class Camera:
 
 def camera(walk: Walk, clock: Clock) -> Camera:
     """The camera of a whole film."""
+    pictures = len(clock.rows)
+    sway = SWAY * np.sin(np.linspace(-np.pi / 2, np.pi / 2, pictures))
+    azimuth = _across(walk.nominal) + sway
     seen = _seen(walk)
-    azimuth = _across(walk.nominal) + SWAY * np.sin(np.linspace(-np.pi / 2, np.pi / 2, len(clock.rows)))
-    centre = (seen.min(axis=0) + seen.max(axis=0)) / 2
-    fitting = max(_distance(seen - centre, a) for a in (azimuth[0], azimuth[-1]))
-    farthest = FARTHEST * walk.reach
-    follow = 1 - min(1.0, farthest / fitting)
-    robot = walk.achieved[clock.rows] * (1, 1, 0)
-    calm = gaussian_filter1d(robot, CALM * FRAME_RATE, axis=0, mode="nearest")
-    return Camera(centre + follow * (calm - centre), azimuth, min(fitting, farthest))
+    centre, fitting = _fit(seen, float(azimuth[0] + azimuth[-1]) / 2)
+    distance = min(fitting, FARTHEST * walk.reach)
+    body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
+    calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
+    follow = 1 - distance / fitting
+    _, right, up = _axes(azimuth)
+    aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
+    return Camera(centre + follow * (calm - centre) - aside, azimuth, distance)
 
 
 def _seen(walk: Walk) -> Array:
-    """Points that the picture should hold, shape (N, 3)."""
-    floor = (walk.contact_point[walk.contact], walk.nominal[:, :2])
-    height = BODY_HEIGHT * walk.reach
-    body = np.insert(walk.achieved[:, :2], 2, height, axis=1)
-    return np.concatenate([body, *(np.insert(points, 2, 0.0, axis=1) for points in floor)])
+    """Points that the picture should hold: feet, knees and path, shape (N, 3)."""
+    feet = walk.contact_point[walk.contact]
+    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (walk.nominal[:, :2], 0.0))
+    return np.concatenate([np.insert(points, 2, z, axis=1) for points, z in heights])
 
 
 def _across(path: Array) -> float:
@@ -64,17 +70,27 @@ def _across(path: Array) -> float:
     return float(np.degrees(angle)) + 90.0
 
 
-def _distance(points: Array, azimuth: float) -> float:
-    """Smallest distance at which points around the target are inside the margins [m]."""
+def _fit(points: Array, azimuth: float) -> tuple[Array, float]:
+    """Target and distance with which the points just fill the picture's margins."""
+    forward, right, up = _axes(azimuth)
+    target = points.mean(axis=0)
+    for _ in range(ROUNDS):
+        seen = points - target
+        across = np.abs(seen @ right) / (ROOM[0] * HALF_WIDTH)
+        upright = np.abs(seen @ up) / (ROOM[1] * HALF_HEIGHT)
+        distance = float((np.maximum(across, upright) - seen @ forward).max())
+        depth = distance + seen @ forward
+        for axis in (right, up):
+            slope = (seen @ axis) / depth
+            target = target + (slope.min() + slope.max()) / 2 * distance * axis
+    return target, distance
+
+
+def _axes(azimuth: Array | float) -> tuple[Array, Array, Array]:
+    """Directions forward, right and up of the picture, shape (..., 3) each."""
     turn, tilt = np.radians(azimuth), np.radians(ELEVATION)
-    forward = np.array(
-        [np.cos(turn) * np.cos(tilt), np.sin(turn) * np.cos(tilt), np.sin(tilt)]
-    )
-    right = np.array([np.sin(turn), -np.cos(turn), 0.0])
-    up = np.cross(right, forward)
-    upright = np.tan(np.radians(FIELD_OF_VIEW) / 2)
-    sideways = upright * WIDTH / HEIGHT
-    depth = points @ forward
-    across = np.abs(points @ right) / (MARGINS[0] * sideways) - depth
-    along = np.abs(points @ up) / (MARGINS[1] * upright) - depth
-    return float(max(across.max(), along.max()))
+    cos, sin, level = np.cos(turn), np.sin(turn), np.zeros_like(turn)
+    forward = (cos * np.cos(tilt), sin * np.cos(tilt), level + np.sin(tilt))
+    up = (-cos * np.sin(tilt), -sin * np.sin(tilt), level + np.cos(tilt))
+    right = (sin, -cos, level)
+    return np.stack(forward, -1), np.stack(right, -1), np.stack(up, -1)

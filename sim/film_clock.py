@@ -51,4 +51,6 @@ def _round_speeds() -> Iterator[float]:
     """1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, ... 60, 80, 100, ..."""
     yield from (1, 2, 3, 4, 5, 6, 8)
     for power in count(1):
-        yield from (digit * 10.0**power for digit in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8))
+        yield from (
+            digit * 10.0**power for digit in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
+        )

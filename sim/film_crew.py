@@ -63,7 +63,9 @@ class Worker:
         self.complaints.seek(0)
         said = self.complaints.read().decode(errors="replace")
         if "No space left" in said or shutil.disk_usage(where).free < FULL:
-            raise FilesError("disk full while filming", where, f"free some space; {KEPT}")
+            raise FilesError(
+                "disk full while filming", where, f"free some space; {KEPT}"
+            )
         last = (said.strip().splitlines() or ["no word"])[-1]
         reason = f"signal {-code}" if code < 0 else last
         raise RenderError(f"drawing the film failed, {reason}", where, KEPT)

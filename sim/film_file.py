@@ -76,7 +76,17 @@ def count_pictures(film: Path) -> int:
     """Number of pictures that a film really holds; 0 if it cannot be read."""
     try:
         report = _ffmpeg(
-            "-progress", "-", "-i", f"file:{film}", "-map", "0:v:0", "-c", "copy", "-f", "null", "-"
+            "-progress",
+            "-",
+            "-i",
+            f"file:{film}",
+            "-map",
+            "0:v:0",
+            "-c",
+            "copy",
+            "-f",
+            "null",
+            "-",
         )
     except RenderError:
         return 0
@@ -94,9 +104,13 @@ def _ffmpeg(*arguments: str) -> str:
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     except OSError as error:
-        raise RenderError(f"no ffmpeg, {error.strerror}", command[0], INSTALL) from error
+        raise RenderError(
+            f"no ffmpeg, {error.strerror}", command[0], INSTALL
+        ) from error
     if done.returncode:
-        reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[
+            -1
+        ]
         raise RenderError(f"ffmpeg failed, {reason}", command[0], INSTALL)
     return done.stdout
 

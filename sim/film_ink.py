@@ -22,11 +22,14 @@ class Ink:
     Attributes:
         points: Corners of the triangles, shape (N, 3, 2) [m], anticlockwise.
         frames: First frame of each triangle, shape (N,), ascending.
+        shapes: Number of the shape that each belongs to, shape (N,); triangles of one
+            shape do not overlap.
         fleeting: Whether a triangle is gone again in the next frame.
     """
 
     points: Array
     frames: Array
+    shapes: Array
     fleeting: bool = False
 
     def visible(self, frame: int) -> tuple[int, int]:
@@ -43,11 +46,15 @@ class Ink:
 
 def join(inks: Iterable[Ink], fleeting: bool = False) -> Ink:
     """One drawing of several."""
-    inks = list(inks)
-    points = np.concatenate([np.zeros((0, 3, 2)), *(ink.points for ink in inks)])
-    frames = np.concatenate([np.zeros(0, int), *(ink.frames for ink in inks)])
+    inks = [ink for ink in inks if len(ink)]
+    if not inks:
+        return Ink(np.zeros((0, 3, 2)), np.zeros(0, int), np.zeros(0, int), fleeting)
+    counts = np.cumsum([0, *(ink.shapes.max() + 1 for ink in inks)])
+    shapes = [ink.shapes + n for ink, n in zip(inks, counts, strict=False)]
+    frames = np.concatenate([ink.frames for ink in inks])
     order = np.argsort(frames, kind="stable")
-    return Ink(points[order], frames[order], fleeting)
+    points = np.concatenate([ink.points for ink in inks])
+    return Ink(points[order], frames[order], np.concatenate(shapes)[order], fleeting)
 
 
 def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Ink:
@@ -108,11 +115,14 @@ def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Ink:
     fans = []
     for outline, frame in zip(outlines, frames, strict=True):
         n = len(outline) - 2
-        fan = np.stack([np.repeat(outline[:1], n, 0), outline[1:-1], outline[2:]], axis=1)
-        fans.append(Ink(fan, np.full(n, frame)))
+        fan = np.stack(
+            [np.repeat(outline[:1], n, 0), outline[1:-1], outline[2:]], axis=1
+        )
+        fans.append(Ink(fan, np.full(n, frame), np.zeros(n, int)))
     return join(fans)
 
 
 def _quadrangles(corners: Array, frames: Array) -> Ink:
     halves = corners[:, [[0, 1, 2], [0, 2, 3]]]  # (N, 2, 3, 2)
-    return Ink(halves.reshape(-1, 3, 2), np.repeat(frames, 2))
+    shapes = np.repeat(np.arange(len(corners)), 2)
+    return Ink(halves.reshape(-1, 3, 2), np.repeat(frames, 2), shapes)

@@ -23,8 +23,11 @@ Array = np.ndarray
 # In units of the robot's reach.
 SPACING, JUMP = 0.004, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
-THIN, WIDE = 0.012, 0.028  # widths of lines
-FOOT, TRAIL = 0.036, 0.03  # radius of a footprint, width of the slip that leads from it
+FINE, THIN, WIDE = 0.006, 0.01, 0.013  # widths of lines
+FOOT, TRAIL = (
+    0.016,
+    0.014,
+)  # radius of a footprint, width of the slip that leads from it
 SPOT, GOAL = 0.032, 0.06  # radii
 
 
@@ -50,9 +53,11 @@ def marks(walk: Walk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         *_goal(walk),
+        Mark(
+            "predicted path", _path(walk, clock, walk.predicted, WIDE), style.PREDICTED
+        ),
+        Mark("achieved path", _path(walk, clock, walk.achieved, FINE), style.ACHIEVED),
         Mark("nominal path", _nominal(walk), style.NOMINAL),
-        Mark("predicted path", _path(walk, clock, walk.predicted, WIDE), style.PREDICTED),
-        Mark("achieved path", _path(walk, clock, walk.achieved, THIN), style.ACHIEVED),
         *_weight(walk, clock, frames),
     )
     return tuple(mark for mark in drawn if len(mark.ink))
@@ -65,7 +70,10 @@ def _nominal(walk: Walk) -> Ink:
 def _goal(walk: Walk) -> Iterator[Mark]:
     """A ring where the nominal path ends."""
     end, first = walk.nominal[-1:, :2], np.zeros(1, int)
-    for name, share, colour in (("goal", 1.0, style.NOMINAL), ("goal's eye", 0.75, style.PAPER)):
+    for name, share, colour in (
+        ("goal", 1.0, style.NOMINAL),
+        ("goal's eye", 0.75, style.PAPER),
+    ):
         yield Mark(name, discs(end, first, share * GOAL * walk.reach), colour)
 
 

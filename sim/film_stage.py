@@ -24,20 +24,22 @@ Array = np.ndarray
 
 AMBIENT, DIRECT = 0.62, 0.42  # light; on the floor they add up to 1: colours are true
 SUN = (-0.25, 0.35, -1.0)  # direction of the direct light
-BODY_ALPHA = 0.35  # of the torso, so that the floor below is seen
+BODY_ALPHA = 0.25  # of the torso, so that the floor below is seen
 LAYER = 0.0013  # between marks [reach of the robot]
 SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 NEAR = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 GRID = "film_grid"
-STEP, STEPS = 4e-6, 64  # [m]; where triangles of one plane overlap, the sun counts twice
+STEP, STEPS = 4e-6, 64  # [m]; where shapes overlap in one plane the sun counts twice
 ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
 
 
 class Stage:
     """Draws one walk; holds a GL context until it is closed."""
 
-    def __init__(self, walk: Walk, marks: Sequence[Mark], camera: Camera, look: Look) -> None:
+    def __init__(
+        self, walk: Walk, marks: Sequence[Mark], camera: Camera, look: Look
+    ) -> None:
         self._walk, self._marks, self._camera = walk, marks, camera
         self._model = _build(walk, marks, look)
         self._first_face = self._model.mesh_faceadr.copy()
@@ -49,7 +51,9 @@ class Stage:
         self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + ROOM)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look.shadows
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
-        self._brush = mujoco.MjrContext(self._model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        self._brush = mujoco.MjrContext(
+            self._model, mujoco.mjtFontScale.mjFONTSCALE_100
+        )
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._brush)
 
     def __enter__(self) -> Self:
@@ -106,9 +110,15 @@ class Stage:
         mesh = self._model.mesh(mark.name)
         first, count = mark.ink.visible(frame)
         begin = self._first_face[mesh.id] + first
-        if (self._model.mesh_faceadr[mesh.id], self._model.mesh_facenum[mesh.id]) == (begin, count):
+        if (self._model.mesh_faceadr[mesh.id], self._model.mesh_facenum[mesh.id]) == (
+            begin,
+            count,
+        ):
             return
-        self._model.mesh_faceadr[mesh.id], self._model.mesh_facenum[mesh.id] = begin, count
+        self._model.mesh_faceadr[mesh.id], self._model.mesh_facenum[mesh.id] = (
+            begin,
+            count,
+        )
         mujoco.mjr_uploadMesh(self._model, self._brush, mesh.id)
 
 
@@ -167,7 +177,7 @@ def _lay_floor(spec: mujoco.MjSpec) -> float:
 
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float) -> None:
     """One mesh for all the triangles that a mark will ever show."""
-    lift = height + STEP * (np.arange(len(mark.ink)) % STEPS)
+    lift = height + STEP * (mark.ink.shapes % STEPS)
     corners = np.dstack([mark.ink.points, np.repeat(lift[:, None], 3, axis=1)])
     spec.add_mesh(
         name=mark.name,
@@ -176,7 +186,9 @@ def _draw(spec: mujoco.MjSpec, mark: Mark, height: float) -> None:
         usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(mark.ink)),
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )
-    spec.add_material(name=mark.name, rgba=style.rgba(mark.colour, mark.alpha), specular=0)
+    spec.add_material(
+        name=mark.name, rgba=style.rgba(mark.colour, mark.alpha), specular=0
+    )
     spec.worldbody.add_geom(
         name=mark.name,
         type=mujoco.mjtGeom.mjGEOM_MESH,

@@ -20,7 +20,10 @@ class Look:
     samples: int  # of every pixel, against jagged edges
 
 
-LOOKS = {"draft": Look(shadows=False, samples=0), "final": Look(shadows=True, samples=4)}
+LOOKS = {
+    "draft": Look(shadows=False, samples=0),
+    "final": Look(shadows=True, samples=4),
+}
 
 PAPER: Colour = (246, 247, 249)
 GRID: Colour = (221, 225, 230)
@@ -53,13 +56,14 @@ def group(index: int) -> Colour:
 
 def footprint(index: int) -> Colour:
     """A group's colour, paler than its legs."""
-    return tint(group(index), 0.45)
+    return tint(group(index), 0.6)
 
 
 def tint(colour: Colour, strength: float) -> Colour:
     """The colour thinned with the floor's, for marks that should stay in the back."""
     r, g, b = (
-        round(strength * c + (1 - strength) * p) for c, p in zip(colour, PAPER, strict=True)
+        round(strength * c + (1 - strength) * p)
+        for c, p in zip(colour, PAPER, strict=True)
     )
     return r, g, b
 

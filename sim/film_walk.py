@@ -62,7 +62,9 @@ class Walk:
     @cached_property
     def group_of_foot(self) -> tuple[int, ...]:
         """Index of each foot's group, feet in ascending order of their legs."""
-        owner = {leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs}
+        owner = {
+            leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs
+        }
         return tuple(owner[leg] for leg in sorted(self.card.legs))
 
     @cached_property
@@ -90,7 +92,9 @@ def read_walk(folder: Path) -> Walk:
         if isinstance(error, UsageError):
             raise
         reason = f"no film of an unfinished run, {error}"
-        raise UsageError(reason, str(folder), "give the folder of a finished run") from error
+        raise UsageError(
+            reason, str(folder), "give the folder of a finished run"
+        ) from error
 
 
 def _read(folder: Path) -> Walk:
@@ -119,7 +123,8 @@ def _read(folder: Path) -> Walk:
 def _read_flows(path: Path) -> tuple[FlowRow, ...]:
     with path.open(newline="") as file:
         return tuple(
-            FlowRow(row["kind"], row["stratum"], row["group"]) for row in csv.DictReader(file)
+            FlowRow(row["kind"], row["stratum"], row["group"])
+            for row in csv.DictReader(file)
         )
 
 

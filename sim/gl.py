@@ -46,7 +46,9 @@ def probe() -> str:
     wish = os.environ.get(WISH, os.environ.get("MUJOCO_GL", "")).strip().lower()
     if wish in OFF:
         raise RenderError(
-            "pictures are switched off", f"MUJOCO_GL={wish}", f"unset it, or set {BACKENDS[0]}"
+            "pictures are switched off",
+            f"MUJOCO_GL={wish}",
+            f"unset it, or set {BACKENDS[0]}",
         )
     return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != wish)))
 
@@ -66,7 +68,9 @@ def _first_that_draws(backends: tuple[str, ...]) -> str:
         if reason is None:
             return backend
         reasons.append(f"{backend}: {reason}")
-    raise RenderError("cannot draw pictures without a screen", "; ".join(reasons), INSTALL)
+    raise RenderError(
+        "cannot draw pictures without a screen", "; ".join(reasons), INSTALL
+    )
 
 
 def _trial(backend: str) -> str | None:
@@ -103,7 +107,9 @@ def _draw_one_frame() -> None:
     """Draw a lit ball, and see that the picture is neither empty nor flat."""
     import mujoco  # only here: the driver is tied at this moment
 
-    scene = "<mujoco><worldbody><light pos='0 0 3'/><geom size='1'/></worldbody></mujoco>"
+    scene = (
+        "<mujoco><worldbody><light pos='0 0 3'/><geom size='1'/></worldbody></mujoco>"
+    )
     model = mujoco.MjModel.from_xml_string(scene)
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
