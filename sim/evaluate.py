@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.twists import IdealTwists, TwistModel
+from models.ground import ground_of
+from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from sim.phases import count_changes, phase_slips
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
@@ -46,7 +47,12 @@ class Evaluation:
 def twist_models(walk: Walk) -> dict[str, TwistModel]:
     """The predictions that a walk is compared with, by name."""
     setup = walk.setup
-    return {"ideal": IdealTwists(setup.robot, setup.equations.twists)}
+    ground = ground_of(setup.robot, setup.model)
+    speed = setup.limits.swing_speed
+    return {
+        "ideal": IdealTwists(setup.robot, setup.equations.twists),
+        "quasi_static": QuasiStaticTwists(setup.kinematics, ground, speed),
+    }
 
 
 def evaluate(walk: Walk) -> Evaluation:
@@ -84,7 +90,9 @@ def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
         schedule, rows = stretch.schedule, walk.recording.rows
         inside = rows[(rows > schedule.start) & (rows <= schedule.stop)]
         local = np.append(inside, schedule.stop) - schedule.start - 1
-        piece = predict(schedule, local, twists, walk.setup.kinematics, stretch.pose)
+        piece = predict(
+            schedule, local, twists, walk.setup.kinematics, tuple(stretch.pose)
+        )
         slip, slipped = piece.slip[:-1] + slipped, piece.slip[-1] + slipped
         pose = np.concatenate([piece.pose[:-1, :2], wrap(piece.pose[:-1, 2:])], axis=1)
         pieces.append(Prediction(pose, slip, piece.margin[:-1], piece.contact[:-1]))
@@ -169,7 +177,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "bounces": walk.recording.feet.bounces,
         "saturated_segments": walk.saturated_segments,
         "walk_starts": walk.starts * setup.limits.timestep,
-        "predicted": {"quasi_static": None, **predicted},
+        "predicted": predicted,
         "achieved": {
             "pose": [float(p) for p in pose],
             "min_margin": float(achieved.margin[evaluation.walking].min()),
@@ -183,7 +191,6 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
             "creep_floor": creep_floor,
         },
         "error": {
-            "quasi_static": None,
             **errors,
             "goal": _departure(pose, goal),
         },

@@ -8,7 +8,9 @@ while in contact.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -60,7 +62,7 @@ class Sensors:
         return np.asarray(readings.force > LOADED * self.weight)
 
     @staticmethod
-    def _foot(sensordata: Array, sensors: list) -> tuple[Array, Array, Array]:
+    def _foot(sensordata: Array, sensors: Sequence[Any]) -> tuple[Array, Array, Array]:
         """Sum over a foot's contacts, each weighted by its normal force."""
         slots = np.concatenate(
             [

@@ -81,7 +81,17 @@ class Recorder:
         if self._last is not None and (not len(rows) or rows[-1] != self.engine.steps):
             rows = np.append(rows, self.engine.steps)
             samples.append(self._last)
-        states = [np.concatenate(column) for column in zip(*samples, strict=True)]
+        qpos, qvel, point, center = (
+            np.concatenate(column) for column in zip(*samples, strict=True)
+        )
         loaded, speed = (np.concatenate(c) for c in zip(*self._feet, strict=True))
-        feet = log_feet(loaded, speed, timestep)
-        return Recording(timestep, np.concatenate(self._ctrl), rows, *states, feet)
+        return Recording(
+            timestep=timestep,
+            ctrl=np.concatenate(self._ctrl),
+            rows=rows,
+            qpos=qpos,
+            qvel=qvel,
+            point=point,
+            center_of_mass=center,
+            feet=log_feet(loaded, speed, timestep),
+        )

@@ -39,8 +39,9 @@ class Setup:
     @property
     def stance(self) -> Stance:
         """Centred with lifted fields, the printed order with the paper's."""
-        automatic = {"lifted": "centred", "paper": "paper"}[self.scenario.fields]
-        return self.scenario.stance or automatic
+        if self.scenario.stance is not None:
+            return self.scenario.stance
+        return "centred" if self.scenario.fields == "lifted" else "paper"
 
     @property
     def swing_limits(self) -> dict[str, tuple[float, float]]:

@@ -189,13 +189,13 @@ def test_a_card_without_a_needed_key_is_refused(tmp_path, line, message):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("lift_angle = 0.3", "lift_angle = nan", "lift_angle must be positive, got nan"),
-        ("lift_angle", "lift_angel", "no key 'lift_angel'; did you mean 'lift_angle'?"),
-        ("1 = -1, 4", "1 = 2, 4", r"group.1: signs of legs must be 1 or -1, got \{1: 2\}"),
+        ("= 0.3", "= nan", "lift_angle must be positive, got nan"),
+        ("t_angle", "t_angel", "no key 'lift_angel'; did you mean 'lift_angle'?"),
+        ("1 = -1, 4", "1 = 2, 4", r"group.1: signs of legs .* 1 or -1, got \{1: 2\}"),
         ("4 = -1, 5", "3 = -1, 5", "every leg belongs to exactly one group"),
         ('"2", "12"]', '"2"]', "does not close"),
         ('"12", "2"', '"12", "3"', "stratum '3' names no group"),
-        ("raise = 1, foot = [\"foot_1\"]", "raise = 1, foot = []", "leg.1: foot names no geom"),
+        ('foot = ["foot_1"]', "foot = []", "leg.1: foot names no geom"),
     ],
 )  # fmt: skip
 def test_an_impossible_card_is_refused_by_its_reason(tmp_path, old, new, message):

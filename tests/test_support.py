@@ -15,7 +15,7 @@ def margin(points, weight, contact=None):
 
 
 def half_planes(points, weight):
-    """Margin of a weight inside: the least distance to a line with all feet on one side."""
+    """Margin of a weight inside: least distance to a line with all feet on one side."""
     distances = []
     for i, a in enumerate(points):
         for j, b in enumerate(points):
