@@ -37,6 +37,14 @@ def foot_velocities(feet: Array, rates: Array, twist: Array) -> Array:
     return np.asarray(moved)
 
 
+def foot_jacobians(feet: Array) -> Array:
+    """Derivative of each foot's velocity by the twist, shape (..., F, 2, 3)."""
+    J = np.zeros((*feet.shape[:-1], 2, 3))
+    J[..., 0, 0] = J[..., 1, 1] = 1.0
+    J[..., 0, 2], J[..., 1, 2] = -feet[..., 1], feet[..., 0]
+    return J
+
+
 def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
     """The twist xi that minimises sum_i N_i |v_i(xi)|.
 
@@ -126,8 +134,8 @@ class _Problem:
         return np.asarray((alone & held) | ~sliding.any(axis=-1))
 
     def improve(self, start: Array) -> Array:
-        """Newton's method on ever less smoothed dissipation; never worse than before."""
-        J = _jacobians(self.feet)
+        """Newton's method on ever less smoothed dissipation; the start if worse."""
+        J = foot_jacobians(self.feet)
         xi = start
         for smoothing in _SMOOTHINGS:
             for _ in range(_NEWTON_STEPS):
@@ -181,11 +189,3 @@ def _about(feet: Array, rates: Array, omega: Array) -> Array:
         ],
         axis=-1,
     )
-
-
-def _jacobians(feet: Array) -> Array:
-    """Derivative of each foot's velocity by the twist, shape (N, F, 2, 3)."""
-    J = np.zeros((*feet.shape[:-1], 2, 3))
-    J[..., 0, 0] = J[..., 1, 1] = 1.0
-    J[..., 0, 2], J[..., 1, 2] = -feet[..., 1], feet[..., 0]
-    return J

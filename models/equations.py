@@ -59,16 +59,15 @@ def ideal_twist(robot: Robot, group: str) -> Twist:
     claimed = robot.card.groups[group].twist
     if claimed is not None:
         return claimed
-    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
-    planted = robot.planted(group)
-    loads = static_loads(
-        stance.feet, planted, stance.center_of_mass, np.ones(len(robot.legs))
-    )
+    on = robot.planted(group)
+    stance = Kinematics(robot).stance(np.zeros((1, len(robot.groups))))
+    feet, rates = stance.feet[:, on], stance.rates[:, on]
+    loads = static_loads(feet, stance.center_of_mass)
     if (loads > 1e-9).sum() < 3:
-        raise ModelError(f"group {group} does not stand alone: {robot.path}; give its twist")
-    rates = stance.rates * planted[:, None]
-    one = (stance.feet[None], rates[None], loads[None])
-    forward, left, yaw = least_dissipation_twist(*one)[0]
+        raise ModelError(
+            f"group {group} does not stand alone: {robot.path}; give its twist"
+        )
+    forward, left, yaw = least_dissipation_twist(feet, rates, loads)[0]
     return (_clean(forward), _clean(left), _clean(yaw))
 
 

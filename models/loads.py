@@ -6,40 +6,34 @@ import numpy as np
 
 Array = np.ndarray
 
-_PULLED = -1e-12  # share of the weight; a foot that would pull is off the ground
+ROUNDING = 1e-12  # share of the weight that is none
 
 
-def static_loads(
-    feet: Array, planted: Array, center_of_mass: Array, compliance: Array
-) -> Array:
-    """Normal forces that balance a unit weight on the planted feet.
+def static_loads(feet: Array, center_of_mass: Array) -> Array:
+    """Normal forces that balance a unit weight.
 
-    Three feet leave no choice. On more the ground and servos act as vertical springs
-    under a rigid body, and a foot that such springs would pull is taken off the ground.
+    Three feet leave no choice. On more, equal vertical springs stand under a rigid
+    body; on fewer, the forces come as close to balance as they can.
 
     Args:
-        feet: Shape (..., F, 2) [m].
-        planted: Feet in contact, shape (..., F), bool.
-        center_of_mass: Shape (..., 2) [m], same frame as the feet.
-        compliance: Vertical compliance of each foot, shape (F,) [m/N].
+        feet: Feet in contact, shape (N, F, 2) [m].
+        center_of_mass: Shape (N, 2) [m], same frame as the feet.
 
     Returns:
-        Share of the weight on each foot, shape (..., F), summing to 1.
+        Share of the weight on each foot, shape (N, F), summing to 1; a foot that would
+        have to pull gets none.
     """
-    arms = np.concatenate(
-        [np.ones((*feet.shape[:-1], 1)), feet], axis=-1
-    )  # (..., F, 3)
-    ones = np.ones((*center_of_mass.shape[:-1], 1))
-    target = np.concatenate([ones, center_of_mass], axis=-1)
-    standing = np.broadcast_to(planted, feet.shape[:-1])
-    for _ in range(feet.shape[-2]):
-        k = standing / compliance
-        balance = np.einsum("...f,...fi,...fj->...ij", k, arms, arms)
-        sink = np.einsum("...ij,...j->...i", np.linalg.pinv(balance), target)
-        loads = k * np.einsum("...fi,...i->...f", arms, sink)
-        pulled = standing & (loads < _PULLED)
+    arms = np.concatenate([np.ones((*feet.shape[:-1], 1)), feet], axis=-1)
+    target = np.concatenate([np.ones((len(feet), 1)), center_of_mass], axis=-1)
+    standing = np.ones(feet.shape[:-1], dtype=bool)
+    for _ in range(max(feet.shape[-2] - 2, 1)):
+        G = arms * standing[..., None]
+        balance = np.einsum("nfi,nfj->nij", G, G)
+        sink = np.einsum("nij,nj->ni", np.linalg.pinv(balance), target)
+        loads = np.einsum("nfi,ni->nf", G, sink)
+        pulled = standing & (loads < -ROUNDING)
         if not pulled.any():
             break
-        standing = standing & ~pulled
-    loads = np.clip(loads, 0.0, None)
-    return np.asarray(loads / loads.sum(-1, keepdims=True))
+        standing &= ~pulled
+    loads = np.maximum(loads, 0.0)
+    return np.asarray(loads / loads.sum(axis=-1, keepdims=True))

@@ -88,6 +88,18 @@ class Robot:
         return str(self.model.body(root_body(self.model, self.path)).name)
 
     @cached_property
+    def start_qpos(self) -> np.ndarray:
+        """Configuration of keyframe `start`, or the initial one, with joints held."""
+        model = self.model
+        keys = {model.key(i).name: i for i in range(model.nkey)}
+        qpos = model.key_qpos[keys["start"]] if "start" in keys else model.qpos0
+        qpos = np.array(qpos)
+        for leg in self.card.legs.values():
+            for joint, angle in leg.hold.items():
+                qpos[model.joint(joint).qposadr] = angle
+        return qpos
+
+    @cached_property
     def swing_range(self) -> Mapping[str, tuple[float, float]]:
         """Lowest and highest angle of each group that all its legs reach [rad]."""
         return {name: self._range_of(name) for name in self.groups}
@@ -97,7 +109,8 @@ class Robot:
         for leg, sign in self.card.groups[group].legs.items():
             joint = self.model.joint(self.card.legs[leg].swing)
             span = joint.range if self.model.jnt_limited[joint.id] else (-np.pi, np.pi)
-            ends.append(sorted(float(sign) * float(end) for end in span))
+            start = self.start_qpos[joint.qposadr[0]]
+            ends.append(sorted(float(sign * (end - start)) for end in span))
         return max(low for low, _ in ends), min(high for _, high in ends)
 
 

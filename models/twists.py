@@ -1,18 +1,23 @@
 """Body twists: how a robot moves when its loaded legs swing.
 
-Every prediction is one `TwistModel`. The ideal one below is the paper's constant stride
-and yaw gain; others may depend on the angles of the legs.
+Every prediction is one `TwistModel`: the paper's constant stride and yaw gain, or the
+contact kinematics of the actual legs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
+from models.dissipation import least_dissipation_twist
+from models.ground import Ground
+from models.kinematics import Kinematics, Stance
+from models.loads import static_loads
 from models.robot import Robot
+from models.sliding import sliding_twist
 
 Array = np.ndarray
 
@@ -45,3 +50,46 @@ class IdealTwists:
             for group in self.robot.groups
         ]
         return np.asarray(rates @ np.array(gains))
+
+
+@dataclass(frozen=True)
+class QuasiStaticTwists:
+    """Contact kinematics: the feet slide as little as dry friction under load allows.
+
+    Three feet are loaded by statics alone. On more the loads are those of springs, and
+    the engine's soft contacts let them depend on how fast the feet slide.
+    """
+
+    kinematics: Kinematics
+    ground: Ground
+    swing_speed: float = 0.0  # [rad/s], of the fastest group; 0 for Coulomb's law
+
+    def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
+        """Least dissipation under the loads at the actual angles of the legs."""
+        robot = self.kinematics.robot
+        on = robot.planted(stratum)
+        whole = self.kinematics.stance(swing)
+        moved = whole.rates * rates[..., robot.group_of_leg, None]
+        stance = Stance(
+            feet=whole.feet[:, on],
+            rates=whole.rates[:, on],
+            gives=whole.gives[:, on],
+            height=whole.height[:, on],
+            center_of_mass=whole.center_of_mass,
+        )
+        if on.sum() > 3:
+            return self._on_springs(stance, moved[:, on], rates, on)
+        loads = static_loads(stance.feet, stance.center_of_mass)
+        return least_dissipation_twist(stance.feet, moved[:, on], loads)
+
+    def _on_springs(
+        self, stance: Stance, moved: Array, rates: Array, on: Array
+    ) -> Array:
+        ground = replace(
+            self.ground, contact=self.ground.contact[on], servo=self.ground.servo[on]
+        )
+        fastest = np.abs(rates).max(axis=-1, keepdims=True)
+        unit = np.where(fastest > 0, fastest, 1.0)
+        per_radian = moved / unit[..., None]
+        twist, _ = sliding_twist(stance, per_radian, ground, self.swing_speed)
+        return twist * unit
