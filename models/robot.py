@@ -27,6 +27,7 @@ class Robot:
 
     name: str
     path: Path  # MJCF file
+    card_path: Path  # TOML file
     card: Card
 
     def __str__(self) -> str:
@@ -153,7 +154,8 @@ def load(name: str) -> Robot:
         )
     if not path.is_file():
         raise UnknownRobotError(f"no such robot file: {path}; give the path of an MJCF file")
-    robot = Robot(name=path.stem, path=path, card=read_card(_card_path(path)))
+    card_path = _card_path(path)
+    robot = Robot(path.stem, path, card_path, read_card(card_path))
     check_parts(robot.model, robot.card, path)
     return robot
 

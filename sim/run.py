@@ -51,6 +51,7 @@ def run(
         planned = None if scenario.replan else plan_open_loop(setup)
     folder.write_text("scenario.toml", dumps(scenario))
     folder.write_text("model.xml", setup.model_text)
+    folder.write_text("card.toml", setup.robot.card_path.read_text())
     walked = walk(setup, planned, lambda fraction: progress("walking", fraction))
     timing["plan"] += walked.seconds["plan"]
     timing["simulate"] = walked.seconds["simulate"]
