@@ -97,7 +97,7 @@ class LieAlgebra:
     @cached_property
     def generators(self) -> int:
         """The highest number of a generator."""
-        return max(e for e in self.basis if isinstance(e, int))
+        return max((e for e in self.basis if isinstance(e, int)), default=1)
 
     @cached_property
     def index(self) -> Mapping[Element, int]:
@@ -143,7 +143,7 @@ class LieAlgebra:
 
     def bracket(self, a: Array, b: Array) -> Array:
         """The bracket [a, b] of coefficient vectors, shape (..., s)."""
-        result = np.zeros_like(a * b)
+        result = a * b * 0  # zeros of the same kind of number
         for i, row in enumerate(self.structure):
             for j, terms in row.items():
                 for k, c in terms.items():
