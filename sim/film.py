@@ -1,7 +1,7 @@
 """The film of a finished walk, drawn from its run folder alone.
 
-Directs: finds a driver, has the pictures drawn, and puts the film under its name once it
-is complete. What is on the pictures is for the other `film_` modules.
+Directs: finds a driver, has the pictures drawn, and puts the film under its name once
+it is complete. What is on the pictures is for the other `film_` modules.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ PANEL = (255, 255, 255, 205)
 LARGE, MIDDLE, SMALL = 28, 22, 16  # type [pixels]
 LINE, SWATCH = 25, 34  # height of a line of the legend, width of its sample [pixels]
 LAMP = 11  # radius of a foot's lamp [pixels]
-COLUMN = 200  # width of a number in the bar [pixels]
+COLUMN = 230  # width of a number in the bar [pixels]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class Captions:
         self._panels = (_legend(walk), _clock(walk, clock.playback), _bar(walk))
 
     def write(self, picture: Array, row: int) -> None:
-        """Write what belongs to a row on its picture, shape (HEIGHT, WIDTH, 3), bytes."""
+        """Write on the picture of a row, shape (HEIGHT, WIDTH, 3), bytes, in place."""
         for panel in self._panels:
             panel.put(picture, row)
 
@@ -92,11 +92,11 @@ def _clock(walk: Walk, playback: float) -> Panel:
 
 
 def _bar(walk: Walk) -> Panel:
-    """At the bottom: stratum, feet in contact, margin and distance to the prediction."""
+    """At the bottom: stratum, feet in contact, margin, distance to the prediction."""
     width, height = WIDTH - 2 * EDGE, 92
     still, draw = _empty(width, height)
-    off = np.hypot(*(walk.achieved - walk.predicted)[:, :2].T)
-    numbers = {"stability margin": walk.margin, "off the prediction": off}
+    off = np.hypot(*(walk.achieved - walk.ideal)[:, :2].T)
+    numbers = {"stability margin": walk.margin, "off the ideal prediction": off}
     ends = [width - PAD - i * COLUMN for i in range(len(numbers))]
     for end, label in zip(ends, numbers, strict=True):
         _text(draw, (end, 54), label, anchor="ra", colour=style.FAINT)
@@ -129,15 +129,15 @@ Sample = Callable[[Draw, int, Colour], None]
 
 def _entries(walk: Walk) -> list[tuple[str, Colour, Sample]]:
     """Label, colour and sample of every line of the legend."""
-    name = noun(walk.legs_per_group)
+    groups = noun(walk.legs_per_group)
     return [
         ("nominal path", style.NOMINAL, _dashes),
-        ("predicted path", style.PREDICTED, _line),
+        *((name, style.PREDICTED[i], _line) for i, name in enumerate(walk.predicted)),
         ("achieved path", style.ACHIEVED, _line),
         ("centre of mass", style.WEIGHT, _disc),
         ("support polygon", style.STABLE, _area),
         *(
-            (f"footprints of {name} {group}", style.footprint(i), _disc)
+            (f"footprints of {groups} {group}", style.footprint(i), _disc)
             for i, group in enumerate(walk.groups)
         ),
     ]

@@ -1,4 +1,4 @@
-"""Which moment of a walk each picture of its film shows, and how much faster it plays."""
+"""Which moment of a walk each picture of its film shows, and how fast it plays."""
 
 from __future__ import annotations
 

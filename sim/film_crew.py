@@ -102,7 +102,7 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
 def _start(
     stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
 ) -> Worker:
-    complaints = stack.enter_context(tempfile.TemporaryFile())
+    complaints = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 (it does)
     process = subprocess.Popen(
         piece.command,
         env=environment,

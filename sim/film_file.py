@@ -1,7 +1,7 @@
 """Films as files: encoded in pieces, joined, and counted before they count as done.
 
-An encoder that dies leaves a file that looks right, or none at all, and reports success;
-only the number of pictures tells. Knows nothing of what the pictures show.
+An encoder that dies leaves a file that looks right, or none at all, and reports
+success; only the number of pictures tells. Knows nothing of what they show.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def check_encoder() -> None:
 
 @contextmanager
 def encoding(path: Path) -> Iterator[Any]:
-    """A writer with `append_data(picture)`; pictures have shape (height, width, 3), bytes.
+    """A writer with `append_data(picture)`, shape (height, width, 3), bytes.
 
     Raises:
         OSError: If the encoder dies meanwhile; it says why on standard error.

@@ -111,7 +111,7 @@ def discs(centres: Array, frames: Array, radius: float) -> Ink:
 
 
 def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Ink:
-    """Filled convex polygons, each with its frame; corners anticlockwise, (n, 2) [m]."""
+    """Filled convex polygons with their frames; corners anticlockwise, (n, 2) [m]."""
     fans = []
     for outline, frame in zip(outlines, frames, strict=True):
         n = len(outline) - 2

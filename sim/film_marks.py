@@ -23,11 +23,8 @@ Array = np.ndarray
 # In units of the robot's reach.
 SPACING, JUMP = 0.004, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
-FINE, THIN, WIDE = 0.006, 0.01, 0.013  # widths of lines
-FOOT, TRAIL = (
-    0.016,
-    0.014,
-)  # radius of a footprint, width of the slip that leads from it
+FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
+FOOT, TRAIL = 0.016, 0.014  # radius of a footprint, width of its slip
 SPOT, GOAL = 0.032, 0.06  # radii
 
 
@@ -53,9 +50,7 @@ def marks(walk: Walk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         *_goal(walk),
-        Mark(
-            "predicted path", _path(walk, clock, walk.predicted, WIDE), style.PREDICTED
-        ),
+        *_predicted(walk, clock),
         Mark("achieved path", _path(walk, clock, walk.achieved, FINE), style.ACHIEVED),
         Mark("nominal path", _nominal(walk), style.NOMINAL),
         *_weight(walk, clock, frames),
@@ -75,6 +70,12 @@ def _goal(walk: Walk) -> Iterator[Mark]:
         ("goal's eye", 0.75, style.PAPER),
     ):
         yield Mark(name, discs(end, first, share * GOAL * walk.reach), colour)
+
+
+def _predicted(walk: Walk, clock: Clock) -> Iterator[Mark]:
+    """Where the body should have been; wider than the way it took, and under it."""
+    for i, (name, poses) in enumerate(walk.predicted.items()):
+        yield Mark(name, _path(walk, clock, poses, WIDE[i]), style.PREDICTED[i])
 
 
 def _path(walk: Walk, clock: Clock, poses: Array, width: float) -> Ink:
@@ -131,8 +132,8 @@ def _support(walk: Walk, clock: Clock, frames: range) -> Iterator[Mark]:
 def _corners(hull: shapely.Geometry) -> Array:
     """Corners of a polygon, anticlockwise; ends of a segment; shape (n, 2)."""
     if isinstance(hull, shapely.Polygon):
-        return shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
-    return shapely.get_coordinates(hull)
+        return np.asarray(shapely.get_coordinates(shapely.orient_polygons(hull))[:-1])
+    return np.asarray(shapely.get_coordinates(hull))
 
 
 def _weight(walk: Walk, clock: Clock, frames: range) -> Iterator[Mark]:

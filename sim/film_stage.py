@@ -1,7 +1,7 @@
 """The set of a film: the run's model with calm light, a light floor, and ink on it.
 
-Draws single pictures off-screen with the driver that MUJOCO_GL names. Never steps: every
-picture is a saved state.
+Draws single pictures off-screen with the driver that MUJOCO_GL names. Never steps:
+every picture is a saved state.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ LAYER = 0.0013  # between marks [reach of the robot]
 SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 NEAR = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
-GRID = "film_grid"
+PREFIX = "film: "  # of names, against those of the robot
+GRID = f"{PREFIX}grid"
 STEP, STEPS = 4e-6, 64  # [m]; where shapes overlap in one plane the sun counts twice
 ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
 
@@ -107,7 +108,7 @@ class Stage:
 
     def _show(self, mark: Mark, frame: int) -> None:
         """Let the driver see only the triangles that are visible in this frame."""
-        mesh = self._model.mesh(mark.name)
+        mesh = self._model.mesh(PREFIX + mark.name)
         first, count = mark.ink.visible(frame)
         begin = self._first_face[mesh.id] + first
         if (self._model.mesh_faceadr[mesh.id], self._model.mesh_facenum[mesh.id]) == (
@@ -177,23 +178,22 @@ def _lay_floor(spec: mujoco.MjSpec) -> float:
 
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float) -> None:
     """One mesh for all the triangles that a mark will ever show."""
+    name = PREFIX + mark.name
     lift = height + STEP * (mark.ink.shapes % STEPS)
     corners = np.dstack([mark.ink.points, np.repeat(lift[:, None], 3, axis=1)])
     spec.add_mesh(
-        name=mark.name,
+        name=name,
         uservert=corners.ravel(),
         userface=np.arange(3 * len(mark.ink)),
         usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(mark.ink)),
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )
-    spec.add_material(
-        name=mark.name, rgba=style.rgba(mark.colour, mark.alpha), specular=0
-    )
+    spec.add_material(name=name, rgba=style.rgba(mark.colour, mark.alpha), specular=0)
     spec.worldbody.add_geom(
-        name=mark.name,
+        name=name,
         type=mujoco.mjtGeom.mjGEOM_MESH,
-        meshname=mark.name,
-        material=mark.name,
+        meshname=name,
+        material=name,
         contype=0,
         conaffinity=0,
     )

@@ -24,6 +24,8 @@ from sim.scenario_file import load
 Array = np.ndarray
 
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
+IDEAL = "ideal prediction"
+PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static prediction"}
 
 
 class FlowRow(NamedTuple):
@@ -47,12 +49,17 @@ class Walk:
     phase: Array  # index into flows, (T,)
     qpos: Array  # (T, nq)
     achieved: Array  # (T, 3)
-    predicted: Array  # (T, 3)
+    predicted: dict[str, Array]  # by the prediction's name, (T, 3) each
     contact: Array  # (T, F), bool
     contact_point: Array  # where each foot stands, or last stood, (T, F, 2) [m]
     center_of_mass: Array  # projected on the floor, (T, 2) [m]
     margin: Array  # (T,) [m]
     nominal: Array  # (N, 3)
+
+    @property
+    def ideal(self) -> Array:
+        """Poses predicted by the paper's fields, (T, 3)."""
+        return self.predicted[IDEAL]
 
     @cached_property
     def groups(self) -> tuple[str, ...]:
@@ -75,7 +82,7 @@ class Walk:
 
     @cached_property
     def reach(self) -> float:
-        """Largest horizontal distance from the body's centre to a foot at the end [m]."""
+        """Largest distance from the body's centre to a foot at the end [m]."""
         feet = self.contact_point[-1] - self.achieved[-1, :2]
         return float(np.hypot(*feet.T).max())
 
@@ -111,7 +118,11 @@ def _read(folder: Path) -> Walk:
             phase=arrays["phase"],
             qpos=arrays["qpos"],
             achieved=_in_world(start, arrays["achieved_pose"]),
-            predicted=_in_world(start, arrays["predicted_pose"]),
+            predicted={
+                name: _in_world(start, arrays[key])
+                for key, name in PREDICTIONS.items()
+                if key in arrays
+            },
             contact=arrays["contact"],
             contact_point=_points_in_world(start, arrays["contact_point"]),
             center_of_mass=_points_in_world(start, arrays["center_of_mass"][:, :2]),
@@ -134,7 +145,7 @@ def _nominal(scenario: Scenario) -> Array:
 
 def _points_in_world(start: Array, points: Array) -> Array:
     """Points given in the frame of the start pose, shape (..., 2)."""
-    return start[:2] + rotate(points, start[2])
+    return np.asarray(start[:2] + rotate(points, start[2]))
 
 
 def _in_world(start: Array, pose: Array) -> Array:

@@ -1,7 +1,7 @@
 """A process of its own that draws and encodes some pictures of a film.
 
-Started by `sim.film` with the driver chosen in MUJOCO_GL, so that a driver that crashes,
-leaks or hangs does it here. Prints a dot for every picture.
+Started by `sim.film_crew` with the driver chosen in MUJOCO_GL, so that a driver that
+crashes, leaks or hangs does it here. Prints a dot for every picture.
 """
 
 from __future__ import annotations
