@@ -57,10 +57,10 @@ def _can_film(wanted: bool | None) -> bool:
     """Whether to film; a film that was asked for and cannot be drawn is an error."""
     if wanted is False:
         return False
-    from sim import gl
+    from sim.film import check
 
     try:
-        gl.probe()
+        check()
     except RenderError as error:
         if wanted:
             raise
