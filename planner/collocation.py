@@ -57,45 +57,41 @@ def collocation(size: int) -> Collocation:
 
 
 def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
-    """States along the flow of a field at the nodes of `collocation(NODES)`.
+    """The end of a flow along a field, to the last digits, shape (n,).
 
     Picard's iteration on the nodes: exact after a few sweeps where each coordinate's
     rate depends on coordinates before it alone, and convergent for short steps
     elsewhere, so the duration is halved until it converges.
 
     Args:
-        field: Maps states of shape (k, n) to velocities of the same shape.
+        field: Maps states of shape (k, n) to velocities of the same shape; not finite
+            where it is singular.
         x: Start, shape (n,).
         duration: Time to flow; negative flows back.
-
-    Returns:
-        Shape (k, n): the start first, the end last.
 
     Raises:
         ConvergenceError: The flow escapes, or is too rough for `HALVINGS` halvings.
     """
-    path = _follow(field, np.asarray(x, dtype=float), duration, HALVINGS)
-    if path is None:
+    with np.errstate(all="ignore"):
+        end = _follow(field, np.asarray(x, dtype=float), duration, HALVINGS)
+    if end is None:
         raise ConvergenceError(
             f"flow for {duration:.6g} from {point(x)} does not converge; it "
             "escapes or is not smooth: make it shorter"
         )
-    return path
+    return end
 
 
 def _follow(
     field: Callable[[Array], Array], x: Array, duration: float, halvings: int
 ) -> Array | None:
-    path = _picard(field, x, duration)
-    if path is not None or halvings == 0:
-        return path
-    first = _follow(field, x, duration / 2, halvings - 1)
-    second = (
-        None if first is None else _follow(field, first[-1], duration / 2, halvings - 1)
+    end = _picard(field, x, duration)
+    if end is not None or halvings == 0:
+        return end
+    middle = _follow(field, x, duration / 2, halvings - 1)
+    return (
+        None if middle is None else _follow(field, middle, duration / 2, halvings - 1)
     )
-    if first is None or second is None:
-        return None
-    return _halves(first, second)
 
 
 def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array | None:
@@ -105,32 +101,10 @@ def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array
         before, velocity = path, field(path)
         path = x + duration * (rule.integral @ velocity)
         scale = 1.0 + np.abs(path).max()
-        if not np.isfinite(scale):
+        if not scale < np.inf:
             return None
         if np.abs(path - before).max() <= TOLERANCE * scale:
             tail = np.abs(rule.coefficients[-2:] @ velocity).max() * abs(duration)
-            return path if tail <= 10 * TOLERANCE * scale else None
+            end: Array = path[-1]
+            return end if tail <= 10 * TOLERANCE * scale else None
     return None
-
-
-def resample(path: Array, samples: int) -> Array:
-    """States at equal times along what `follow` gave, without the start."""
-    series = collocation(len(path)).coefficients @ path
-    times = np.linspace(-1.0, 1.0, samples + 1)[1:]
-    return np.concatenate([chebyshev.chebval(times[:-1], series).T, path[-1:]])
-
-
-def _halves(first: Array, second: Array) -> Array:
-    """Values at the nodes of the whole step from those of its halves."""
-    rule = collocation(NODES)
-
-    def at(values: Array, nodes: Array) -> Array:
-        series = rule.coefficients @ values
-        resampled: Array = chebyshev.chebval(2 * nodes - 1, series).T
-        return resampled
-
-    early = rule.nodes <= 0.5
-    halves = at(first, 2 * rule.nodes[early]), at(second, 2 * rule.nodes[~early] - 1)
-    path = np.concatenate(halves)
-    path[0], path[-1] = first[0], second[-1]
-    return path

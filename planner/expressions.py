@@ -89,8 +89,8 @@ def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.E
         ):
             return FUNCTIONS[name](*map(part, args))
     raise ValueError(
-        f"formula {text!r} has {ast.unparse(node)!r}, which is neither a number nor one "
-        f"of {', '.join([*names, *FUNCTIONS])}"
+        f"formula {text!r} has {ast.unparse(node)!r}, which is neither a number nor "
+        f"one of {', '.join([*names, *FUNCTIONS])}"
     )
 
 

@@ -147,8 +147,8 @@ class CompiledFields:
         return columns
 
     def velocity(self, x: Array) -> Array:
-        """The first field at configurations of shape (..., n), same shape."""
-        first: Array = self(x)[..., 0]
+        """The first field at configurations (..., n), same shape, without the check."""
+        first: Array = self.values(x)[..., 0]
         return first
 
     def values(self, x: Array) -> Array:

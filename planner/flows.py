@@ -73,7 +73,7 @@ def flow_map(
 ) -> Array:
     """The configuration after flowing along a field, shape (n,)."""
     column = compile_fields([system.fields[name]], system.state, [f"field {name}"])
-    return np.asarray(follow(column.velocity, np.asarray(x, float), duration)[-1])
+    return follow(column.velocity, np.asarray(x, dtype=float), duration)
 
 
 def with_lifts(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from planner.collocation import follow, resample
+from planner.collocation import follow
 from planner.fields import Array, CompiledFields, compile_fields
 from planner.flows import Flow
 from planner.plan import Plan
@@ -44,6 +44,7 @@ def play(
         fields[name] = compile_fields([system.fields[name]], system.state, [name])
     states = [np.asarray(start, dtype=float)]
     for flow in flows:
-        path = follow(fields[flow.field].velocity, states[-1], flow.duration)
-        states += list(path[-1:] if samples == 1 else resample(path, samples))
+        for _ in range(samples):
+            velocity = fields[flow.field].velocity
+            states.append(follow(velocity, states[-1], flow.duration / samples))
     return np.array(states)
