@@ -20,13 +20,13 @@ from sim.film_walk import Walk
 AMBIENT, DIRECT = 0.62, 0.42  # light; on the floor they add up to 1: colours are true
 SUN = (-0.25, 0.35, -1.0)  # direction of the direct light
 BODY_ALPHA = 0.25  # of the torso, so that the floor below is seen
-LAYER = 0.0013  # between marks [reach of the robot]
+LAYER = 0.0013  # thickness of a mark [reach of the robot]
+SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 NEAR = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 GRID = f"{PREFIX}grid"
-STEPS = 80  # of a layer, 64 in use: shapes that overlap in one plane are lit twice
 
 
 def build(walk: Walk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
@@ -41,7 +41,8 @@ def build(walk: Walk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     _light(spec)
     floor = _lay_floor(spec)
     for layer, mark in enumerate(marks, start=1):
-        _draw(spec, mark, floor, layer, LAYER * walk.reach)
+        sheet = mark.ink.shapes % SHEETS / SHEETS
+        _draw(spec, mark, floor + LAYER * walk.reach * (layer + 0.9 * sheet))
     visual = spec.visual
     visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
     visual.global_.fovy = FIELD_OF_VIEW
@@ -94,11 +95,10 @@ def _lay_floor(spec: mujoco.MjSpec) -> float:
     return float(planes[0].pos[2]) if planes else 0.0
 
 
-def _draw(spec: mujoco.MjSpec, mark: Mark, height: float) -> None:
-    """One mesh for all the triangles that a mark will ever show."""
+def _draw(spec: mujoco.MjSpec, mark: Mark, height: np.ndarray) -> None:
+    """One mesh for all the triangles that a mark will ever show, each at its height."""
     name = mesh_name(mark)
-    lift = height + STEP * (mark.ink.shapes % STEPS)
-    corners = np.dstack([mark.ink.points, np.repeat(lift[:, None], 3, axis=1)])
+    corners = np.dstack([mark.ink.points, np.repeat(height[:, None], 3, axis=1)])
     spec.add_mesh(
         name=name,
         uservert=corners.ravel(),
