@@ -22,9 +22,10 @@ FEET = {
 }
 PIVOTS = {leg: (0.0, PIVOT if leg in (1, 4, 5) else -PIVOT) for leg in FEET}
 
-# A loaded leg may sag by 0.3 mm at the foot: the middle foot of a tripod carries 0.6 of
-# 12.5 N on an arm of 0.105 m, and 7.5 N * (0.105 m)^2 / 0.3 mm = 275 N m/rad.
-STIFFNESS = 300.0
+# A loaded leg may sag by 0.1 mm at the foot: the middle foot of a tripod carries 0.6 of
+# 12.5 N on an arm of 0.105 m, and 7.5 N * (0.105 m)^2 / 0.1 mm = 830 N m/rad. What the
+# walk departs from its quasi-static prediction falls as one over this stiffness.
+STIFFNESS = 1000.0
 # A 12-servo hobby robot's gear train: 300 : 1 on a coreless rotor of 2e-8 kg m^2.
 ARMATURE = 300**2 * 2e-8
 # Critical for armature and leg together (0.045 kg within 0.105 m adds a tenth to it).
