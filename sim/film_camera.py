@@ -49,7 +49,7 @@ def camera(walk: Walk, clock: Clock) -> Camera:
     distance = min(fitting, FARTHEST * walk.reach)
     body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
     calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
-    follow = 1 - distance / fitting
+    follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
     _, right, up = _axes(azimuth)
     aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
     return Camera(centre + follow * (calm - centre) - aside, azimuth, distance)
