@@ -27,15 +27,17 @@ from typing import Any
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 from sympy.polys.rings import ring
 
 from planner.collocation import collocation
+from planner.errors import ConvergenceError
 from planner.fields import Array
 from planner.free_lie import LieAlgebra, lie_algebra
 from planner.hall import Element
 
-TOLERANCE = 1e-13  # of inputs that are functions of time, relative and absolute
+NODES = 16  # of an interval, where inputs are functions of time
+TOLERANCE = 1e-12  # of what halving an interval changes, relative
+SHORTEST = 1e-14  # interval, in which bounded inputs do nothing
 
 Terms = dict[int, Any]  # coefficients by place in the basis
 
@@ -95,23 +97,58 @@ def backward(
 
     Args:
         basis: Hall elements, s of them.
-        v: Inputs of shape (s,), constant or a function of time in [0, 1].
+        v: Inputs of shape (s,), constant or a function of time in [0, 1] with at most
+            a few jumps.
 
     Raises:
         ValueError: The inputs are not finite or have another shape.
+        ConvergenceError: The inputs are not bounded.
     """
     algebra = lie_algebra(tuple(basis))
     if not callable(v):
         return exponential(basis, algebra.vector(v, "inputs"))
 
-    def rates(t: float, h: Array) -> list[float]:
-        inputs = dict(enumerate(algebra.vector(v(t), f"inputs at {t:.6g}").tolist()))
-        coordinates = h.tolist()
-        return [*_unwind(algebra, inputs, lambda j, _: coordinates[j]).values()]
+    def inputs(t: float) -> Array:
+        return algebra.vector(v(t), f"inputs at {t:.6g}")
 
-    start = np.zeros(len(algebra.basis))
-    options = {"method": "DOP853", "rtol": TOLERANCE, "atol": TOLERANCE}
-    return np.asarray(solve_ivp(rates, (0.0, 1.0), start, **options).y[:, -1])
+    return _adapted(algebra, inputs, 0.0, 1.0, np.zeros(len(algebra.basis)))
+
+
+def _adapted(
+    algebra: LieAlgebra,
+    inputs: Callable[[float], Array],
+    time: float,
+    length: float,
+    start: Array,
+) -> Array:
+    """Coordinates at the end of an interval, halved until that changes nothing."""
+    middle, half = time + length / 2, length / 2
+    whole = _step(algebra, inputs, time, length, start)
+    first = _step(algebra, inputs, time, half, start)
+    second = _step(algebra, inputs, middle, half, first)
+    change = np.abs(second - whole).max()
+    if change <= TOLERANCE * (1.0 + np.abs(second).max()):
+        return second
+    if length < SHORTEST:
+        raise ConvergenceError(
+            f"inputs at {time:.6g} move the Hall coordinates by {change:.3g} within "
+            f"{length:.3g} of unit time (eq. 9); keep them bounded"
+        )
+    first = _adapted(algebra, inputs, time, half, start)
+    return _adapted(algebra, inputs, middle, half, first)
+
+
+def _step(
+    algebra: LieAlgebra,
+    inputs: Callable[[float], Array],
+    time: float,
+    length: float,
+    start: Array,
+) -> Array:
+    values = [
+        inputs(time + length * node) for node in collocation(NODES).nodes.tolist()
+    ]
+    return integrate(algebra.basis, length * np.array(values), start)
 
 
 def forward(basis: Sequence[Element], h: ArrayLike) -> Array:

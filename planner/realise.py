@@ -51,9 +51,11 @@ def word(
         a row.
 
     Raises:
-        ValueError: The coordinates are not finite or have another shape.
+        ValueError: The coordinates are not finite or have another shape, or the order
+            has another name.
     """
-    return words(basis, np.asarray(hall_coordinates)[None], order, vanishing)[0]
+    h = lie_algebra(tuple(basis)).vector(hall_coordinates)
+    return words(basis, h[None], order, vanishing)[0]
 
 
 def words(
@@ -74,6 +76,8 @@ def words(
     h = algebra.vector(hall_coordinates)
     if order == "backward":
         return _spelled(algebra, _amounts(algebra, h, vanishing))
+    if order != "forward":
+        raise ValueError(f"order is {order!r}; choose backward or forward")
     # -f are the backward coordinates of the flow back, whose word is then run back.
     way_back = _amounts(algebra, -forward(basis, h), vanishing)
     return [_inverse(one) for one in _spelled(algebra, way_back)]

@@ -18,6 +18,7 @@ from planner.coordinates import (
     logarithm,
     product,
 )
+from planner.errors import ConvergenceError
 from planner.free_lie import lie_algebra
 from planner.hall import hall_basis, parse
 from planner.tensor import Tensor
@@ -200,6 +201,11 @@ def test_inputs_of_another_shape_are_refused():
         backward(basis, [1.0, 2.0])
     with pytest.raises(ValueError, match=r"inputs at 0 of shape \(4,\) do not fit the"):
         backward(basis, lambda t: [t, t, t, t])
+
+
+def test_inputs_that_grow_beyond_all_bounds_are_refused():
+    with pytest.raises(ConvergenceError, match="inputs at 0.7 move .*; keep them"):
+        backward(hall_basis(2, 2), lambda t: [1.0, 1 / (0.7 - t), 0.0])
 
 
 def test_coordinates_that_are_not_finite_are_refused():

@@ -95,8 +95,29 @@ def test_words_of_many_segments_are_the_words_of_each():
 
 
 def test_coordinates_of_another_shape_are_refused():
-    with pytest.raises(ValueError, match=r"of shape \(1, 2\) do not fit .*; give 3"):
+    with pytest.raises(ValueError, match=r"of shape \(2,\) do not fit .*; give 3"):
         word(hall_basis(2, 2), [1.0, 2.0])
+
+
+def test_other_orders_are_refused():
+    with pytest.raises(ValueError, match="order is 'paper'; choose backward"):
+        word(hall_basis(2, 2), [1.0, 2.0, 3.0], "paper")
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_a_word_played_as_inputs_gives_its_coordinates_back(order):
+    basis = hall_basis(2, 3)
+    h = np.array([0.4, -0.3, 0.2, 0.1, -0.2])
+    letters = word(basis, h, order)
+    columns = np.zeros((len(letters), len(basis)))
+    for column, (generator, duration) in zip(columns, letters, strict=True):
+        column[generator - 1] = duration * len(letters)
+
+    def inputs(t):
+        return columns[min(int(t * len(letters)), len(letters) - 1)]
+
+    # measured 2e-11: each jump has to be found
+    assert backward(basis, inputs) == pytest.approx(h, abs=1e-9)
 
 
 @pytest.mark.parametrize("generators", [2, 3])
