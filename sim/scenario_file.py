@@ -18,7 +18,7 @@ from sim.errors import UsageError
 from sim.scenario import Scenario, settings
 from sim.settings import nearest
 
-FOLDER = Path(str(files("sim"))) / "scenarios"
+FOLDER = Path(str(files("sim.scenarios")))
 
 
 def shipped() -> tuple[str, ...]:
