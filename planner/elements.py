@@ -11,8 +11,9 @@ import re
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from planner.errors import unknown
 from planner.fields import VectorField, lie_bracket
-from planner.strata import StratifiedSystem, unknown
+from planner.strata import StratifiedSystem
 
 Tree = Any  # a field's name, or a pair of trees
 

@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 
 def point(configuration: Iterable[float]) -> str:
     """A configuration as a message shows it: `(0.1, 0, -2)`."""
     return f"({', '.join(f'{value:.6g}' for value in configuration)})"
+
+
+def unknown(name: str, known: Iterable[str]) -> str:
+    """The end of a message on an unknown name: the known ones, and the nearest."""
+    known = list(known)
+    near = get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"is unknown; there are {', '.join(known)}{hint}"
 
 
 class PlannerError(Exception):

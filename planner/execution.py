@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from itertools import chain
 from typing import Literal, get_args
 
-from planner.errors import RangeError, StratumError
+from planner.errors import RangeError, StratumError, unknown
 from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow
@@ -19,7 +19,6 @@ from planner.grouping import regroup
 from planner.realise import Order
 from planner.shape import Limits
 from planner.stance import centred
-from planner.strata import unknown
 
 Stance = Literal["paper", "centred"]
 Coordinates = Literal["backward", "forward", "fewest"]

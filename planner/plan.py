@@ -18,7 +18,7 @@ from planner.paths import Path, as_path
 from planner.shape import Limits
 from planner.strata import StratifiedSystem
 
-MOST_SEGMENTS = 100_000  # tried when a plan's range asks for more segments
+MOST_SEGMENTS = 10_000  # tried when a plan's range asks for more segments
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,6 +192,11 @@ def _enough(
     extended: ExtendedSystem, path: Path, segments: int, execution: Execution
 ) -> int | None:
     """The smallest number of segments found that keeps the limits."""
+    for end in (path(0.0), path(1.0)):
+        try:
+            extended.shape.require_within(execution.limits, (), end)
+        except RangeError:
+            return None
 
     def fits(segments: int) -> bool:
         try:

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner.collocation import follow
+from planner.errors import unknown
 from planner.fields import Array, CompiledFields, compile_fields
 from planner.flows import Flow
 from planner.plan import Plan
-from planner.strata import StratifiedSystem, unknown
+from planner.strata import StratifiedSystem
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:

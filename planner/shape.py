@@ -12,10 +12,10 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.errors import RangeError
+from planner.errors import RangeError, unknown
 from planner.fields import Array, NumericField, VectorField
 from planner.flows import Flow
-from planner.strata import StratifiedSystem, unknown
+from planner.strata import StratifiedSystem
 
 Limits = Mapping[str, tuple[float, float]]
 SLACK = 1e-9  # by which a range may be overstepped: rounding

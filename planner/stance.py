@@ -70,17 +70,16 @@ def centred(
 
 
 def _visits(shape: Shape, segments: Sequence[Sequence[Flow]]) -> Iterator[_Visit]:
-    """Visits without the plan's own air swings."""
+    """Visits without the plan's own air swings, which may leave some empty."""
     visit = None
     for k, flows in enumerate(segments):
         for flow in flows:
-            if flow.field in shape.free:
-                continue
             if visit is None or visit.stratum != flow.stratum:
                 if visit is not None:
                     yield visit
                 visit = _Visit(flow.stratum, k)
-            visit.sweeps.append((k, flow))
+            if flow.field not in shape.free:
+                visit.sweeps.append((k, flow))
     if visit is not None:
         yield visit
 

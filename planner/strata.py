@@ -8,21 +8,17 @@ third stratum lies between. Planning happens elsewhere.
 
 from __future__ import annotations
 
-import re
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import cached_property
-from typing import Any
 
 import sympy as sp
 
-from planner.errors import StratumError, point
-from planner.fields import NumericField, Symbols, VectorField
+from planner.declaration import checked_level_sets, checked_state, checked_strata
+from planner.errors import StratumError, point, unknown
+from planner.fields import Symbols, VectorField
 from planner.level_sets import LevelSet
-
-NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +44,9 @@ class StratifiedSystem:
     level_sets: Mapping[str, tuple[sp.Expr, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        normalised = _symbols(self.state)
-        strata = _strata(self.strata, normalised)
-        level_sets = _level_sets(self.level_sets, strata, normalised)
+        normalised = checked_state(self.state)
+        strata = checked_strata(self.strata, normalised)
+        level_sets = checked_level_sets(self.level_sets, strata, normalised)
         if self.bottom not in strata:
             raise ValueError(f"bottom {self.bottom!r} {unknown(self.bottom, strata)}")
         for name, value in (
@@ -208,14 +204,6 @@ def steps(walk: Sequence[str]) -> Iterable[tuple[str, str]]:
     return zip(walk, walk[1:], strict=False)
 
 
-def unknown(name: str, known: Iterable[str]) -> str:
-    """The end of a message on an unknown name: the known ones, and the nearest."""
-    known = list(known)
-    near = get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    return f"is unknown; there are {', '.join(known)}{hint}"
-
-
 def _walks(
     start: str, neighbours: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[str, ...]]:
@@ -228,97 +216,3 @@ def _walks(
                 walks[there] = (*walks[here], there)
                 queue.append(there)
     return walks
-
-
-def _symbols(state: Iterable[Any]) -> Symbols:
-    if isinstance(state, str):
-        state = state.replace(",", " ").split()
-    symbols = tuple(sp.Symbol(s) if isinstance(s, str) else s for s in state)
-    if not symbols:
-        raise ValueError("state is empty; name at least one coordinate")
-    names = [str(s) for s in symbols]
-    for s in symbols:
-        if not isinstance(s, sp.Symbol) or not NAME.fullmatch(str(s)):
-            raise ValueError(
-                f"state has {s!s}, which is not a name; use letters, digits, _"
-            )
-        if names.count(str(s)) > 1:
-            raise ValueError(f"state names {s} twice")
-    return symbols
-
-
-def _strata(
-    strata: Mapping[str, Mapping[str, Any]], state: Symbols
-) -> dict[str, dict[str, VectorField]]:
-    if not strata or not any(strata.values()):
-        raise ValueError(
-            "strata hold no fields; give at least one stratum with one field"
-        )
-    checked: dict[str, dict[str, VectorField]] = {}
-    owner: dict[str, str] = {}
-    for stratum, fields in strata.items():
-        checked[stratum] = {}
-        for name, value in fields.items():
-            if not NAME.fullmatch(name):
-                raise ValueError(
-                    f"field name {name!r} of S{stratum}: use letters, digits, _"
-                )
-            if name in owner:
-                raise ValueError(
-                    f"field {name} is in S{owner[name]} and S{stratum}; rename one"
-                )
-            owner[name] = stratum
-            checked[stratum][name] = _field(f"field {name} of S{stratum}", value, state)
-    return checked
-
-
-def _field(what: str, value: Any, state: Symbols) -> VectorField:
-    if isinstance(value, NumericField):
-        return value
-    if callable(value) and not isinstance(value, sp.Basic):
-        return NumericField(value)
-    column = sp.ImmutableMatrix(value)
-    if column.shape != (len(state), 1):
-        raise ValueError(f"{what} has shape {column.shape}, expected ({len(state)}, 1)")
-    for entry in column:
-        _require_known(what, entry, state)
-    return column
-
-
-def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
-    strangers = sorted(map(str, expression.free_symbols - set(state)))
-    if strangers:
-        listed = ", ".join(map(str, state))
-        raise ValueError(
-            f"{what} uses {strangers[0]}, which is not in the state ({listed})"
-        )
-    if expression.has(sp.nan, sp.oo, -sp.oo, sp.zoo, sp.I):
-        raise ValueError(
-            f"{what} has the entry {expression}, which is not a real number"
-        )
-
-
-def _level_sets(
-    level_sets: Mapping[str, Any], strata: Mapping[str, Any], state: Symbols
-) -> dict[str, tuple[sp.Expr, ...]]:
-    checked = {}
-    for stratum, functions in level_sets.items():
-        if stratum not in strata:
-            raise ValueError(
-                f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
-            )
-        listed = functions if isinstance(functions, (tuple, list)) else [functions]
-        names = {str(s): s for s in state}
-        checked[stratum] = tuple(sp.sympify(f, locals=names) for f in listed)
-        for function in checked[stratum]:
-            _require_known(f"level set of S{stratum}", function, state)
-        if checked[stratum] and _dependent(checked[stratum], state):
-            raise ValueError(
-                f"level sets of S{stratum} are not independent: "
-                f"{', '.join(map(str, checked[stratum]))} (Def. 1)"
-            )
-    return checked
-
-
-def _dependent(functions: tuple[sp.Expr, ...], state: Symbols) -> bool:
-    return bool(LevelSet(functions, state).differential.rank() < len(functions))

@@ -140,3 +140,19 @@ def test_tripod_gait_is_a_closed_walk():
 def test_walks_that_are_no_gaits_are_refused_with_the_reason(walk, reason):
     with pytest.raises(StratumError, match=reason):
         Gait(hexapod(), walk)
+
+
+def test_wrong_jacobian_of_a_numeric_field_is_refused():
+    wrong = NumericField(lambda x: [x[0] ** 2, 0], lambda x: [[x[0], 0], [0, 0]])
+    with pytest.raises(
+        ValueError, match="g of S1 has a derivative of .* differences give"
+    ):
+        system(strata={"1": {"g": wrong}})
+
+
+def test_numeric_field_with_a_jump_is_refused():
+    def jump(x):
+        return [np.sign(np.sin(300 * x[0])), 0]
+
+    with pytest.raises(ValueError, match="correct its jacobian or make it smooth"):
+        system(strata={"1": {"g": jump}})

@@ -1,0 +1,147 @@
+"""What a caller writes for a stratified system, checked and brought to one form."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from planner.errors import point, unknown
+from planner.fields import (
+    STEP,
+    NumericField,
+    Symbols,
+    VectorField,
+    central_difference,
+    sample_configurations,
+)
+from planner.level_sets import LevelSet
+
+NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def checked_state(state: Iterable[Any]) -> Symbols:
+    """Symbols of a state from symbols, names, or one text of names.
+
+    Raises:
+        ValueError: There are none, or one is no name or comes twice.
+    """
+    if isinstance(state, str):
+        state = state.replace(",", " ").split()
+    symbols = tuple(sp.Symbol(s) if isinstance(s, str) else s for s in state)
+    if not symbols:
+        raise ValueError("state is empty; name at least one coordinate")
+    names = [str(s) for s in symbols]
+    for s in symbols:
+        if not isinstance(s, sp.Symbol) or not NAME.fullmatch(str(s)):
+            raise ValueError(
+                f"state has {s!s}, which is not a name; use letters, digits, _"
+            )
+        if names.count(str(s)) > 1:
+            raise ValueError(f"state names {s} twice")
+    return symbols
+
+
+def checked_strata(
+    strata: Mapping[str, Mapping[str, Any]], state: Symbols
+) -> dict[str, dict[str, VectorField]]:
+    """Fields of each stratum as immutable columns, or as numeric fields.
+
+    Raises:
+        ValueError: A field is misshapen, misnamed or not over the state.
+    """
+    if not strata or not any(strata.values()):
+        raise ValueError(
+            "strata hold no fields; give at least one stratum with one field"
+        )
+    checked: dict[str, dict[str, VectorField]] = {}
+    owner: dict[str, str] = {}
+    for stratum, fields in strata.items():
+        checked[stratum] = {}
+        for name, value in fields.items():
+            if not NAME.fullmatch(name):
+                raise ValueError(
+                    f"field name {name!r} of S{stratum}: use letters, digits, _"
+                )
+            if name in owner:
+                raise ValueError(
+                    f"field {name} is in S{owner[name]} and S{stratum}; rename one"
+                )
+            owner[name] = stratum
+            checked[stratum][name] = _field(f"field {name} of S{stratum}", value, state)
+    return checked
+
+
+def _field(what: str, value: Any, state: Symbols) -> VectorField:
+    if callable(value) and not isinstance(value, sp.Basic):
+        field = value if isinstance(value, NumericField) else NumericField(value)
+        _require_differentiable(what, field, len(state))
+        return field
+    column = sp.ImmutableMatrix(value)
+    if column.shape != (len(state), 1):
+        raise ValueError(f"{what} has shape {column.shape}, expected ({len(state)}, 1)")
+    for entry in column:
+        _require_known(what, entry, state)
+    return column
+
+
+def _require_differentiable(what: str, field: NumericField, size: int) -> None:
+    """Check derivatives, given or by differences, against finer differences."""
+    for x in sample_configurations(size):
+        direction = np.cos(np.arange(size) + x)  # any direction will do
+        given = field.derivative(x, direction)
+        found = central_difference(field, x, direction, STEP / 4)
+        if np.isfinite(found).all() and not np.allclose(given, found, 1e-6, 1e-6):
+            raise ValueError(
+                f"{what} has a derivative of {point(given)} at {point(x)} where "
+                f"finite differences give {point(found)}; correct its jacobian or make "
+                "it smooth"
+            )
+
+
+def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
+    strangers = sorted(map(str, expression.free_symbols - set(state)))
+    if strangers:
+        listed = ", ".join(map(str, state))
+        raise ValueError(
+            f"{what} uses {strangers[0]}, which is not in the state ({listed})"
+        )
+    if expression.has(sp.nan, sp.oo, -sp.oo, sp.zoo, sp.I):
+        raise ValueError(
+            f"{what} has the entry {expression}, which is not a real number"
+        )
+
+
+def checked_level_sets(
+    level_sets: Mapping[str, Any], strata: Mapping[str, Any], state: Symbols
+) -> dict[str, tuple[sp.Expr, ...]]:
+    """Expressions that vanish on each stratum, from one or several, texts included.
+
+    Raises:
+        ValueError: A stratum is unknown, or its expressions are not over the state or
+            depend on one another.
+    """
+    checked = {}
+    for stratum, functions in level_sets.items():
+        if stratum not in strata:
+            raise ValueError(
+                f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
+            )
+        listed = functions if isinstance(functions, (tuple, list)) else [functions]
+        names = {str(s): s for s in state}
+        checked[stratum] = tuple(sp.sympify(f, locals=names) for f in listed)
+        for function in checked[stratum]:
+            _require_known(f"level set of S{stratum}", function, state)
+        if checked[stratum] and _dependent(checked[stratum], state):
+            raise ValueError(
+                f"level sets of S{stratum} are not independent: "
+                f"{', '.join(map(str, checked[stratum]))} (Def. 1)"
+            )
+    return checked
+
+
+def _dependent(functions: tuple[sp.Expr, ...], state: Symbols) -> bool:
+    return bool(LevelSet(functions, state).differential.rank() < len(functions))
