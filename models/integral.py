@@ -73,4 +73,5 @@ class Integral:
     def _starts(self) -> Array:
         """The integral at every edge, shape (P + 1, C)."""
         whole = np.einsum("n,pnc->pc", _WEIGHTS / 2, self.values)
-        return np.concatenate([np.zeros_like(whole[:1]), np.cumsum(whole, axis=0)])
+        begin = np.zeros((1, whole.shape[1]))
+        return np.concatenate([begin, np.cumsum(whole, axis=0)])

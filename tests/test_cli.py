@@ -168,7 +168,7 @@ def test_run_leaves_a_folder_and_says_where(stratawalk, tmp_path):
     }
     assert not (folder / "video.mp4").exists()
     starts = [line.split()[0] for line in done.stdout.splitlines() if line]
-    assert starts[-4:] == ["goal", "ideal", "achieved", "folder"]
+    assert starts[-5:] == ["goal", "ideal", "quasi-static", "achieved", "folder"]
     assert done.stdout.splitlines()[-1].split() == ["folder", "runs/line-001"]
 
 
