@@ -62,8 +62,8 @@ def plan_step(
         try:
             way = state + middle * (target - state)
             best, low = _straight(extended, state, way, execution), middle
-        except RangeError:
-            high = middle
+        except RangeError as error:
+            high, refusal = middle, error
     if best is None:
         raise refusal
     return Step(best, low)

@@ -11,7 +11,7 @@ GAIT = ("12", "1", "12", "2", "12")
 METRES = {"stride": 0.0378, "yaw_gain": 0.56}  # of the robot that walks, [m/rad], [1]
 
 
-def hexapod(stride=1.0, yaw_gain=1.0, *, heights=False):
+def hexapod(stride=1, yaw_gain=1, *, heights=False):
     """Eqs. (16) to (18) with l split into stride and yaw gain."""
     names = "x y theta phi_1 phi_2" + " height_1 height_2" * heights
     state = sp.symbols(names)
