@@ -10,7 +10,7 @@ from typing import Any
 
 HEADER = (
     f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics is off by':31}"
-    f"{'least margin':>12}{'slip':>11}"
+    f"{'least margin':>12}{'slip':>13}"
 )
 PREDICTIONS = {"ideal": "ideal", "quasi_static": "quasi-static"}
 
@@ -37,10 +37,8 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
         f"{summary['timing']['simulate']:.1f} s",
     ]
     if summary["saturated_segments"]:
-        lines.append(
-            f"{'saturated':13}{summary['saturated_segments']} segments scaled down to the "
-            "joint range"
-        )
+        scaled = "segments scaled down to the joint range"
+        lines.append(f"{'saturated':13}{summary['saturated_segments']} {scaled}")
     return lines
 
 
@@ -70,4 +68,4 @@ def _off(error: Mapping[str, float], path_length: float) -> str:
 
 
 def _way(along: Mapping[str, float]) -> str:
-    return f"{1e3 * along['min_margin']:9.1f} mm{1e3 * along['slip']:8.1f} mm"
+    return f"{1e3 * along['min_margin']:9.1f} mm{1e3 * along['slip']:10.1f} mm"

@@ -10,6 +10,7 @@ import pytest
 
 from models.robot import robots
 from sim.cli import COMMANDS, parser
+from sim.comparison import HEADER, PREDICTIONS
 from sim.scenario_file import load, shipped
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -81,3 +82,14 @@ def test_the_card_shown_has_the_keys_of_the_shipped_cards():
     real = tomllib.loads((ROOT / "models" / "hexapod.toml").read_text())
     assert real.keys() - {"description"} <= shown.keys()
     assert real["leg"]["1"].keys() <= shown["leg"]["1"].keys()
+
+
+def test_the_comparison_shown_has_todays_rows_and_columns():
+    (shown,) = (block for block in blocks("console") if "$ scripts/run\n" in block)
+    lines = shown.splitlines()
+    rows = lines[lines.index(HEADER) + 1 :][: len(PREDICTIONS) + 2]
+    assert [row.split()[0] for row in rows] == [
+        "goal",
+        *PREDICTIONS.values(),
+        "achieved",
+    ]
