@@ -2,4 +2,18 @@
 
 The paper is Goodwine and Burdick, "Quasi-Static Legged Locomotors as Nonholonomic
 Systems", IROS 2000; equation, section and figure numbers in this project are its.
+
+===========================  ====================================  ===================
+In the paper                 In the code                           Where
+===========================  ====================================  ===================
+B_i           eq. (6)        Element, hall_basis                   planner.hall
+[B_i, B_j]    Sec. 2         LieAlgebra.bracket                    planner.free_lie
+Ad            eq. (8)        LieAlgebra.adjoint_action             planner.free_lie
+e^g1 e^g2     eq. (3)        LieAlgebra.campbell_baker_hausdorff   planner.free_lie
+S, e^g        eqs. (2), (6)  Tensor, Tensor.exp, Tensor.log        planner.tensor
+A(h)          eq. (9)        backward_matrix, integrate            planner.coordinates
+h_i, backward eq. (6)        hall_coordinates, backward            planner.coordinates
+h_i, forward  Sec. 2.1       forward                               planner.coordinates
+real inputs   Sec. 2.1       word, words                           planner.realise
+===========================  ====================================  ===================
 """

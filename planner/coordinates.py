@@ -56,7 +56,7 @@ def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
 
 
 def integrate(
-    basis: Sequence[Element], inputs: Array, start: Array | None = None
+    basis: Sequence[Element], inputs: ArrayLike, start: Array | None = None
 ) -> Array:
     """Backward coordinates that inputs reach in unit time, eq. (9).
 
@@ -70,8 +70,12 @@ def integrate(
 
     Returns:
         Shape (..., s).
+
+    Raises:
+        ValueError: The inputs are not finite or have another shape.
     """
     algebra = lie_algebra(tuple(basis))
+    inputs = algebra.vector(inputs, "inputs")
     integral = collocation(inputs.shape[-2]).integral.T
     h = np.zeros((*inputs.shape[:-2], len(algebra.basis)))
     if start is not None:

@@ -7,7 +7,7 @@ from sympy import divisors, mobius
 
 from planner.hall import Bracket, degree, hall_basis, parse
 
-SMALL = [(1, 4), (2, 6), (3, 5), (4, 4)]
+SMALL = [(1, 4), (2, 6), (3, 5), (4, 4), (11, 2)]
 
 
 def witt(generators, n):

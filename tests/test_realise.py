@@ -78,6 +78,13 @@ def test_a_negative_bracket_is_the_word_of_the_positive_one_run_back(basis):
             assert word(basis, -unit) == back
 
 
+def test_letters_that_cancel_disappear():
+    # the loop 1 2 1' 2' of size 0.3 meets 2 and then 1 of the same size
+    expected = np.array([(1, 0.3), (2, 0.3)])
+    found = np.array(word(hall_basis(2, 2), [0.3, 0.3, 0.09]))
+    assert found == pytest.approx(expected)
+
+
 def test_rounding_noise_moves_nothing():
     assert word(hall_basis(2, 3), np.full(5, 9e-13)) == []
 
