@@ -12,9 +12,7 @@ from planner.realise import word, words
 
 BASES = [hall_basis(2, 2), hall_basis(4, 2), hall_basis(2, 4), hall_basis(3, 3)]
 ORDERS = ["backward", "forward"]
-ROUNDING = (
-    1e-10  # measured: below 1e-12 for coordinates up to 2, in hundreds of letters
-)
+ROUNDING = 1e-10  # measured: below 1e-12 for coordinates up to 2
 
 some = settings(max_examples=25, deadline=None)
 
