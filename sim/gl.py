@@ -20,7 +20,7 @@ BACKENDS = ("egl", "osmesa")  # in the order they are tried
 OFF = ("disable", "disabled", "off", "false", "0")  # as MuJoCo spells it
 WISH = "STRATAWALK_GL"  # what MUJOCO_GL said before physics silenced it
 TRIAL_LIMIT = 60.0  # [s]; a trial takes 0.5 s
-INSTALL = "on Debian: apt-get install libegl1 libgl1-mesa-dri, or libosmesa6"
+INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 ROOT = Path(__file__).resolve().parent.parent
 
 
