@@ -103,7 +103,9 @@ class Execution:
         """Flows of words in one of the orders, a segment each."""
         ends = self._ends(extended)
         start, goal = states
-        words = extended.words(hall_coordinates, orders)
+        steering = extended.steering
+        ways = [steering.words(hall_coordinates, order) for order in orders]
+        words = list(zip(*ways, strict=True))
         ordered = regroup(extended.grouper, words, *ends)
         if self.stance == "centred":
             shape_after = goal if self.finish else None

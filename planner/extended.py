@@ -16,9 +16,7 @@ import numpy as np
 from planner.elements import column, leaves, name_of, parse
 from planner.errors import PlannerError, RankError, point
 from planner.fields import Array, CompiledFields, compile_fields, vanishing
-from planner.flows import Flow
 from planner.grouping import Grouper
-from planner.realise import Order
 from planner.shape import Shape
 from planner.steering import Steering, steering
 from planner.strata import StratifiedSystem
@@ -84,22 +82,6 @@ class ExtendedSystem:
         moving = (self.columns.constant != 0).any(axis=1) | bool(self.columns.numeric)
         moving[[i for i, _ in self.columns.varying]] = True
         return np.flatnonzero(moving)
-
-    def words(
-        self, hall_coordinates: Array, orders: Sequence[Order]
-    ) -> list[list[list[Flow]]]:
-        """For each segment the words that realise it as flows, one an order.
-
-        Args:
-            hall_coordinates: Backward Hall coordinates, shape (segments, s).
-            orders: Hall coordinates to follow: `backward`, `forward` or both.
-        """
-        stratum_of = self.system.stratum_of
-        ways = [self.steering.words(hall_coordinates, order) for order in orders]
-        return [
-            [[Flow(stratum_of[name], name, t) for name, t in word] for word in words]
-            for words in zip(*ways, strict=True)
-        ]
 
     def _least_norm(self, matrix: Array, velocity: Array, x: Array) -> Array:
         left, singular, right = np.linalg.svd(matrix, full_matrices=False)

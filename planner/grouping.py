@@ -17,7 +17,8 @@ from planner.flows import Flow
 from planner.strata import StratifiedSystem
 
 Commute = Callable[[str, str], bool]
-Pattern = tuple[tuple[str, str], ...]  # strata and fields of a segment's flows
+Word = Sequence[tuple[str, float]]  # fields and durations in time order
+Pattern = tuple[str, ...]  # the fields of a word
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class Arrangement:
 
 @dataclass(frozen=True, eq=False)
 class Grouper:
-    """Finds and remembers the best arrangements of patterns.
+    """Finds and remembers the best arrangements of words by their patterns.
 
     Attributes:
         system: System whose graph of strata prices a change of stratum.
@@ -47,7 +48,7 @@ class Grouper:
     system: StratifiedSystem
     commute: Commute
     _known: dict[tuple[Pattern, str], tuple[Arrangement, ...]] = field(
-        default_factory=dict
+        default_factory=dict, init=False, repr=False
     )
 
     @cached_property
@@ -65,6 +66,7 @@ class Grouper:
 
     def _search(self, pattern: Pattern, start: str) -> Iterable[Arrangement]:
         """Dijkstra over the flows done and the stratum; staying on never costs."""
+        strata = [self.system.stratum_of[name] for name in pattern]
         after = self._prerequisites(pattern)
         everything = (1 << len(pattern)) - 1
         queue: list[tuple[int, tuple[int, ...], int, str]] = [(0, (), 0, start)]
@@ -75,10 +77,10 @@ class Grouper:
                 continue
             settled.add((done, here))
             if done == everything:
-                yield Arrangement(_late(pattern, after, order), here, switches)
+                yield Arrangement(_late(strata, after, order), here, switches)
                 continue
-            for there in dict.fromkeys(stratum for stratum, _ in pattern):
-                run, then = _run(pattern, after, done, there)
+            for there in dict.fromkeys(strata):
+                run, then = _run(strata, after, done, there)
                 if run and (here, there) in self.price:
                     price = switches + self.price[here, there]
                     heapq.heappush(queue, (price, order + run, then, there))
@@ -86,21 +88,46 @@ class Grouper:
     def _prerequisites(self, pattern: Pattern) -> tuple[int, ...]:
         """For each flow the bit mask of earlier flows it must not overtake."""
         return tuple(
-            sum(1 << i for i in range(j) if not self.interchange(pattern[i][1], name))
-            for j, (_, name) in enumerate(pattern)
+            sum(1 << i for i in range(j) if not self.interchange(pattern[i], name))
+            for j, name in enumerate(pattern)
         )
 
     def interchange(self, a: str, b: str) -> bool:
         """Whether flows along two fields may trade places."""
         return a == b or self.commute(a, b)
 
+    def flows(self, word: Word, order: Iterable[int]) -> list[Flow]:
+        """A word as flows in a given order, those of one field and visit joined."""
+        joined: list[tuple[str, str, float]] = []
+        stratum_of = self.system.stratum_of
+        for k in order:
+            name, duration = word[k]
+            i = self._partner(joined, name, stratum_of[name])
+            if i is None:
+                joined.append((stratum_of[name], name, duration))
+            else:
+                joined[i] = (*joined[i][:2], joined[i][2] + duration)
+        return [Flow(*flow) for flow in joined if flow[2]]
+
+    def _partner(
+        self, flows: Sequence[tuple[str, str, float]], name: str, stratum: str
+    ) -> int | None:
+        """An earlier flow of the field, if only commuting ones of its visit follow."""
+        for i in range(len(flows) - 1, -1, -1):
+            where, other, _ = flows[i]
+            if other == name:
+                return i
+            if where != stratum or not self.commute(other, name):
+                return None
+        return None
+
 
 def _run(
-    pattern: Pattern, after: Sequence[int], done: int, stratum: str
+    strata: Sequence[str], after: Sequence[int], done: int, stratum: str
 ) -> tuple[tuple[int, ...], int]:
     """Everything that can run on one stratum now, and the mask of what is done then."""
     run: list[int] = []
-    for j, (where, _) in enumerate(pattern):  # one pass: prerequisites come earlier
+    for j, where in enumerate(strata):  # one pass: prerequisites come earlier
         if where == stratum and not done >> j & 1 and after[j] & ~done == 0:
             run.append(j)
             done |= 1 << j
@@ -108,32 +135,29 @@ def _run(
 
 
 def _late(
-    pattern: Pattern, after: Sequence[int], order: Sequence[int]
+    strata: Sequence[str], after: Sequence[int], order: Sequence[int]
 ) -> tuple[int, ...]:
     """The same visits with every flow as late as it can be, the paper's order."""
-    walk = [stratum for stratum, _ in groupby(pattern[i][0] for i in order)]
+    walk = [stratum for stratum, _ in groupby(strata[i] for i in order)]
     waiting = set(order)
     late: list[int] = []
     for stratum in reversed(walk):
         for j in sorted(waiting, reverse=True):  # one pass: what follows comes later
             free = not any(after[k] >> j & 1 for k in waiting if k != j)
-            if pattern[j][0] == stratum and free:
+            if strata[j] == stratum and free:
                 late.append(j)
                 waiting.remove(j)
     return tuple(reversed(late))
 
 
 def regroup(
-    grouper: Grouper,
-    segments: Sequence[Sequence[Sequence[Flow]]],
-    start: str,
-    goal: str,
+    grouper: Grouper, segments: Sequence[Sequence[Word]], start: str, goal: str
 ) -> list[list[Flow]]:
     """Choose one way to run each segment and its order, with the fewest switches.
 
     Args:
         grouper: What commutes, and what a change of stratum costs.
-        segments: For each segment the ways to run it, each a sequence of flows.
+        segments: For each segment the ways to run it, each a word.
         start: Stratum at rest before the first flow.
         goal: Stratum at rest after the last one.
 
@@ -144,7 +168,7 @@ def regroup(
     best: dict[str, int] = {start: 0}  # fewest switches on the way to each stratum
     back: list[dict[str, tuple[str, int, Arrangement]]] = []
     for ways in segments:
-        patterns = [tuple(flow[:2] for flow in way) for way in ways]
+        patterns = [tuple([name for name, _ in way]) for way in ways]
         reached: dict[str, int] = {}
         links: dict[str, tuple[str, int, Arrangement]] = {}
         for here, cost in best.items():
@@ -162,7 +186,7 @@ def regroup(
     chosen = []
     for ways, links in zip(reversed(segments), reversed(back), strict=True):
         end, k, found = links[end]
-        chosen.append(_joined(grouper, [ways[k][i] for i in found.order]))
+        chosen.append(grouper.flows(ways[k], found.order))
     return chosen[::-1]
 
 
@@ -171,24 +195,5 @@ def _refuse(
 ) -> None:
     """Name the strata that the graph does not join."""
     for start in starts:
-        for stratum, _ in chain(*patterns):
-            system.route(start, stratum)
-
-
-def _joined(grouper: Grouper, flows: Iterable[Flow]) -> list[Flow]:
-    """Join flows of one field of a visit that only commuting flows keep apart."""
-    joined: list[Flow] = []
-    for flow in flows:
-        for i in range(len(joined) - 1, -1, -1):
-            last = joined[i]
-            if last.field == flow.field and last.stratum == flow.stratum:
-                joined[i] = flow._replace(duration=last.duration + flow.duration)
-                break
-            if last.stratum != flow.stratum or not grouper.interchange(
-                last.field, flow.field
-            ):
-                joined.append(flow)
-                break
-        else:
-            joined.append(flow)
-    return [flow for flow in joined if flow.duration]
+        for name in chain(*patterns):
+            system.route(start, system.stratum_of[name])

@@ -155,8 +155,9 @@ def _shot(
     samples = sample(line(here, target), extended.system, 1, NODES)
     inputs = fictitious_inputs(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)
-    (orders,) = CHOICES[execution.coordinates]
-    ((flows,),) = extended.words(coordinates, orders)
+    ((order,),) = CHOICES[execution.coordinates]
+    (word,) = extended.steering.words(coordinates, order)
+    flows = extended.grouper.flows(word, range(len(word)))
     return inputs, coordinates, play(extended.system, flows, here)[-1]
 
 

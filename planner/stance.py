@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 
 from planner.fields import Array
-from planner.flows import Flow, merged
+from planner.flows import Flow
 from planner.shape import Shape
 from planner.strata import StratifiedSystem
 
@@ -28,15 +29,20 @@ class _Visit:
     swings: dict[str, float] = field(default_factory=dict)  # duration by field
     sweeps: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
 
-    def loads(self, shape: Shape, coordinate: int) -> bool:
-        """Whether some sweep moves the coordinate."""
-        return any(shape.rates[flow.field][coordinate] for _, flow in self.sweeps)
+    def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
+        """Middle and net of a coordinate's sweep from its start, if there is one."""
+        lowest = highest = net = 0.0
+        loaded = False
+        for name, run in groupby(self.sweeps, key=_field):
+            if rate := rates[name]:
+                loaded = True
+                net += rate * sum(flow.duration for _, flow in run)
+                lowest, highest = min(lowest, net), max(highest, net)
+        return ((lowest + highest) / 2, net) if loaded else None
 
-    def load(self, shape: Shape, coordinate: int) -> tuple[float, float]:
-        """Middle and net of the coordinate's sweep, from where it starts."""
-        flows = merged(flow for _, flow in self.sweeps)
-        course = shape.course(coordinate, flows, 0.0)
-        return float(course.min() + course.max()) / 2, float(course[-1])
+
+def _field(sweep: tuple[int, Flow]) -> str:
+    return sweep[1].field
 
 
 def centred(
@@ -98,10 +104,11 @@ def _centre(
         for name, (moved, rate) in shape.free.items()
         if moved == coordinate
     }
+    rates = {name: float(rate[coordinate]) for name, rate in shape.rates.items()}
     previous, i = -1, 0
     while i < len(visits):
-        if visits[i].loads(shape, coordinate):
-            middle, net = visits[i].load(shape, coordinate)
+        if load := visits[i].load(rates):
+            middle, net = load
             if abs(-middle - angle) > NEGLIGIBLE:
                 place, added = _place(shape.system, visits, swings, (previous, i), ends)
                 name, rate = swings[place.stratum]
