@@ -24,7 +24,7 @@ Array = np.ndarray
 SPACING, JUMP = 0.004, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
 FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
-FOOT, TRAIL = 0.016, 0.014  # radius of a footprint, width of its slip
+FOOT, TRAIL = 0.014, 0.012  # radius of a footprint, width of its slip
 SPOT, GOAL = 0.032, 0.06  # radii
 
 

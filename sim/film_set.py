@@ -17,10 +17,10 @@ from sim.film_marks import Mark
 from sim.film_style import HEIGHT, WIDTH, Look
 from sim.film_walk import Walk
 
-AMBIENT, DIRECT = 0.62, 0.42  # light; on the floor they add up to 1: colours are true
-SUN = (-0.25, 0.35, -1.0)  # direction of the direct light
+AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
+SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
 BODY_ALPHA = 0.25  # of the torso, so that the floor below is seen
-LAYER = 0.0013  # thickness of a mark [reach of the robot]
+LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
@@ -99,11 +99,13 @@ def _draw(spec: mujoco.MjSpec, mark: Mark, height: np.ndarray) -> None:
     """One mesh for all the triangles that a mark will ever show, each at its height."""
     name = mesh_name(mark)
     corners = np.dstack([mark.ink.points, np.repeat(height[:, None], 3, axis=1)])
+    # The compiler wants four points at least; this triangle is never shown.
+    corners = np.concatenate([corners, corners[:1] + (1.0, 0.0, 0.0)])
     spec.add_mesh(
         name=name,
         uservert=corners.ravel(),
-        userface=np.arange(3 * len(mark.ink)),
-        usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(mark.ink)),
+        userface=np.arange(3 * len(corners)),
+        usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(corners)),
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
     )
     spec.add_material(name=name, rgba=style.rgba(mark.colour, mark.alpha), specular=0)

@@ -14,12 +14,13 @@ import numpy as np
 
 from sim.film_camera import Camera
 from sim.film_marks import Mark
-from sim.film_set import build, mesh_name
+from sim.film_set import SUN, build, mesh_name
 from sim.film_style import HEIGHT, WIDTH, Look
 from sim.film_walk import Walk
 
 Array = np.ndarray
 
+SUN_DISTANCE = 5.0  # [reach of the robot]
 ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
 
 
@@ -68,9 +69,9 @@ class Stage:
             Shape (HEIGHT, WIDTH, 3), bytes.
         """
         self._data.qpos[:] = self._walk.qpos[row]
+        self._look_from(frame)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
-        self._look_from(frame)
         for mark in self._marks:
             self._show(mark, frame)
         mujoco.mjv_updateScene(
@@ -93,6 +94,9 @@ class Stage:
         self._view.azimuth = self._camera.azimuth[frame]
         self._view.elevation = self._camera.elevation
         self._view.distance = self._camera.distance
+        # Shadows fall only around a light's position, even if its rays are parallel.
+        away = SUN_DISTANCE * self._walk.reach
+        self._model.light_pos[0] = self._camera.target[frame] - away * SUN
 
     def _show(self, mark: Mark, frame: int) -> None:
         """Let the driver see only the triangles that are visible in this frame."""

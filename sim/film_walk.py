@@ -106,7 +106,11 @@ def read_walk(folder: Path) -> Walk:
 
 def _read(folder: Path) -> Walk:
     scenario = load(str(folder / "scenario.toml"))
-    with np.load(folder / "trajectory.npz", allow_pickle=False) as arrays:
+    with (
+        (folder / "model.xml").open("rb"),  # the processes that draw will need it
+        (folder / "trajectory.npz").open("rb") as file,
+        np.load(file, allow_pickle=False) as arrays,
+    ):
         start = arrays["world_start_pose"]
         return Walk(
             model=folder / "model.xml",
