@@ -1,9 +1,15 @@
 """Shared parts: a world built from the shipped hexapod, and a short real walk."""
 
+import shutil
+
 import pytest
 
 from models.robot import load as load_robot
+from sim.errors import RenderError
+from sim.film import check
+from sim.folder import RunFolder
 from sim.nominal import line
+from sim.run import run
 from sim.scenario import Scenario
 
 
@@ -17,7 +23,34 @@ def scenario():
     """Make a scenario that differs from a short straight line only in what is given."""
 
     def make(**changes):
-        given = {"name": "short", "segments": 2, "path": line((0.01, 0.01, 0.0))} | changes
+        given = {
+            "name": "short",
+            "segments": 2,
+            "path": line((0.01, 0.01, 0.0)),
+        } | changes
         return Scenario(**given)
 
     return make
+
+
+@pytest.fixture(scope="session")
+def driver():
+    try:
+        return check()
+    except RenderError as error:
+        pytest.skip(f"no films on this machine: {error}")
+
+
+@pytest.fixture(scope="session")
+def walked(tmp_path_factory):
+    """Run folder of 3 cm straight ahead, 15 s played in a quarter of one."""
+    folder = tmp_path_factory.mktemp("walked")
+    path = line((0.03, 0.0, 0.0))
+    run(Scenario(name="short", segments=2, path=path, playback=60.0), RunFolder(folder))
+    return folder
+
+
+@pytest.fixture
+def folder(walked, tmp_path):
+    """A copy of the run folder, to be spoilt."""
+    return shutil.copytree(walked, tmp_path / "it's a: run")

@@ -1,6 +1,5 @@
-"""Real films of a real walk, decoded again, and every way in which filming fails."""
+"""Real films of a real walk, decoded again: what was recorded is what is seen."""
 
-import os
 import shutil
 import subprocess
 
@@ -9,45 +8,17 @@ import pytest
 
 from sim import film_crew, gl
 from sim import film_style as style
-from sim.errors import ExitCode, FilesError, RenderError, UsageError
-from sim.film import check, film
+from sim.film import film
 from sim.film_camera import camera
 from sim.film_clock import clock
 from sim.film_crew import Piece
-from sim.film_file import check_encoder, count_pictures, encoding, join
+from sim.film_file import count_pictures
 from sim.film_walk import read_walk
-from sim.folder import RunFolder
-from sim.nominal import line
-from sim.run import run
-from sim.scenario import Scenario
 from tests.screen import FFMPEG, decode, on_screen
 
 CLOCK = np.s_[20:60, 1110:1260]  # where the time stands
 LEGEND = np.s_[90:300, 30:280]
 BAR = np.s_[612:650, 30:600]  # where the stratum is put into words
-
-
-@pytest.fixture(scope="module")
-def driver():
-    try:
-        return check()
-    except RenderError as error:
-        pytest.skip(f"no films on this machine: {error}")
-
-
-@pytest.fixture(scope="module")
-def walked(tmp_path_factory):
-    """Run folder of 3 cm straight ahead, 15 s played in a quarter of one."""
-    folder = tmp_path_factory.mktemp("walked")
-    path = line((0.03, 0.0, 0.0))
-    run(Scenario(name="short", segments=2, path=path, playback=60.0), RunFolder(folder))
-    return folder
-
-
-@pytest.fixture
-def folder(walked, tmp_path):
-    """A copy of the run folder, to be spoilt."""
-    return shutil.copytree(walked, tmp_path / "it's a: run")
 
 
 @pytest.fixture(scope="module")
@@ -60,19 +31,6 @@ def filmed(driver, walked, tmp_path_factory):
 @pytest.fixture(scope="module")
 def decoded(filmed):
     return decode(filmed)
-
-
-@pytest.fixture
-def ffmpeg(monkeypatch, tmp_path):
-    """Replace ffmpeg by a shell script in which $REAL is the real one."""
-
-    def replace(script):
-        path = tmp_path / "ffmpeg"
-        path.write_text(f"#!/bin/bash\nREAL='{FFMPEG}'\n{script}\n")
-        path.chmod(0o755)
-        monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(path))
-
-    return replace
 
 
 def draw(folder, frames, driver, look="draft"):
@@ -212,142 +170,3 @@ def test_a_film_needs_neither_the_current_folder_nor_an_empty_environment(
     assert told[-1] == pytest.approx(1.0)
     assert told == sorted(told)
     assert [path.name for path in elsewhere.iterdir()] == ["sim"]
-
-
-def assert_spoilt_without_a_trace(folder, before):
-    assert {path.name for path in folder.iterdir()} == before
-
-
-@pytest.mark.render
-@pytest.mark.parametrize(
-    ("script", "error", "message"),
-    [
-        (  # dies early: its pipe breaks
-            '[[ "$*" == *rawvideo* ]] && exit 1; exec "$REAL" "$@"',
-            RenderError,
-            "drawing the film failed, .*; the run itself is kept",
-        ),
-        (  # loses pictures and reports success
-            'if [[ "$*" == *rawvideo* ]]; then\n'
-            '  { head -c $((5 * 1280 * 720 * 3)) | "$REAL" "$@"; cat > /dev/null; }\n'
-            'else exec "$REAL" "$@"; fi',
-            RenderError,
-            "film cut short, 5 of 52 pictures: .*video.mp4; the run itself is kept",
-        ),
-        (  # writes nothing and reports success
-            'if [[ "$*" == *rawvideo* ]]; then cat > /dev/null\n'
-            'else exec "$REAL" "$@"; fi',
-            RenderError,
-            "ffmpeg failed, .*No such file",
-        ),
-        (
-            'if [[ "$*" == *rawvideo* ]]; then\n'
-            "  echo 'av_write(): No space left on device' >&2; exit 1\n"
-            'else exec "$REAL" "$@"; fi',
-            FilesError,
-            "disk full while filming: .*; free some space",
-        ),
-    ],
-    ids=["dies", "loses", "silent", "full"],
-)
-def test_an_encoder_that_fails_leaves_no_film(
-    driver, folder, ffmpeg, script, error, message
-):
-    before = {path.name for path in folder.iterdir()}
-    ffmpeg(script)
-    with pytest.raises(error, match=message):
-        film(folder)
-    assert_spoilt_without_a_trace(folder, before)
-
-
-@pytest.mark.parametrize(
-    ("command", "message"),
-    [
-        (["sh", "-c", "kill -SEGV $$"], "drawing the film failed, signal 11"),
-        (["sh", "-c", "echo 'out of luck' >&2; exit 3"], "failed, out of luck"),
-        (["sh", "-c", "exit 3"], "failed, no word"),
-        (["sleep", "60"], "no picture for 0.3 s"),
-    ],
-    ids=["crash", "error", "mute", "hang"],
-)
-def test_a_process_that_fails_is_reported(walked, monkeypatch, command, message):
-    monkeypatch.setattr(Piece, "command", command)
-    monkeypatch.setattr(film_crew, "PATIENCE", 0.3)
-    piece = Piece(walked, "draft", range(2), walked / "none.mp4")
-    with pytest.raises(RenderError, match=message) as error:
-        film_crew.draw([piece, piece], "egl", lambda drawn: None)
-    assert error.value.exit_code is ExitCode.RENDER
-
-
-def test_an_unknown_look_is_refused(walked):
-    with pytest.raises(
-        UsageError, match="unknown look 'fine': film; known are draft, f"
-    ):
-        film(walked, look="fine")
-
-
-@pytest.mark.parametrize(
-    "name", ["model.xml", "card.toml", "scenario.toml", "flows.csv", "trajectory.npz"]
-)
-def test_an_unfinished_run_is_refused(folder, name):
-    (folder / name).unlink()
-    with pytest.raises(UsageError, match=name):
-        read_walk(folder)
-
-
-def test_a_truncated_trajectory_is_refused(folder):
-    path = folder / "trajectory.npz"
-    path.write_bytes(path.read_bytes()[:5000])
-    with pytest.raises(UsageError, match="no film of an unfinished run"):
-        read_walk(folder)
-
-
-def test_a_missing_array_is_named(folder):
-    np.savez(folder / "trajectory.npz", time=np.zeros(3))
-    with pytest.raises(UsageError, match="world_start_pose"):
-        read_walk(folder)
-
-
-@pytest.mark.parametrize(
-    ("executable", "message"),
-    [
-        (
-            "/nowhere/ffmpeg",
-            "no ffmpeg, No such file or directory: /nowhere/ffmpeg; pip",
-        ),
-        ("/bin/false", "ffmpeg failed, exit code 1: /bin/false; pip install"),
-        ("/bin/true", "cannot encode libx264: /bin/true; pip install"),
-    ],
-)
-def test_an_encoder_that_will_not_do_is_refused_beforehand(
-    monkeypatch, executable, message
-):
-    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", executable)
-    with pytest.raises(RenderError, match=message):
-        check_encoder()
-
-
-def test_pieces_are_joined_in_their_order(tmp_path):
-    levels = (20, 80, 140, 200)
-    pieces = [tmp_path / "0.mp4", tmp_path / "1.mp4"]
-    for path, pair in zip(pieces, (levels[:2], levels[2:]), strict=True):
-        with encoding(path) as writer:
-            for level in pair:
-                writer.append_data(np.full((720, 1280, 3), level, np.uint8))
-    joined = tmp_path / "joined.mp4"
-    join(pieces, joined)
-    assert count_pictures(joined) == len(levels)
-    seen = decode(joined).mean(axis=(1, 2, 3))
-    assert seen == pytest.approx(levels, abs=3)  # the codec's rounding
-
-
-def test_a_missing_piece_is_an_error(tmp_path):
-    with pytest.raises(RenderError, match="ffmpeg failed, .*"):
-        join([tmp_path / "0.mp4"], tmp_path / "joined.mp4")
-
-
-@pytest.mark.parametrize("content", [b"", b"no film", os.urandom(1000)])
-def test_what_is_no_film_holds_no_pictures(tmp_path, content):
-    path = tmp_path / "film.mp4"
-    path.write_bytes(content)
-    assert count_pictures(path) == 0
