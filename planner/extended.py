@@ -74,7 +74,7 @@ class ExtendedSystem:
     @cached_property
     def grouper(self) -> Grouper:
         """Arrangements of flows by stratum, remembered from plan to plan."""
-        return Grouper(self.system, self.steering.commute)
+        return Grouper(self.system, self.steering.hall.commute)
 
     @cached_property
     def _moving(self) -> Array:

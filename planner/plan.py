@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from planner.choice import choose_elements
 from planner.errors import RangeError
 from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
@@ -18,6 +19,7 @@ from planner.paths import Path, as_path
 from planner.shape import Limits
 from planner.strata import StratifiedSystem
 
+CHOICE_NODES = 7  # configurations of a path that chosen elements must span
 MOST_SEGMENTS = 10_000  # tried when a plan's range asks for more segments
 
 
@@ -100,7 +102,8 @@ def plan(
         system: System to steer; compiled by `extend` beforehand where speed matters.
         path: Configurations on the bottom stratum for s in [0, 1].
         segments: Number of pieces that the path is cut into, each planned by itself.
-        elements: Fields and brackets of the extended system; not with a compiled one.
+        elements: Fields and brackets of the extended system, chosen by
+            `planner.choice` if not given; not with a compiled one.
         stance: As in `planner.execution.Execution`, like the next five.
         limits: Lowest and highest value of shape coordinates by name.
         coordinates: Hall coordinates to follow.
@@ -116,7 +119,8 @@ def plan(
         PlannerError: The elements lose rank on the path, or do not reach its velocity.
         RangeError: The plan leaves the limits; it says how many segments would do.
     """
-    extended = _extended(system, elements)
+    nominal = as_path(path)
+    extended = _extended(system, elements, nominal)
     if segments < 1:
         raise ValueError(f"segments is {segments}; at least 1 is needed")
     execution = Execution(
@@ -127,7 +131,6 @@ def plan(
         depart=depart,
         arrive=arrive,
     )
-    nominal = as_path(path)
     try:
         return follow_path(extended, nominal, segments, execution, nodes)
     except RangeError as error:
@@ -217,14 +220,15 @@ def _enough(
 
 
 def _extended(
-    system: StratifiedSystem | ExtendedSystem, elements: Sequence[str] | None
+    system: StratifiedSystem | ExtendedSystem,
+    elements: Sequence[str] | None,
+    path: Path,
 ) -> ExtendedSystem:
     if isinstance(system, ExtendedSystem):
         if elements is not None:
             raise ValueError("elements are given twice: the system is extended already")
         return system
     if elements is None:
-        raise ValueError(
-            "elements are missing: name fields that span the bottom stratum"
-        )
+        (samples,) = sample(path, system, 1, CHOICE_NODES)
+        elements = choose_elements(system, samples).elements
     return extend(system, elements)

@@ -50,9 +50,10 @@ def sparse_basis(columns: Array) -> Array:
 
 def in_words(direction: Array, names: Iterable[object]) -> str:
     """A direction as a sum of coordinates, `x - 0.5 y`."""
-    words = []
-    for value, name in zip(direction, names, strict=True):
+    words = ""
+    for value, name in zip(direction.tolist(), names, strict=True):
         if abs(value) > SPANNED:
             size = "" if abs(abs(value) - 1) < SPANNED else f"{abs(value):.3g} "
-            words.append(f"{'+' if value > 0 else '-'} {size}{name}")
-    return " ".join(words).removeprefix("+ ")
+            sign = "-" if value < 0 else "+"
+            words += f" {sign} {size}{name}" if words else f"{sign}{size}{name}"
+    return words.removeprefix("+")
