@@ -45,6 +45,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     signal.signal(signal.SIGTERM, _terminate)
+    # Shells start background jobs deaf to SIGINT; whoever sends it to us means it.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     gl.choose()
     try:
         code = _execute(words)
