@@ -19,9 +19,10 @@ from typing import IO
 
 from sim import gl
 from sim.errors import FilesError, RenderError
+from sim.film_file import FULL
 
 PATIENCE = 120.0  # [s] without a new picture
-FULL = 2**20  # bytes; with less to spare a disk is full
+SPARE = 2**20  # bytes; with less a disk is full
 KEPT = "the run itself is kept"
 
 
@@ -62,7 +63,7 @@ class Worker:
             return
         self.complaints.seek(0)
         said = self.complaints.read().decode(errors="replace")
-        if "No space left" in said or shutil.disk_usage(where).free < FULL:
+        if FULL in said or shutil.disk_usage(where).free < SPARE:
             raise FilesError(
                 "disk full while filming", where, f"free some space; {KEPT}"
             )

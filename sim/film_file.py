@@ -6,6 +6,8 @@ success; only the number of pictures tells. Knows nothing of what they show.
 
 from __future__ import annotations
 
+import errno
+import os
 import subprocess
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -21,6 +23,7 @@ CODEC = "libx264"
 QUALITY = ("-preset", "veryfast", "-crf", "20")
 # Fragments keep a piece readable up to where its encoder died.
 FRAGMENTS = ("-movflags", "+frag_keyframe+empty_moov+default_base_moof", "-g", "30")
+FULL = "No space left"  # how ffmpeg reports it
 INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE"
 
 
@@ -65,6 +68,7 @@ def join(pieces: Sequence[Path], film: Path) -> None:
 
     Raises:
         RenderError: If a piece is missing or broken.
+        OSError: If the disk is full.
     """
     contents = pieces[0].with_name("pieces.txt")
     contents.write_text("".join(f"file '{piece.name}'\n" for piece in pieces))
@@ -99,6 +103,7 @@ def _ffmpeg(*arguments: str) -> str:
 
     Raises:
         RenderError: If it fails.
+        OSError: If the disk is full.
     """
     command = (_executable(), "-v", "error", "-nostdin", *arguments)
     try:
@@ -107,6 +112,8 @@ def _ffmpeg(*arguments: str) -> str:
         raise RenderError(
             f"no ffmpeg, {error.strerror}", command[0], INSTALL
         ) from error
+    if FULL in done.stderr:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     if done.returncode:
         reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[
             -1

@@ -56,8 +56,15 @@ def ffmpeg(monkeypatch, tmp_path):
             FilesError,
             "disk full while filming: .*; free some space",
         ),
+        (
+            'if [[ "$*" == *concat* ]]; then\n'
+            "  echo 'av_write(): No space left on device' >&2; exit 1\n"
+            'else exec "$REAL" "$@"; fi',
+            FilesError,
+            "disk full: .*video.mp4; free some space",
+        ),
     ],
-    ids=["dies", "loses", "silent", "full"],
+    ids=["dies", "loses", "silent", "full", "full at last"],
 )
 def test_an_encoder_that_fails_leaves_no_film(
     driver, folder, ffmpeg, script, error, message
