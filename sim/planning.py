@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from planner.paths import grid
 from planner.plan import Plan, plan
 from planner.replan import Step, plan_step
 from sim.poses import nearest_turn
@@ -39,8 +40,8 @@ def plan_segment(
     Raises:
         PlannerError: If the target cannot be approached from there.
     """
-    segments = setup.scenario.segments
-    target = setup.nominal()((segment + 1) / segments)
+    nominal, segments = setup.nominal(), setup.scenario.segments
+    target = nominal(grid(nominal, segments)[segment + 1])
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
     execution = setup.execution(finish=segment == segments - 1)
     return plan_step(setup.extended, setup.state(here, swing), target, execution)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
@@ -13,6 +12,7 @@ from models.kinematics import Kinematics
 from models.robot import Robot, load
 from planner.execution import Execution, Stance
 from planner.extended import ExtendedSystem, extend
+from planner.paths import Path
 from sim.poses import pose_of
 from sim.scenario import Scenario
 from sim.schedule import Limits, Shape
@@ -77,9 +77,10 @@ class Setup:
         angles = np.zeros(groups) if swing is None else np.array(swing)
         return np.concatenate([pose, angles, np.zeros(groups)])
 
-    def nominal(self) -> Callable[[float], Array]:
-        """The nominal path as configurations, legs at angle 0."""
-        return lambda s: self.state(self.scenario.path(s))
+    def nominal(self) -> Path:
+        """The nominal path as configurations: legs at angle 0, feet on the ground."""
+        poses, rest = self.scenario.path.curve, 2 * len(self.robot.groups)
+        return Path(lambda s: np.pad(poses.at(s), ((0, 0), (0, rest))), poses.corners)
 
 
 def prepare(scenario: Scenario) -> Setup:
