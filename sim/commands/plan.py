@@ -28,12 +28,13 @@ def execute(options: argparse.Namespace) -> None:
     """Plan the scenario and print what the plan does."""
     scenario = scenario_of(options)
 
-    from sim.setup import prepare  # the slow part; a refused scenario does not wait
+    from sim.planning import plan_open_loop  # slow; a refused scenario does not wait
+    from sim.setup import prepare
 
     began = time.perf_counter()
     setup = prepare(scenario)
     compiled = time.perf_counter()
-    flows = _replanned(setup) if scenario.replan else _open_loop(setup)
+    flows = _replanned(setup) if scenario.replan else plan_open_loop(setup).flows
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     facts = summarise(setup, flows) | {"timing": timing}
     if options.json:
@@ -44,27 +45,17 @@ def execute(options: argparse.Namespace) -> None:
     print(_describe(facts))
 
 
-def _open_loop(setup: Setup) -> Sequence[Flow]:
-    from planner.plan import plan
-
-    path, segments = setup.nominal(), setup.scenario.segments
-    limits = setup.swing_limits
-    return plan(
-        setup.extended, path, segments, stance=setup.stance, limits=limits
-    ).flows
-
-
 def _replanned(setup: Setup) -> Sequence[Flow]:
     """Each segment planned from the state that the exact kinematics reached."""
-    from planner.replan import plan_step
     from planner.rollout import rollout
+    from sim.planning import plan_segment
 
-    nominal, segments = setup.nominal(), setup.scenario.segments
-    state = nominal(0.0)
+    groups = len(setup.robot.groups)
+    state = setup.nominal()(0.0)
     flows: list[Flow] = []
-    for k in range(1, segments + 1):
-        choices = setup.execution(finish=k == segments)
-        step = plan_step(setup.extended, state, nominal(k / segments), choices)
+    for segment in range(setup.scenario.segments):
+        pose, swing = state[:3], tuple(state[3 : 3 + groups])
+        step = plan_segment(setup, segment, pose, swing)
         state = rollout(step.plan)[-1]
         flows += step.plan.flows
     return flows
