@@ -1,20 +1,17 @@
 """The robot card: which parts of an MJCF file are legs, joints, feet and groups.
 
-Reads and validates the TOML file beside a robot's MJCF. Whether the named parts exist
-is for `models.robot` to say.
+Data that cannot be nonsense; `models.card_file` reads it, and whether the named parts
+exist is for `models.robot` to say.
 """
 
 from __future__ import annotations
 
-import difflib
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
-from models.errors import ModelError
+Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +37,38 @@ class LegCard:
 class GroupCard:
     """Legs that swing by one angle and lift together."""
 
-    legs: Mapping[int, int]  # leg -> sign of its swing joint for a positive angle
-    twist: tuple[float, float, float] | None = None  # claimed, per radian of swing
+    legs: Mapping[int, float]  # leg -> swing of its joint per angle: a sign, or a gain
+    twist: Twist | None = None  # claimed, per radian of swing
 
     def __post_init__(self) -> None:
         if not self.legs:
             raise ValueError("a group needs at least one leg")
-        if bad := {leg: s for leg, s in self.legs.items() if s not in (-1, 1)}:
-            raise ValueError(f"signs of legs must be 1 or -1, got {bad}")
+        _check_gains("legs", self.legs)
+
+
+@dataclass(frozen=True, slots=True)
+class PatternCard:
+    """Groups that swing together while they stand, such as all legs of a crawl."""
+
+    strata: tuple[str, ...]  # where it is used
+    groups: Mapping[str, float]  # group -> its angle per unit of the pattern
+    twist: Twist | None = None  # claimed, per unit of the pattern
+
+    def __post_init__(self) -> None:
+        if not self.strata:
+            raise ValueError("a pattern needs at least one stratum")
+        if not self.groups:
+            raise ValueError("a pattern needs at least one group")
+        _check_gains("groups", self.groups)
+        for stratum in self.strata:
+            if lifted := [group for group in self.groups if group not in stratum]:
+                raise ValueError(f"groups {lifted} are in the air on S{stratum}")
+
+
+def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
+    bad = {name: gain for name, gain in gains.items() if not isfinite(gain) or not gain}
+    if bad:
+        raise ValueError(f"{what} need a sign or a gain other than 0, got {bad}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +93,7 @@ class Card:
     legs: Mapping[int, LegCard]
     groups: Mapping[str, GroupCard]
     gait: tuple[str, ...]  # strata, each the names of the groups in contact
+    patterns: Mapping[str, PatternCard] = field(default_factory=dict)
     servo: Servo | None = None
     description: str = ""
 
@@ -80,6 +102,7 @@ class Card:
             raise ValueError(f"lift_angle must be positive, got {self.lift_angle}")
         self._check_groups()
         self._check_gait()
+        self._check_patterns()
 
     def _check_groups(self) -> None:
         grouped = [leg for group in self.groups.values() for leg in group.legs]
@@ -98,92 +121,16 @@ class Card:
             if unknown := set(stratum) - set(self.groups):
                 raise ValueError(f"stratum {stratum!r} names no group {unknown}")
 
+    def _check_patterns(self) -> None:
+        for name, pattern in self.patterns.items():
+            if not name.isidentifier():
+                raise ValueError(f"pattern {name!r}: its name must be one word")
+            if unknown := sorted(set(pattern.groups) - set(self.groups)):
+                raise ValueError(f"pattern {name}: there is no group {unknown}")
+            if unknown := sorted(set(pattern.strata) - set(self.gait)):
+                raise ValueError(f"pattern {name}: the gait has no strata {unknown}")
+
     @property
     def bottom(self) -> str:
         """The stratum with every group in contact."""
         return "".join(self.groups)
-
-
-def read_card(path: Path) -> Card:
-    """Read a robot card.
-
-    Args:
-        path: TOML file in the format of the README's section on robots.
-
-    Raises:
-        ModelError: If the file is not TOML, or says something impossible.
-    """
-    try:
-        table = tomllib.loads(path.read_text())
-        return _decode(table)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, ValueError, TypeError) as error:
-        raise ModelError(f"bad robot card: {path}; {error}") from error
-
-
-def _decode(table: dict[str, Any]) -> Card:
-    known = {"lift_angle", "leg", "group", "gait", "servo", "description"}
-    _refuse_unknown(table, known, "the card")
-    for key in ("lift_angle", "leg", "group", "gait"):
-        if key not in table:
-            raise ValueError(f"{key} is missing")
-    servo = table.get("servo")
-    return Card(
-        lift_angle=float(table["lift_angle"]),
-        legs={int(number): _leg(number, leg) for number, leg in table["leg"].items()},
-        groups={name: _group(name, group) for name, group in table["group"].items()},
-        gait=tuple(_strata(table["gait"])),
-        servo=None if servo is None else Servo(**servo),
-        description=table.get("description", ""),
-    )
-
-
-def _strata(table: dict[str, Any]) -> list[str]:
-    _refuse_unknown(table, {"strata"}, "gait")
-    if "strata" not in table:
-        raise ValueError("gait: strata is missing")
-    return list(table["strata"])
-
-
-def _leg(number: str, table: dict[str, Any]) -> LegCard:
-    where = f"leg.{number}"
-    _refuse_unknown(table, {"swing", "lift", "raise", "foot", "hold"}, where)
-    try:
-        return LegCard(
-            swing=table["swing"],
-            lift=table["lift"],
-            foot=tuple(table["foot"]),
-            raise_sign=table.get("raise", 1),
-            hold=table.get("hold", {}),
-        )
-    except KeyError as error:
-        raise ValueError(f"{where}: {error.args[0]} is missing") from error
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
-
-
-def _group(name: str, table: dict[str, Any]) -> GroupCard:
-    where = f"group.{name}"
-    _refuse_unknown(table, {"legs", "twist"}, where)
-    if "legs" not in table:
-        raise ValueError(f"{where}: legs is missing")
-    twist = table.get("twist")
-    try:
-        return GroupCard(
-            legs={int(leg): sign for leg, sign in table["legs"].items()},
-            twist=None if twist is None else _twist(twist),
-        )
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
-
-
-def _twist(values: list[float]) -> tuple[float, float, float]:
-    if len(values) != 3 or not all(isfinite(v) for v in values):
-        raise ValueError(f"twist is forward, left [m/rad], yaw [rad/rad]; got {values}")
-    return (float(values[0]), float(values[1]), float(values[2]))
-
-
-def _refuse_unknown(table: dict[str, Any], known: set[str], where: str) -> None:
-    for key in table.keys() - known:
-        near = difflib.get_close_matches(key, known, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known are {sorted(known)}"
-        raise ValueError(f"{where} has no key {key!r}; {hint}")

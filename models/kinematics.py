@@ -53,7 +53,7 @@ class Kinematics:
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
         robot = self.robot
-        s = robot.swing_sign * swing[..., robot.group_of_leg]  # (..., F)
+        s = robot.swing_gain * swing[..., robot.group_of_leg]  # (..., F)
         r = robot.raise_sign * lift[..., robot.group_of_leg]
         basis = _basis(s), _basis(r)  # (..., F, 3)
         feet, swung, lifted, weight = (
@@ -62,7 +62,7 @@ class Kinematics:
         )
         return Stance(
             feet=feet[..., :2],
-            rates=swung[..., :2] * robot.swing_sign[:, None],
+            rates=swung[..., :2] * robot.swing_gain[:, None],
             gives=lifted * robot.raise_sign[:, None],
             height=feet[..., 2],
             center_of_mass=self._middle[:2] + weight.sum(axis=-2)[..., :2],

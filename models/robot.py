@@ -15,7 +15,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from models.card import Card, LegCard, read_card
+from models.card import Card, LegCard
+from models.card_file import read_card
 from models.errors import ModelError, UnknownRobotError
 
 FOLDER = Path(str(files("models")))
@@ -46,14 +47,18 @@ class Robot:
     @cached_property
     def group_of_leg(self) -> np.ndarray:
         """Index of each leg's group, shape (F,)."""
-        owner = {leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs}
+        owner = {
+            leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs
+        }
         return np.array([owner[leg] for leg in self.legs])
 
     @cached_property
-    def swing_sign(self) -> np.ndarray:
-        """Sign of each leg's swing joint for a positive angle of its group, shape (F,)."""
-        sign = {leg: s for group in self.card.groups.values() for leg, s in group.legs.items()}
-        return np.array([float(sign[leg]) for leg in self.legs])
+    def swing_gain(self) -> np.ndarray:
+        """Swing of each leg's joint per angle of its group: signs or gains, (F,)."""
+        gains: dict[int, float] = {}
+        for group in self.card.groups.values():
+            gains |= group.legs
+        return np.array([gains[leg] for leg in self.legs])
 
     @cached_property
     def raise_sign(self) -> np.ndarray:
@@ -74,7 +79,9 @@ class Robot:
             return mujoco.MjSpec.from_file(str(self.path))
         except (ValueError, RuntimeError) as error:
             reason = " ".join(str(error).split())
-            raise ModelError(f"not a usable MJCF file: {self.path}; {reason}") from error
+            raise ModelError(
+                f"not a usable MJCF file: {self.path}; {reason}"
+            ) from error
 
     @cached_property
     def model(self) -> mujoco.MjModel:
@@ -107,11 +114,11 @@ class Robot:
 
     def _range_of(self, group: str) -> tuple[float, float]:
         ends = []
-        for leg, sign in self.card.groups[group].legs.items():
+        for leg, gain in self.card.groups[group].legs.items():
             joint = self.model.joint(self.card.legs[leg].swing)
             span = joint.range if self.model.jnt_limited[joint.id] else (-np.pi, np.pi)
             start = self.start_qpos[joint.qposadr[0]]
-            ends.append(sorted(float(sign * (end - start)) for end in span))
+            ends.append(sorted(float((end - start) / gain) for end in span))
         return max(low for low, _ in ends), min(high for _, high in ends)
 
 
@@ -128,7 +135,9 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
         raise ModelError(f"MJCF does not compile: {source}; {reason}") from error
     for name in ("body_mass", "body_inertia", "body_pos", "geom_size", "geom_friction"):
         if not np.isfinite(getattr(model, name)).all():
-            raise ModelError(f"{name} is not finite: {source}; the compiler lets it pass")
+            raise ModelError(
+                f"{name} is not finite: {source}; the compiler lets it pass"
+            )
     return model
 
 
@@ -153,7 +162,9 @@ def load(name: str) -> Robot:
             f"unknown robot: {name!r}; shipped are {', '.join(robots())}, or give a .xml file"
         )
     if not path.is_file():
-        raise UnknownRobotError(f"no such robot file: {path}; give the path of an MJCF file")
+        raise UnknownRobotError(
+            f"no such robot file: {path}; give the path of an MJCF file"
+        )
     card_path = _card_path(path)
     robot = Robot(path.stem, path, card_path, read_card(card_path))
     check_parts(robot.model, robot.card, path)
@@ -190,11 +201,15 @@ def check_parts(model: mujoco.MjModel, card: Card, path: Path) -> None:
         if name not in _names(model, kind)
     ]
     if missing:
-        raise ModelError(f"the card names what the model lacks: {path}; {', '.join(missing)}")
+        raise ModelError(
+            f"the card names what the model lacks: {path}; {', '.join(missing)}"
+        )
     for number, leg in card.legs.items():
         for joint in (leg.swing, leg.lift):
             if model.joint(joint).type != mujoco.mjtJoint.mjJNT_HINGE:
-                raise ModelError(f"leg {number}: {path}; joint {joint!r} is not a hinge")
+                raise ModelError(
+                    f"leg {number}: {path}; joint {joint!r} is not a hinge"
+                )
 
 
 def _parts(leg: LegCard) -> list[tuple[str, str]]:
@@ -215,5 +230,7 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
     """
     free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
     if len(free) != 1:
-        raise ModelError(f"{len(free)} free joints: {path}; a walking robot has exactly one")
+        raise ModelError(
+            f"{len(free)} free joints: {path}; a walking robot has exactly one"
+        )
     return int(model.jnt_bodyid[free[0]])

@@ -6,17 +6,16 @@ contact kinematics of the actual legs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from models.dissipation import least_dissipation_twist
+from models.equations import Equations
 from models.ground import Ground
 from models.kinematics import Kinematics, Stance
 from models.loads import static_loads
-from models.robot import Robot
 from models.sliding import sliding_twist
 
 Array = np.ndarray
@@ -38,18 +37,18 @@ class TwistModel(Protocol):
 
 @dataclass(frozen=True)
 class IdealTwists:
-    """Constant stride and yaw gain of each group in contact, eqs. (16)-(18)."""
+    """Constant stride and yaw gain of each field, eqs. (16)-(18)."""
 
-    robot: Robot
-    per_radian: Mapping[str, Sequence[float]]  # group -> forward, left [m], yaw [rad]
+    equations: Equations
 
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
-        """Sum over the groups in contact; the angles do not matter."""
-        gains = [
-            np.multiply(self.per_radian[group], group in stratum)
-            for group in self.robot.groups
-        ]
-        return np.asarray(rates @ np.array(gains))
+        """The fields of the stratum that together have these rates, added up."""
+        equations = self.equations
+        on = [f for f, s in equations.system.stratum_of.items() if s == stratum]
+        swings = [name for name in on if name in equations.swings]
+        directions = np.array([equations.swings[name] for name in swings])
+        twists = np.array([equations.twists[name] for name in swings])
+        return np.asarray(rates @ np.linalg.pinv(directions) @ twists)
 
 
 @dataclass(frozen=True)

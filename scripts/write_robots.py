@@ -1,6 +1,6 @@
 """Write the MJCF files of the shipped robots from the lengths in `models.shapes`."""
 
-from models.card import read_card
+from models.card_file import read_card
 from models.mjcf import write
 from models.robot import FOLDER
 from models.shapes import SHAPES

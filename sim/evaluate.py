@@ -5,7 +5,7 @@ Definitions are in the README. Writes nothing; `sim.run` does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from sim.phases import count_changes, phase_slips
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
+from sim.schedule import Phase
 from sim.support import stability_margin
 from sim.walk import Walk
 
@@ -50,7 +51,7 @@ def twist_models(walk: Walk) -> dict[str, TwistModel]:
     ground = ground_of(setup.robot, setup.model)
     speed = setup.limits.swing_speed
     return {
-        "ideal": IdealTwists(setup.robot, setup.equations.twists),
+        "ideal": IdealTwists(setup.equations),
         "quasi_static": QuasiStaticTwists(setup.kinematics, ground, speed),
     }
 
@@ -143,12 +144,9 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     setup, scenario = walk.setup, walk.setup.scenario
     pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
     swings = [p for p in walk.phases if p.kind == "swing"]
-    loaded = [p for p in swings if setup.robot.groups[p.group] in p.stratum]
-    strides = [
-        np.hypot(*setup.equations.twists[setup.robot.groups[p.group]][:2])
-        for p in loaded
-    ]
-    walked = float(sum(s * abs(p.amount) for s, p in zip(strides, loaded, strict=True)))
+    walked = float(
+        sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings)
+    )
     length = scenario.path.length
     slips = phase_slips(walk)
     predicted = {
@@ -172,8 +170,8 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "distance_walked": walked,
         "contact_switches": sum(p.kind in ("lift", "land") for p in walk.phases),
         "contact_switches_achieved": count_changes(walk),
-        "swing_travel": sum(abs(p.amount) for p in loaded),
-        "air_travel": sum(abs(p.amount) for p in swings if p not in loaded),
+        "swing_travel": _travel(swings, setup.robot.groups, loaded=True),
+        "air_travel": _travel(swings, setup.robot.groups, loaded=False),
         "bounces": walk.recording.feet.bounces,
         "saturated_segments": walk.saturated_segments,
         "walk_starts": walk.starts * setup.limits.timestep,
@@ -197,6 +195,16 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "simulated_time": walk.recording.rows[-1] * setup.limits.timestep,
         "timestep": setup.limits.timestep,
     }
+
+
+def _travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> float:
+    """Way of all groups' angles on the ground, or in the air [rad]."""
+    return sum(
+        abs(phase.amount * phase.direction[i])
+        for phase in swings
+        for i in phase.moving
+        if (groups[i] in phase.stratum) == loaded
+    )
 
 
 def _of_prediction(prediction: Prediction, walking: Array) -> Summary:

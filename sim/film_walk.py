@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from models.card import Card, read_card
+from models.card import Card
+from models.card_file import read_card
 from sim.errors import UsageError
 from sim.poses import rotate
 from sim.scenario import Scenario
@@ -33,7 +34,7 @@ class FlowRow(NamedTuple):
 
     kind: str  # hold, lift, swing or land
     stratum: str  # groups in contact
-    group: str  # that moves; empty in a hold
+    group: str  # that move; empty in a hold
 
 
 @dataclass(frozen=True)

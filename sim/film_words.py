@@ -43,7 +43,7 @@ def noun(legs_per_group: int) -> str:
 
 def _verb(flow: FlowRow, group: str) -> Verb:
     stands = group in flow.stratum
-    if group != flow.group or flow.kind == "hold":
+    if group not in flow.group or flow.kind == "hold":
         return STANDS if stands else WAITS
     if flow.kind == "swing":
         return SWINGS_BODY if stands else SWINGS

@@ -42,7 +42,7 @@ def as_planned(walk: Walk, phase: Phase) -> bool:
     planned = robot.planted(phase.stratum)
     asked = np.ones(len(planned), dtype=bool)
     if phase.kind in ("lift", "land"):
-        asked = robot.group_of_leg != phase.group
+        asked = ~np.isin(robot.group_of_leg, phase.moving)
     contact = walk.recording.feet.contact[phase.start : phase.stop]
     return bool(
         np.array_equal(contact[:, asked], np.tile(planned[asked], (phase.steps, 1)))
@@ -75,7 +75,7 @@ def table(walk: Walk) -> str:
         writer.writerow(
             (
                 index, p.segment, p.start * dt, p.stop * dt, p.kind, p.stratum, p.field,
-                p.amount, groups[p.group] if p.group >= 0 else "",
+                p.amount, "".join(groups[i] for i in p.moving),
                 float(phase_slip(walk, p).sum()), int(as_planned(walk, p)),
             )
         )  # fmt: skip

@@ -73,8 +73,9 @@ def placed(pose: Array, start: Sequence[float]) -> Array:
 
 
 def _is_loaded(phase: Phase, schedule: Schedule) -> bool:
-    moving = schedule.limits.groups[phase.group]
-    return phase.kind == "swing" and moving in phase.stratum
+    groups = schedule.limits.groups
+    on_ground = any(groups[i] in phase.stratum for i in phase.moving)
+    return phase.kind == "swing" and on_ground
 
 
 def _changes(schedule: Schedule) -> Array:
@@ -82,7 +83,7 @@ def _changes(schedule: Schedule) -> Array:
     changes = np.zeros((len(schedule.phases), len(schedule.begin.swing)))
     for row, phase in zip(changes, schedule.phases, strict=True):
         if phase.kind == "swing":
-            row[phase.group] = phase.amount
+            row[:] = np.multiply(phase.direction, phase.amount)
     return changes
 
 

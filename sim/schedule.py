@@ -32,14 +32,23 @@ class Limits:
     timestep: float  # [s]
     groups: tuple[str, ...]  # names, in the order of every array
 
+    def swing_steps(
+        self, direction: Sequence[float], amount: float
+    ) -> tuple[int, int]:
+        """Number of steps of a swing and of its acceleration."""
+        farthest = amount * max(map(abs, direction))
+        return ramp_steps(
+            farthest, self.swing_speed, self.swing_acceleration, self.timestep
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Phase:
-    """One uninterrupted motion of one group, or a hold, lasting whole timesteps."""
+    """One uninterrupted motion of one or more groups, or a hold, in whole timesteps."""
 
     kind: Kind
     stratum: str  # groups in contact while it lasts; lifting and landing ones are not
-    group: int  # index of the group that moves, -1 in a hold
+    direction: tuple[float, ...]  # how far each group moves for one of `amount`
     amount: float  # signed change of the angle [rad]
     start: int  # first timestep
     steps: int
@@ -50,6 +59,11 @@ class Phase:
     def stop(self) -> int:
         """First timestep after the phase."""
         return self.start + self.steps
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Indices of the groups that move."""
+        return tuple(i for i, share in enumerate(self.direction) if share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,8 +146,9 @@ class Schedule:
             moving, now = (
                 (swing, now_swing) if phase.kind == "swing" else (lift, now_lift)
             )
-            moving[rows, phase.group] += phase.amount * self._way(phase)
-            now[phase.group] += phase.amount
+            change = np.multiply(phase.direction, phase.amount)
+            moving[rows] += self._way(phase)[:, None] * change
+            now += change
         return swing, lift
 
     def _lifted(self, stratum: str) -> Array:
@@ -145,9 +160,7 @@ class Schedule:
     def _way(self, phase: Phase) -> Array:
         if phase.kind != "swing":
             return ramp(phase.steps, phase.steps // 2)
-        bounds = (self.limits.swing_speed, self.limits.swing_acceleration)
-        steps, rise = ramp_steps(phase.amount, *bounds, self.limits.timestep)
-        return ramp(steps, rise)
+        return ramp(*self.limits.swing_steps(phase.direction, phase.amount))
 
 
 class Scheduler:
@@ -168,15 +181,23 @@ class Scheduler:
 
     def hold(self, seconds: float) -> None:
         """Stand still."""
-        self._lay("hold", -1, 0.0, round(seconds / self._limits.timestep))
+        still = (0.0,) * len(self._limits.groups)
+        self._lay("hold", still, 0.0, round(seconds / self._limits.timestep))
 
-    def flow(self, flow: Flow, group: int) -> None:
-        """Go to the flow's stratum and swing a group by its duration."""
+    def flow(self, flow: Flow, direction: tuple[float, ...]) -> None:
+        """Go to the flow's stratum and swing its groups.
+
+        Args:
+            flow: Flow to carry out.
+            direction: How far each group swings in one unit of its duration [rad].
+        """
         self.enter(flow.stratum)
-        bounds = (self._limits.swing_speed, self._limits.swing_acceleration)
-        steps, _ = ramp_steps(flow.duration, *bounds, self._limits.timestep)
-        self._swing[group] += flow.duration
-        self._lay("swing", group, flow.duration, steps, flow.field)
+        steps, _ = self._limits.swing_steps(direction, flow.duration)
+        self._swing = [
+            angle + flow.duration * share
+            for angle, share in zip(self._swing, direction, strict=True)
+        ]
+        self._lay("swing", direction, flow.duration, steps, flow.field)
 
     def enter(self, stratum: str) -> None:
         """Land the groups that the stratum stands on, then lift the others."""
@@ -191,10 +212,16 @@ class Scheduler:
 
     def _move(self, kind: Kind, group: str, amount: float) -> None:
         steps = max(round(self._limits.lift_time / self._limits.timestep), 2)
-        self._lay(kind, self._limits.groups.index(group), amount, steps)
+        only = tuple(float(g == group) for g in self._limits.groups)
+        self._lay(kind, only, amount, steps)
 
     def _lay(
-        self, kind: Kind, group: int, amount: float, steps: int, field: str = ""
+        self,
+        kind: Kind,
+        direction: tuple[float, ...],
+        amount: float,
+        steps: int,
+        field: str = "",
     ) -> None:
         if steps == 0:
             return
@@ -202,7 +229,7 @@ class Scheduler:
             Phase(
                 kind,
                 self._stratum,
-                group,
+                direction,
                 amount,
                 self._step,
                 steps,

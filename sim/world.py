@@ -200,7 +200,7 @@ class Channels:
         of = robot.group_of_leg
         for i, leg in enumerate(robot.legs):
             card = robot.card.legs[leg]
-            rows[:, self._actuator(card.swing)] = robot.swing_sign[i] * swing[:, of[i]]
+            rows[:, self._actuator(card.swing)] = robot.swing_gain[i] * swing[:, of[i]]
             rows[:, self._actuator(card.lift)] = robot.raise_sign[i] * lift[:, of[i]]
             for joint, angle in card.hold.items():
                 rows[:, self._actuator(joint)] = angle

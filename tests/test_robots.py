@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.card import read_card
+from models.card_file import read_card
 from models.errors import ModelError, UnknownRobotError
 from models.kinematics import Kinematics
 from models.mjcf import write
@@ -107,7 +107,7 @@ def test_kinematics_agree_with_the_engine_at_any_angles(robot):
         lift = rng.uniform(0, 0.5, len(robot.groups))
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
         for leg, of, sign in zip(
-            robot.legs, robot.group_of_leg, robot.swing_sign, strict=True
+            robot.legs, robot.group_of_leg, robot.swing_gain, strict=True
         ):
             card = robot.card.legs[leg]
             data.joint(card.swing).qpos = sign * swing[of]
@@ -191,7 +191,7 @@ def test_a_card_without_a_needed_key_is_refused(tmp_path, line, message):
     [
         ("= 0.3", "= nan", "lift_angle must be positive, got nan"),
         ("t_angle", "t_angel", "no key 'lift_angel'; did you mean 'lift_angle'?"),
-        ("1 = -1, 4", "1 = 2, 4", r"group.1: signs of legs .* 1 or -1, got \{1: 2\}"),
+        ("1 = -1, 4", "1 = 0, 4", r"group.1: legs need a sign or a gain .* \{1: 0.0\}"),
         ("4 = -1, 5", "3 = -1, 5", "every leg belongs to exactly one group"),
         ('"2", "12"]', '"2"]', "does not close"),
         ('"12", "2"', '"12", "3"', "stratum '3' names no group"),

@@ -15,6 +15,7 @@ LIMITS = Limits(
     timestep=0.001,
     groups=("1", "2"),
 )
+UNIT = ((1.0, 0.0), (0.0, 1.0))
 STANDING = Shape((0.0, 0.0), "12")
 
 
@@ -22,7 +23,7 @@ def lay(*flows):
     scheduler = Scheduler(LIMITS, STANDING)
     scheduler.hold(0.1)
     for stratum, group, amount in flows:
-        scheduler.flow(Flow(stratum, f"g{stratum}_{group + 1}", amount), group)
+        scheduler.flow(Flow(stratum, f"g{stratum}_{group + 1}", amount), UNIT[group])
     scheduler.enter("12")
     return scheduler.finish()
 
@@ -88,7 +89,7 @@ def test_phases_follow_each_other_without_gaps():
 
 def test_a_schedule_can_continue_where_another_ended():
     scheduler = Scheduler(LIMITS, WALK.end, step=WALK.stop, segment=3)
-    scheduler.flow(Flow("1", "g1_1", 0.2), 0)
+    scheduler.flow(Flow("1", "g1_1", 0.2), UNIT[0])
     more = scheduler.finish()
     swing, lift = more.angles()
     assert more.start == WALK.stop

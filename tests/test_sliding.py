@@ -18,6 +18,7 @@ from sim.schedule import Limits, Scheduler, Shape
 from sim.setup import LIFT_TIME
 from sim.world import Channels, build, load
 
+UNIT = ((1.0, 0.0), (0.0, 1.0))
 SWEEP = ((0, 0.2), (0, -0.4))  # group, amount: the second runs without a start-up
 
 
@@ -46,7 +47,7 @@ def swing_on_all_feet(robot, model, speed):
     scheduler = Scheduler(limits, Shape((0.0, 0.0), "12"))
     scheduler.hold(0.3)
     for group, amount in SWEEP:
-        scheduler.flow(Flow("12", f"g12_{group + 1}", amount), group)
+        scheduler.flow(Flow("12", f"g12_{group + 1}", amount), UNIT[group])
     schedule = scheduler.finish()
     swing, lift = schedule.angles()
     ctrl = Channels(robot, model).ctrl(swing, lift)

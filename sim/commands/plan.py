@@ -91,15 +91,14 @@ def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
 
 def _travel(setup: Setup, flows: Sequence[Flow]) -> dict[str, float]:
     """Way of the loaded and the lifted groups' angles, and of the body on them."""
-    groups, twists = setup.robot.groups, setup.equations.twists
+    groups, equations = setup.robot.groups, setup.equations
     travel = {"swing_travel": 0.0, "air_travel": 0.0, "distance_walked": 0.0}
     for flow in flows:
-        group = groups[setup.equations.swings[flow.field]]
-        loaded = group in flow.stratum
-        travel["swing_travel" if loaded else "air_travel"] += abs(flow.duration)
-        if loaded:
-            stride = math.hypot(*twists[group][:2])
-            travel["distance_walked"] += stride * abs(flow.duration)
+        for group, share in zip(groups, equations.swings[flow.field], strict=True):
+            loaded = group in flow.stratum
+            way = abs(share * flow.duration)
+            travel["swing_travel" if loaded else "air_travel"] += way
+        travel["distance_walked"] += equations.stride(flow.field) * abs(flow.duration)
     return travel
 
 
