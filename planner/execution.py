@@ -16,16 +16,17 @@ from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow
 from planner.grouping import regroup
-from planner.realise import Order
 from planner.shape import Limits
 from planner.stance import centred
+from planner.steering import Order
 
 Stance = Literal["paper", "centred"]
-Coordinates = Literal["backward", "forward", "fewest"]
+Coordinates = Literal["backward", "forward", "fewest", "shortest"]
 
 CHOICES: Mapping[str, tuple[tuple[Order, ...], ...]] = {
     "backward": (("backward",),),
     "forward": (("forward",),),
+    "shortest": (("shortest",),),
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
 """Words to choose from in each segment, and again where limits refuse the plan."""
@@ -39,7 +40,8 @@ class Execution:
         stance: `paper` keeps the printed order, `centred` puts every sweep under load
             around shape zero by swings in the air.
         coordinates: Hall coordinates that the flows follow; `fewest` takes for each
-            segment those that switch contacts least.
+            segment those that switch contacts least, `shortest` takes words that sweep
+            least.
         limits: Lowest and highest value of shape coordinates by name.
         finish: Whether centred flows end by bringing the legs to the goal's shape.
         depart: Stratum at rest before the first flow; the bottom stratum if empty.

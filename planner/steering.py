@@ -8,16 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from planner.coordinates import integrate
 from planner.elements import Tree, leaves, name_of
 from planner.fields import Array
+from planner.hall import Bracket
 from planner.hall_fields import HallFields, hall_fields
-from planner.realise import Order, words
+from planner.realise import words
+from planner.short_words import NEGLIGIBLE, short_durations
 from planner.strata import StratifiedSystem
 
+Order = Literal["backward", "forward", "shortest"]
 Word = list[tuple[str, float]]
 
 
@@ -58,15 +62,50 @@ class Steering:
 
         Args:
             hall_coordinates: Backward coordinates, shape (segments, s).
-            order: `backward` runs brackets first, `forward` generators first.
+            order: `backward` runs brackets first, `forward` generators first,
+                `shortest` lets the sweeps of a single pair into its bracket's and is
+                the shorter of the two elsewhere.
 
         Returns:
             For each segment fields and signed durations in time order.
         """
-        numbered = words(
-            self.hall.elements, hall_coordinates, order, self.hall.vanishing
+        if order == "shortest":
+            return self._short_words(hall_coordinates)
+        elements, vanishing = self.hall.elements, self.hall.vanishing
+        return self._named(words(elements, hall_coordinates, order, vanishing))
+
+    def _named(self, numbered: list[list[tuple[int, float]]]) -> list[Word]:
+        names = self.hall.generators
+        return [[(names[i - 1], t) for i, t in word] for word in numbered]
+
+    def _short_words(self, hall_coordinates: Array) -> list[Word]:
+        count = len(self.hall.generators)
+        match self.hall.elements[count:]:
+            case (Bracket(left=int() as first, right=int() as second),):
+                return self._named(_single_pair(hall_coordinates, count, first, second))
+        both = (
+            self.words(hall_coordinates, order) for order in ("backward", "forward")
         )
-        return [[(self.hall.generators[i - 1], t) for i, t in one] for one in numbered]
+        return [min(pair, key=_travel) for pair in zip(*both, strict=True)]
+
+
+def _single_pair(
+    hall_coordinates: Array, count: int, first: int, second: int
+) -> list[list[tuple[int, float]]]:
+    """Shortest words where two of the generators have the only bracket."""
+    h = hall_coordinates.T
+    sweeps = short_durations(h[first - 1], h[second - 1], h[count])
+    apart = [i for i in range(1, count + 1) if i not in (first, second)]
+    letters = [first, second, first, second, first, *apart]
+    durations = np.hstack([sweeps, h[[i - 1 for i in apart]].T]).tolist()
+    return [
+        [(i, t) for i, t in zip(letters, row, strict=True) if abs(t) > NEGLIGIBLE]
+        for row in durations
+    ]
+
+
+def _travel(word: Word) -> float:
+    return sum(abs(duration) for _, duration in word)
 
 
 def steering(system: StratifiedSystem, trees: Sequence[Tree]) -> Steering:
