@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -121,8 +122,8 @@ def plan(
     """
     nominal = as_path(path)
     extended = _extended(system, elements, nominal)
-    if segments < 1:
-        raise ValueError(f"segments is {segments}; at least 1 is needed")
+    if not isinstance(segments, Integral) or segments < 1:
+        raise ValueError(f"segments is {segments}; a whole number from 1 on is needed")
     execution = Execution(
         stance=stance,
         coordinates=coordinates,
