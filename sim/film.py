@@ -7,8 +7,9 @@ it is complete. What is on the pictures is for the other `film_` modules.
 from __future__ import annotations
 
 import os
-import tempfile
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from sim import gl
@@ -77,7 +78,7 @@ def film(
     path = folder / NAME
     with whole(path) as part, _scratch(folder) as scratch:
         pieces = [
-            Piece(folder, look, frames, Path(scratch) / f"{i}.mp4")
+            Piece(folder, look, frames, scratch / f"{i}.mp4")
             for i, frames in enumerate(_shares(pictures))
         ]
         draw(pieces, driver, report)
@@ -89,9 +90,16 @@ def film(
     return path
 
 
-def _scratch(folder: Path) -> tempfile.TemporaryDirectory[str]:
-    """A hidden folder on the disk that the film goes to."""
-    return tempfile.TemporaryDirectory(prefix=".film-", dir=folder)
+@contextmanager
+def _scratch(folder: Path) -> Iterator[Path]:
+    """A hidden folder on the film's disk; one that a killed film left is emptied."""
+    scratch = folder / ".video.pieces"
+    shutil.rmtree(scratch, ignore_errors=True)
+    scratch.mkdir()
+    try:
+        yield scratch
+    finally:
+        shutil.rmtree(scratch)
 
 
 def _shares(pictures: int) -> list[range]:

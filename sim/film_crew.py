@@ -68,7 +68,7 @@ class Worker:
                 "disk full while filming", where, f"free some space; {KEPT}"
             )
         last = (said.strip().splitlines() or ["no word"])[-1]
-        reason = f"signal {-code}" if code < 0 else last
+        reason = f"signal {-code}" if code < 0 else last.removeprefix("OSError: ")
         raise RenderError(f"drawing the film failed, {reason}", where, KEPT)
 
 

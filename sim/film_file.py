@@ -46,17 +46,19 @@ def encoding(path: Path) -> Iterator[Any]:
     """
     import imageio.v2 as imageio  # half a second that only processes that draw spend
 
-    with imageio.get_writer(
-        path,
-        format="FFMPEG",  # type: ignore[arg-type]
-        fps=FRAME_RATE,
-        codec=CODEC,
-        quality=None,
-        macro_block_size=2,
-        ffmpeg_log_level="error",
-        output_params=[*QUALITY, *FRAGMENTS],
-    ) as writer:
-        yield writer
+    options = {
+        "fps": FRAME_RATE,
+        "codec": CODEC,
+        "quality": None,
+        "macro_block_size": 2,
+        "ffmpeg_log_level": "error",
+        "output_params": [*QUALITY, *FRAGMENTS],
+    }
+    try:
+        with imageio.get_writer(path, format="FFMPEG", **options) as writer:  # type: ignore
+            yield writer
+    except OSError as error:  # its message is the command line, on several lines
+        raise OSError("the encoder died") from error
 
 
 def join(pieces: Sequence[Path], film: Path) -> None:

@@ -34,7 +34,7 @@ def ffmpeg(monkeypatch, tmp_path):
         (  # dies early: its pipe breaks
             '[[ "$*" == *rawvideo* ]] && exit 1; exec "$REAL" "$@"',
             RenderError,
-            "drawing the film failed, .*; the run itself is kept",
+            "drawing the film failed, the encoder died: .*; the run itself is kept",
         ),
         (  # loses pictures and reports success
             'if [[ "$*" == *rawvideo* ]]; then\n'
