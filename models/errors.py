@@ -1,4 +1,4 @@
-"""What is refused about a robot, each with the value, the place and the way out."""
+"""What is refused about a robot or a system: the value, the place, the way out."""
 
 
 class ModelError(Exception):
@@ -7,3 +7,11 @@ class ModelError(Exception):
 
 class UnknownRobotError(ValueError):
     """A robot name that is not shipped, or a file that is not there."""
+
+
+class UnknownSystemError(ValueError):
+    """A system name that is not shipped, or a file that is not there."""
+
+
+class SystemFileError(ValueError):
+    """A file that exists but describes no system; exit code 2 on the command line."""

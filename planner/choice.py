@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -87,11 +88,13 @@ def choose_elements(
             f"configurations have shape {x.shape}, expected (k, {system.dimension})"
         )
     usable = _usable_fields(system)
-    fields = _candidates(system, usable, [system.fields[n] for n in usable], x)
+    fields = _candidates(system, list(usable), list(usable.values()), x)
     few = _enlarged([], fields, system, x)
-    for first in (few, fields):
+    independent = involutive_closure(usable, system.state, max_depth=1).names
+    spanning = [field for field in fields if field.name in independent]
+    for first, degree in product((few, spanning), range(1, max_degree + 1)):
         generators = [candidate.name for candidate in first]
-        hall = hall_fields(system, generators, max_degree)
+        hall = hall_fields(system, generators, degree)
         count = len(generators)
         brackets = _candidates(system, hall.names[count:], hall.fields[count:], x)
         chosen = _enlarged(first, brackets, system, x)
@@ -102,20 +105,17 @@ def choose_elements(
     raise RankError(x[worst], ranks[worst], system.bottom_dimension)
 
 
-def _usable_fields(system: StratifiedSystem) -> list[str]:
-    """Fields that act on the bottom stratum, none the multiple of an earlier one."""
-    usable: list[str] = []
-    for name in system.fields:
+def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
+    """Fields that act on the bottom stratum as they are."""
+    usable: dict[str, VectorField] = {}
+    for name, field in system.fields.items():
         try:
             held, _ = on_bottom(system, [name])
         except PlannerError:
             continue
         if held is system:
-            usable.append(name)
-    algebra = involutive_closure(
-        {name: system.fields[name] for name in usable}, system.state, max_depth=1
-    )
-    return list(algebra.names)
+            usable[name] = field
+    return usable
 
 
 def _candidates(

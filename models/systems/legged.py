@@ -1,0 +1,202 @@
+"""Walkers in units of their own size: those that the paper draws and names.
+
+`models.systems.walker` makes their equations; here are strata, twists and elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import sympy as sp
+
+from models.systems.problem import Problem
+from models.systems.walker import Strata, Twist, walker
+
+ALTERNATING = ("12", "1", "12", "2", "12")
+AIR_SWINGS = ("g1_2", "g2_1")  # of the group that is up
+Feet = Mapping[str, Sequence[tuple[float, float]]]  # x, y of each group's feet
+
+
+def hexapod(
+    stride: float = 1,
+    yaw_gain: float = 1,
+    stride_2: float | None = None,
+    yaw_gain_2: float | None = None,
+    heights: bool = True,
+) -> Problem:
+    """The minimalist hexapod of Sec. 6, steered with the paper's elements.
+
+    Args:
+        stride: Way forward per radian of tripod 1.
+        yaw_gain: Turn to the left per radian of tripod 1, l in eq. (16).
+        stride_2: Way forward per radian of tripod 2; that of tripod 1 if None.
+        yaw_gain_2: Turn to the right per radian of tripod 2; that of tripod 1 if None.
+        heights: Whether the state holds the tripods' foot heights.
+    """
+    first: Twist = (stride, 0, yaw_gain)
+    second: Twist = (
+        stride if stride_2 is None else stride_2,
+        0,
+        -yaw_gain if yaw_gain_2 is None else -yaw_gain_2,
+    )
+    system = walker(
+        {
+            "12": {"1": first, "2": second},
+            "1": {"1": first},
+            "2": {"2": second},
+            "0": {},
+        },
+        heights=heights,
+    )
+    return Problem(
+        name="paper-hexapod",
+        description="the paper's hexapod in tripods, sideways as in Fig. 6",
+        system=system,
+        gait=ALTERNATING,
+        elements=("g12_1", "g12_2", *AIR_SWINGS, "[g12_1,g12_2]"),
+        goal={"x": 1, "y": 1},
+        segments=16,
+    )
+
+
+def biped(hip: float = 1, heights: bool = True) -> Problem:
+    """Two feet that turn about the vertical under their hips, lifted in turn (Fig. 2).
+
+    It walks as one walks a cupboard, swinging the body about the foot that stands. With
+    both feet down nothing can move: the bottom stratum has no field of its own.
+
+    Args:
+        hip: Distance of each hip from the middle of the body.
+        heights: Whether the state holds foot heights.
+    """
+    left: Twist = (hip, 0, 1)
+    right: Twist = (hip, 0, -1)
+    system = walker(
+        {"12": {"1": None, "2": None}, "1": {"1": left}, "2": {"2": right}},
+        heights=heights,
+    )
+    return Problem(
+        name="biped",
+        description="two turning feet, as one walks a cupboard; sideways (Fig. 2)",
+        system=system,
+        gait=ALTERNATING,
+        elements=("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),
+        goal={"y": 1},
+        segments=16,
+    )
+
+
+def hexapod_with_trailer(length: float = 1, heights: bool = True) -> Problem:
+    """The paper's hexapod with a trailer hitched to its middle; needs degree 3.
+
+    Args:
+        length: Distance from hitch to axle, in the hexapod's units.
+        heights: Whether the state holds the tripods' foot heights.
+    """
+    first: Twist = (1, 0, 1)
+    second: Twist = (1, 0, -1)
+    system = walker(
+        {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}},
+        heights=heights,
+        trailer=length,
+    )
+    sideways = "[g1_1,g2_2]"
+    return Problem(
+        name="hexapod-trailer",
+        description="the paper's hexapod with a trailer, sideways; needs degree 3",
+        system=system,
+        gait=ALTERNATING,
+        elements=("g1_1", "g2_2", *AIR_SWINGS, sideways, f"[g1_1,{sideways}]"),
+        goal={"y": 0.1},
+        segments=4,
+    )
+
+
+def quadruped(length: float = 2, width: float = 1, heights: bool = True) -> Problem:
+    """A crawl, one leg at a time in the air: four strata of three feet (Fig. 3).
+
+    All legs push while all feet are down, those of one side against the other's to
+    turn, and step forward one by one.
+
+    Args:
+        length: Distance between front and rear feet.
+        width: Distance between left and right feet.
+        heights: Whether the state holds foot heights.
+    """
+    x, y = sp.sympify(length) / 2, sp.sympify(width) / 2
+    feet = {"1": [(x, y)], "2": [(x, -y)], "3": [(-x, y)], "4": [(-x, -y)]}
+    steps = ("234", "134", "124", "123")
+    pushes = tuple(f"g1234_{leg}" for leg in feet)
+    return Problem(
+        name="quadruped-crawl",
+        description="one leg at a time in the air, four strata of three feet (Fig. 3)",
+        system=walker(shared(feet, ("1234", *steps)), heights=heights),
+        gait=("1234", *(s for step in steps for s in (step, "1234"))),
+        elements=(
+            *pushes,
+            *(f"g{step}_{leg}" for leg, step in zip(feet, steps, strict=True)),
+            "[g1234_1,g1234_2]",
+        ),
+        goal={"x": 0.5, "y": 0.25},
+        segments=16,
+    )
+
+
+def octopod(length: float = 3, width: float = 1, heights: bool = True) -> Problem:
+    """Eight legs in two tetrapods whose left and right pairs swing apart.
+
+    Pairs 1 (legs 1, 5) and 4 (legs 4, 8) stand against 2 (2, 6) and 3 (3, 7), odd legs
+    on the left, numbered from the front. A tetrapod turns by pushing its two sides
+    against each other, so even its bracket needs one stratum only.
+
+    Args:
+        length: Distance between the first and the last feet.
+        width: Distance between left and right feet.
+        heights: Whether the state holds foot heights.
+    """
+    x, y = sp.sympify(length) / 6, sp.sympify(width) / 2
+    feet = {
+        "1": [(3 * x, y), (-x, y)],
+        "2": [(3 * x, -y), (-x, -y)],
+        "3": [(x, y), (-3 * x, y)],
+        "4": [(x, -y), (-3 * x, -y)],
+    }
+    return Problem(
+        name="octopod-pairs",
+        description="eight legs in two tetrapods, a bracket within one stratum",
+        system=walker(shared(feet, ("1234", "14", "23")), heights=heights),
+        gait=("1234", "14", "1234", "23", "1234"),
+        elements=(
+            *("g14_1", "g14_4", "[g14_1,g14_4]"),
+            *("g23_1", "g14_2", "g14_3", "g23_4"),
+        ),
+        goal={"x": 0.5, "y": 0.25},
+        segments=16,
+    )
+
+
+def shared(feet: Feet, strata: Sequence[str]) -> Strata:
+    """Body twists where all feet in contact share the slip, as in viscous friction.
+
+    Every foot of a group goes backward by one per radian of its swing. The body moves
+    so that the squares of the slip velocities of the feet in contact add up to least.
+
+    Args:
+        feet: Feet of each group.
+        strata: Strata named by the groups in contact, the bottom one first.
+
+    Returns:
+        For each stratum the twist for each group in contact.
+    """
+    return {
+        stratum: {group: _twist(feet, stratum, group) for group in stratum}
+        for stratum in strata
+    }
+
+
+def _twist(feet: Feet, stratum: str, group: str) -> Twist:
+    planted = [(owner, *foot) for owner in stratum for foot in feet[owner]]
+    slip = sp.Matrix([row for _, x, y in planted for row in ([1, 0, -y], [0, 1, x])])
+    swing = sp.Matrix([v for owner, *_ in planted for v in (int(owner == group), 0)])
+    forward, left, yaw = (slip.T * slip).LUsolve(slip.T * swing)
+    return (forward, left, yaw)

@@ -1,0 +1,86 @@
+"""A system together with what is asked of it: a gait to judge, and a goal to reach."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from planner.errors import StratumError, unknown
+from planner.execution import Execution, Stance
+from planner.fields import Array
+from planner.paths import Path, line
+from planner.shape import Limits
+from planner.strata import Gait, StratifiedSystem
+
+State = Mapping[str, float]  # values of coordinates by name
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Problem:
+    """A system to steer from a start to a goal along a straight line.
+
+    Attributes:
+        name: What the system is called.
+        description: One line on what it is.
+        system: The system.
+        gait: Strata in the order in which they are visited (eq. 11), from the bottom
+            one; a smooth system stays on its only one.
+        elements: Fields and brackets of the extended system, see `planner.elements`.
+        start: Coordinates at the start; those not named are zero.
+        goal: Coordinates at the goal; those not named are as at the start.
+        segments: Number of pieces that the line is cut into.
+        limits: Lowest and highest value of shape coordinates by name.
+        stance: As in `planner.execution.Execution`.
+
+    Raises:
+        ValueError: A coordinate is unknown or not finite, or there is nothing to do.
+        StratumError: The gait is not a closed walk from the bottom stratum.
+    """
+
+    name: str
+    description: str
+    system: StratifiedSystem
+    gait: tuple[str, ...]
+    elements: tuple[str, ...]
+    goal: State
+    start: State = field(default_factory=dict)
+    segments: int = 1
+    limits: Limits = field(default_factory=dict)
+    stance: Stance = "paper"
+
+    def __post_init__(self) -> None:
+        Gait(self.system, self.gait)
+        if self.gait[0] != self.system.bottom:
+            raise StratumError(
+                f"gait of {self.name} starts in S{self.gait[0]}; start in the bottom "
+                f"stratum S{self.system.bottom}"
+            )
+        if self.segments < 1:
+            raise ValueError(f"segments is {self.segments}; at least 1 is needed")
+        if not np.isfinite([*self.states]).all():
+            raise ValueError(f"start or goal of {self.name} is not finite")
+
+    @cached_property
+    def states(self) -> tuple[Array, Array]:
+        """Configurations at the start and at the goal, shape (n,) each."""
+        names = [str(symbol) for symbol in self.system.state]
+        for what, given in (("start", self.start), ("goal", self.goal)):
+            for name in given:
+                if name not in names:
+                    raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
+        start = {name: float(self.start.get(name, 0.0)) for name in names}
+        goal = [float(self.goal.get(name, value)) for name, value in start.items()]
+        return np.array(list(start.values())), np.array(goal)
+
+    @property
+    def path(self) -> Path:
+        """The straight line from start to goal."""
+        return line(*self.states)
+
+    @property
+    def execution(self) -> Execution:
+        """How plans are carried out, with Hall coordinates that shots can follow."""
+        return Execution(stance=self.stance, limits=self.limits, coordinates="backward")

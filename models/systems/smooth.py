@@ -1,0 +1,169 @@
+"""Smooth systems, one stratum each: wheels on the floor, and chained forms.
+
+The method is that of Sec. 2.1 here; nothing is lifted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy as sp
+
+from models.systems.problem import Problem, State
+from planner.strata import StratifiedSystem
+
+ONLY = "0"  # the one stratum, without contacts that change
+Column = Sequence[Any]  # of expressions
+
+
+def unicycle() -> Problem:
+    """A wheel that rolls and turns; brackets of every degree remain."""
+    theta = sp.Symbol("theta")
+    return smooth(
+        name="unicycle",
+        description="a wheel that rolls and turns, moved sideways",
+        state=["x", "y", "theta"],
+        fields={"drive": [sp.cos(theta), sp.sin(theta), 0], "turn": [0, 0, 1]},
+        goal={"y": 1},
+        segments=16,
+    )
+
+
+def car(length: float = 1) -> Problem:
+    """A car that is steered by its front wheels.
+
+    Args:
+        length: Distance between axles.
+    """
+    theta, phi = sp.symbols("theta phi")
+    drive = [sp.cos(theta), sp.sin(theta), sp.tan(phi) / length, 0]
+    return smooth(
+        name="car",
+        description="a car steered by its front wheels, parked sideways",
+        state=["x", "y", "theta", "phi"],
+        fields={"drive": drive, "steer": [0, 0, 0, 1]},
+        goal={"y": 0.1},
+        segments=4,
+    )
+
+
+def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
+    """A car with trailers, each hitched to the axle before it.
+
+    Every trailer asks for one degree more, and for shorter steps by far.
+
+    Args:
+        trailers: Number of trailers, at least 1.
+        length: Distance from each axle to the next.
+    """
+    if trailers < 1:
+        raise ValueError(f"trailers is {trailers}; give at least 1, or plan a car")
+    phi = sp.Symbol("phi")
+    headings = sp.symbols(f"theta_0:{trailers + 1}")
+    following = []
+    speed = sp.S.One  # of the axle before
+    for before, heading in zip(headings, headings[1:], strict=False):
+        following.append(speed * sp.sin(before - heading) / length)
+        speed *= sp.cos(before - heading)
+    forward = [sp.cos(headings[0]), sp.sin(headings[0]), sp.tan(phi) / length]
+    still = [0] * (3 + trailers)
+    return smooth(
+        name="car-trailers",
+        description="a car with trailers, parked sideways; one degree more for each",
+        state=["x", "y", *map(str, headings), "phi"],
+        fields={"drive": [*forward, *following, 0], "steer": [*still, 1]},
+        goal={"y": 0.01},
+        segments=4,
+    )
+
+
+def chained(size: int = 5) -> Problem:
+    """The chained form x1' = u1, x2' = u2, x3' = x2 u1, x4' = x3 u1, and so on.
+
+    Args:
+        size: Number of coordinates, at least 3; the last one asks for brackets of one
+            degree less.
+    """
+    if size < 3:
+        raise ValueError(f"size is {size}; a chain has at least 3 coordinates")
+    x = sp.symbols(f"x1:{size + 1}")
+    return smooth(
+        name="chained",
+        description="a chained form, along its last coordinate; nilpotent",
+        state=list(map(str, x)),
+        fields={"g1": [1, 0, *x[1:-1]], "g2": [0, 1, *[0] * (size - 2)]},
+        goal={str(x[-1]): 1},
+    )
+
+
+def heisenberg() -> Problem:
+    """Two fields whose bracket commutes with both; the area swept by x and y is z."""
+    x, y = sp.symbols("x y")
+    return smooth(
+        name="heisenberg",
+        description="Heisenberg's algebra: z is the area that x and y sweep; nilpotent",
+        state=["x", "y", "z"],
+        fields={"g1": [1, 0, -y / 2], "g2": [0, 1, x / 2]},
+        goal={"x": 1, "y": -1, "z": 1},
+    )
+
+
+def brockett() -> Problem:
+    """Brockett's nonholonomic integrator, z' = x u2 - y u1."""
+    x, y = sp.symbols("x y")
+    return smooth(
+        name="brockett",
+        description="Brockett's nonholonomic integrator, along z; nilpotent",
+        state=["x", "y", "z"],
+        fields={"g1": [1, 0, -y], "g2": [0, 1, x]},
+        goal={"z": 1},
+    )
+
+
+def engel() -> Problem:
+    """Engel's algebra: four dimensions, nilpotent of degree three."""
+    x1 = sp.Symbol("x1")
+    return smooth(
+        name="engel",
+        description="Engel's algebra, four dimensions to degree 3; nilpotent",
+        state=["x1", "x2", "x3", "x4"],
+        fields={"g1": [1, 0, 0, 0], "g2": [0, 1, x1, x1**2 / 2]},
+        goal={"x1": 1, "x2": -1, "x3": 0.5, "x4": 1},
+    )
+
+
+def smooth(
+    name: str,
+    description: str,
+    state: Sequence[str],
+    fields: dict[str, Column],
+    goal: State,
+    segments: int = 1,
+) -> Problem:
+    """A system with two fields on one stratum, steered with brackets of both.
+
+    Its elements are the fields and the brackets of the second with the first, again
+    and again, as many as there are coordinates.
+
+    Args:
+        name: As in `Problem`, like the description, the goal and the segments.
+        description: One line on what it is.
+        state: Names of the coordinates.
+        fields: The two fields by name, a column of expressions each.
+        goal: Coordinates at the goal.
+        segments: Number of pieces of the path.
+    """
+    first, second = fields
+    nested = [second]
+    while len(nested) < len(state) - 1:
+        nested.append(f"[{first},{nested[-1]}]")
+    return Problem(
+        name=name,
+        description=description,
+        system=StratifiedSystem(tuple(map(sp.Symbol, state)), {ONLY: fields}, ONLY),
+        gait=(ONLY,),
+        elements=(first, *nested),
+        goal=goal,
+        segments=segments,
+    )
