@@ -6,40 +6,45 @@ quaternions, one default class a kind of part. Does not need MuJoCo.
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from models.morphology import Leg, Morphology
 
 INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
-FIRST, SECOND = "0.16 0.44 0.75 1", "0.80 0.27 0.24 1"  # colours of the groups
+COLOURS = (  # of the groups
+    "0.16 0.44 0.75 1",
+    "0.80 0.27 0.24 1",
+    "0.84 0.63 0.14 1",
+    "0.49 0.36 0.71 1",
+)
 CONTACT_DATA = "found force pos linvel"
 
 
-def write(shape: Morphology, first_group: Container[int]) -> str:
+def write(shape: Morphology, groups: Sequence[Container[int]]) -> str:
     """The robot on the floor of `scene.xml`, as MJCF text.
 
     Args:
         shape: Lengths and masses.
-        first_group: Legs to paint in the first colour; the others get the second.
+        groups: Legs of each group, to be painted in one colour.
     """
     root = Element("mujoco", model=shape.name)
     SubElement(root, "include", file="scene.xml")
     _defaults(root, shape)
     torso = _torso(SubElement(root, "worldbody"), shape)
     for number, leg in shape.legs.items():
-        _leg(torso, shape, number, leg, FIRST if number in first_group else SECOND)
-    joints = [f"{kind}_{n}" for n in shape.legs for kind in ("swing", "lift")]
+        of = next(i for i, group in enumerate(groups) if number in group)
+        _leg(torso, shape, number, leg, COLOURS[of % len(COLOURS)])
     actuators, sensors = SubElement(root, "actuator"), SubElement(root, "sensor")
-    for joint in joints:
-        SubElement(
-            actuators,
-            "position",
-            name=joint,
-            joint=joint,
-            attrib={"class": joint.split("_")[0]},
-        )
-        SubElement(sensors, "jointpos", name=joint, joint=joint)
+    for number, leg in shape.legs.items():
+        for kind in ("swing", "lift"):
+            joint = f"{kind}_{number}"
+            own = _limits("ctrlrange", shape, leg) if kind == "swing" else {}
+            attributes = {"class": kind, **own}
+            SubElement(
+                actuators, "position", name=joint, joint=joint, attrib=attributes
+            )
+            SubElement(sensors, "jointpos", name=joint, joint=joint)
     for n in shape.legs:
         touching = {"geom1": "floor", "geom2": f"foot_{n}", "data": CONTACT_DATA}
         SubElement(sensors, "contact", name=f"contact_foot_{n}", attrib=touching)
@@ -48,8 +53,11 @@ def write(shape: Morphology, first_group: Container[int]) -> str:
         sensors, "framequat", name="orientation", objtype="xbody", objname="torso"
     )
     SubElement(sensors, "subtreecom", name="center_of_mass", body="torso")
-    start = _numbers(0, 0, shape.hip_height, 1, 0, 0, 0, *[0] * len(joints))
-    SubElement(SubElement(root, "keyframe"), "key", name="start", qpos=start)
+    angles = [angle for leg in shape.legs.values() for angle in (leg.turned, 0)]
+    qpos = _numbers(0, 0, shape.hip_height, 1, 0, 0, 0, *angles)
+    start = SubElement(SubElement(root, "keyframe"), "key", name="start", qpos=qpos)
+    if any(angles):
+        start.set("ctrl", _numbers(*angles))
     indent(root)
     return tostring(root, encoding="unicode").replace(" />", "/>") + "\n"
 
@@ -83,6 +91,14 @@ def _defaults(root: Element, shape: Morphology) -> None:
     SubElement(link, "geom", type="capsule", size=_numbers(shape.leg_radius))
     foot = SubElement(default, "default", attrib={"class": "foot"})
     SubElement(foot, "geom", type="sphere", size=_numbers(shape.foot_radius))
+
+
+def _limits(attribute: str, shape: Morphology, leg: Leg) -> dict[str, str]:
+    """Limits of a swing joint that stands turned; the others have their class's."""
+    if not leg.turned:
+        return {}
+    span = (leg.turned - shape.swing_range, leg.turned + shape.swing_range)
+    return {attribute: _numbers(*span)}
 
 
 def _torso(world: Element, shape: Morphology) -> Element:
@@ -132,7 +148,9 @@ def _leg(torso: Element, shape: Morphology, number: int, leg: Leg, colour: str) 
         torso, "body", name=f"leg_{number}", pos=_numbers(*leg.hip, 0), xyaxes=axes
     )
     for kind in ("swing", "lift"):
-        SubElement(body, "joint", name=f"{kind}_{number}", attrib={"class": kind})
+        own = _limits("range", shape, leg) if kind == "swing" else {}
+        attributes = {"class": kind, **own}
+        SubElement(body, "joint", name=f"{kind}_{number}", attrib=attributes)
     hip = {"type": "sphere", "size": _numbers(shape.hip_radius), "mass": "0"}
     SubElement(body, "geom", name=f"hip_{number}", attrib=hip)
     knee = (0.55 * leg.length, 0, 0.35 * shape.hip_height)

@@ -9,17 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import hypot
+from math import atan2, cos, hypot, radians, sin
 
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """A straight leg seen from above: the swing axis and the foot at swing 0, lift 0."""
+    """A straight leg seen from above, as the robot stands."""
 
-    hip: Point  # [m]
+    hip: Point  # where the swing axis is [m]
     foot: Point  # [m]
+    turned: float = 0.0  # swing joint's angle when standing [rad]
 
     @property
     def length(self) -> float:
@@ -28,9 +29,10 @@ class Leg:
 
     @property
     def direction(self) -> Point:
-        """Unit vector from the swing axis to the foot at swing 0."""
+        """Unit vector from the swing axis to the foot when the swing joint is at 0."""
         dx, dy = self.foot[0] - self.hip[0], self.foot[1] - self.hip[1]
-        return (dx / self.length, dy / self.length)
+        c, s = cos(self.turned) / self.length, sin(self.turned) / self.length
+        return (c * dx + s * dy, c * dy - s * dx)
 
     def __post_init__(self) -> None:
         if self.length <= 0:
@@ -50,7 +52,7 @@ class Morphology:
     leg_radius: float  # [m]
     hip_radius: float  # [m]
     foot_radius: float  # [m]
-    swing_range: float  # [rad], either side of 0
+    swing_range: float  # [rad], either side of standing
     lift_range: tuple[float, float]  # [rad]
     stiffness: float  # position servo, [N m/rad]
     damping: float  # position servo, [N m s/rad]
@@ -88,3 +90,30 @@ def legs_towards_pivots(
         return (px + (1 - kappa) * (fx - px), py + (1 - kappa) * (fy - py))
 
     return {number: Leg(hip(number), foot) for number, foot in feet.items()}
+
+
+def legs_on_a_circle(
+    bearings: Mapping[int, float],
+    radius: float,
+    length: float,
+    pivots: Mapping[int, Point],
+) -> dict[int, Leg]:
+    """Radial legs of one length that stand turned in line with their group's pivot.
+
+    Args:
+        bearings: Direction of each hip from the middle, and of its leg when the swing
+            joint is at 0 [degrees].
+        radius: Distance of the hips from the middle [m].
+        length: Of the legs [m].
+        pivots: Pivot of each leg's group, body frame [m].
+    """
+
+    def leg(number: int) -> Leg:
+        bearing = radians(bearings[number])
+        hip = (radius * cos(bearing), radius * sin(bearing))
+        px, py = pivots[number]
+        along = atan2(hip[1] - py, hip[0] - px)
+        foot = (hip[0] + length * cos(along), hip[1] + length * sin(along))
+        return Leg(hip, foot, turned=atan2(sin(along - bearing), cos(along - bearing)))
+
+    return {number: leg(number) for number in bearings}

@@ -107,6 +107,10 @@ class Robot:
                 qpos[model.joint(joint).qposadr] = angle
         return qpos
 
+    def standing_angle(self, joint: str) -> float:
+        """Angle of a hinge in the configuration `start_qpos` [rad]."""
+        return float(self.start_qpos[self.model.joint(joint).qposadr[0]])
+
     @cached_property
     def swing_range(self) -> Mapping[str, tuple[float, float]]:
         """Lowest and highest angle of each group that all its legs reach [rad]."""
@@ -117,7 +121,7 @@ class Robot:
         for leg, gain in self.card.groups[group].legs.items():
             joint = self.model.joint(self.card.legs[leg].swing)
             span = joint.range if self.model.jnt_limited[joint.id] else (-np.pi, np.pi)
-            start = self.start_qpos[joint.qposadr[0]]
+            start = self.standing_angle(joint.name)
             ends.append(sorted(float((end - start) / gain) for end in span))
         return max(low for low, _ in ends), min(high for _, high in ends)
 

@@ -6,7 +6,12 @@ from it; a test keeps them equal.
 
 from math import sqrt
 
-from models.morphology import Leg, Morphology, legs_towards_pivots
+from models.morphology import (
+    Leg,
+    Morphology,
+    legs_on_a_circle,
+    legs_towards_pivots,
+)
 
 # Hexapod: tripod 1 is legs 1, 4, 5 and tripod 2 is legs 2, 3, 6, as in Section 6. All
 # six feet lie 0.1875 m from their tripod's pivot (a 3-4-5 triangle).
@@ -76,4 +81,60 @@ HEXAPOD_PARALLEL = Morphology(
     armature=ARMATURE,
 )
 
-SHAPES = (HEXAPOD, HEXAPOD_PARALLEL)
+# Educational hexapods carry six equal legs of two servos at 60 degrees on a round body.
+# Radial legs can only turn it about its middle. Standing with the outer legs turned by
+# 22 degrees, the lines of each tripod meet at a pivot of its own, 0.05 m off the middle.
+RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
+RADIAL_PIVOTS = {leg: (0.0, -0.05 if leg in (1, 4, 5) else 0.05) for leg in FEET}
+
+HEXAPOD_RADIAL = Morphology(
+    name="hexapod-radial",
+    legs=legs_on_a_circle(RADIAL_BEARINGS, 0.08, 0.11, RADIAL_PIVOTS),
+    hip_height=0.06,
+    plate=(0.075, 0.075, 0.008),
+    body_mass=1.0,
+    leg_mass=0.045,
+    leg_radius=0.006,
+    hip_radius=0.010,
+    foot_radius=0.008,
+    swing_range=0.45,
+    lift_range=(-0.1, 0.6),
+    stiffness=STIFFNESS,
+    damping=DAMPING,
+    armature=ARMATURE,
+)
+
+# Two tetrapods, 1-4-6-7 and 2-3-5-8: as the hexapod's tripods, with two inner legs each.
+# All feet lie 0.2 m from their tetrapod's pivot.
+OCTOPOD_FEET = {
+    1: (0.16, 0.18),
+    2: (0.16, -0.18),
+    3: (0.05, sqrt(0.2**2 - 0.05**2) - 0.06),
+    4: (0.05, 0.06 - sqrt(0.2**2 - 0.05**2)),
+    5: (-0.05, sqrt(0.2**2 - 0.05**2) - 0.06),
+    6: (-0.05, 0.06 - sqrt(0.2**2 - 0.05**2)),
+    7: (-0.16, 0.18),
+    8: (-0.16, -0.18),
+}
+OCTOPOD_PIVOTS = {
+    leg: (0.0, 0.06 if leg in (1, 4, 6, 7) else -0.06) for leg in OCTOPOD_FEET
+}
+
+OCTOPOD = Morphology(
+    name="octopod",
+    legs=legs_towards_pivots(OCTOPOD_FEET, OCTOPOD_PIVOTS, KAPPA),
+    hip_height=0.06,
+    plate=(0.085, 0.13, 0.008),
+    body_mass=1.2,
+    leg_mass=0.045,
+    leg_radius=0.006,
+    hip_radius=0.010,
+    foot_radius=0.008,
+    swing_range=0.4,
+    lift_range=(-0.1, 0.6),
+    stiffness=STIFFNESS,
+    damping=DAMPING,
+    armature=ARMATURE,
+)
+
+SHAPES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD)

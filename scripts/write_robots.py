@@ -10,8 +10,8 @@ def main() -> None:
     """Write one MJCF file a shape, beside its card."""
     for shape in SHAPES:
         path = FOLDER / f"{shape.name}.xml"
-        groups = read_card(path.with_suffix(".toml")).groups
-        path.write_text(write(shape, next(iter(groups.values())).legs))
+        groups = read_card(path.with_suffix(".toml")).groups.values()
+        path.write_text(write(shape, [group.legs for group in groups]))
         print(f"wrote {path.name}")
 
 

@@ -197,13 +197,14 @@ class Channels:
         """
         robot, model = self.robot, self.model
         rows = np.tile(model.key("start").ctrl, (len(swing), 1))
-        of = robot.group_of_leg
+        turned = robot.swing_gain * swing[:, robot.group_of_leg]  # (T, F)
+        raised = robot.raise_sign * lift[:, robot.group_of_leg]
         for i, leg in enumerate(robot.legs):
             card = robot.card.legs[leg]
-            rows[:, self._actuator(card.swing)] = robot.swing_gain[i] * swing[:, of[i]]
-            rows[:, self._actuator(card.lift)] = robot.raise_sign[i] * lift[:, of[i]]
-            for joint, angle in card.hold.items():
-                rows[:, self._actuator(joint)] = angle
+            for joint, angle in ((card.swing, turned[:, i]), (card.lift, raised[:, i])):
+                rows[:, self._actuator(joint)] = robot.standing_angle(joint) + angle
+            for joint in card.hold:
+                rows[:, self._actuator(joint)] = robot.standing_angle(joint)
         return np.ascontiguousarray(rows)
 
     def _actuator(self, joint: str) -> int:

@@ -1,5 +1,7 @@
 """The contract every shipped robot keeps."""
 
+import itertools
+
 import mujoco
 import numpy as np
 import pytest
@@ -20,8 +22,8 @@ def robot(request):
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
 def test_files_are_written_from_the_morphology(shape):
     path = FOLDER / f"{shape.name}.xml"
-    first = next(iter(read_card(path.with_suffix(".toml")).groups.values())).legs
-    assert path.read_text() == write(shape, first)
+    groups = read_card(path.with_suffix(".toml")).groups.values()
+    assert path.read_text() == write(shape, [group.legs for group in groups])
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
@@ -72,30 +74,25 @@ def test_the_robot_stands_still_at_its_keyframe(robot):
     assert data.qpos[:3] == pytest.approx(begin, abs=1e-3)
 
 
-def test_neighbouring_legs_clear_each_other_at_the_ends_of_their_range(robot):
-    model = robot.model
+def test_legs_clear_each_other_wherever_their_groups_swing(robot):
+    model, legs = robot.model, range(len(robot.legs))
     data = mujoco.MjData(model)
-    legs = range(len(robot.legs))
-    geoms = [
-        [model.geom(f"{part}_{leg}").id for part in ("hip", "femur", "tibia", "foot")]
-        for leg in robot.legs
+    parts = ("hip", "femur", "tibia", "foot")
+    geoms = [[model.geom(f"{part}_{leg}").id for part in parts] for leg in robot.legs]
+    pairs = [
+        (g, h) for a in legs for b in legs if a < b for g in geoms[a] for h in geoms[b]
     ]
-    span = [model.joint(robot.card.legs[leg].swing).range for leg in robot.legs]
-    for a in legs:
-        for b in legs:
-            if a >= b:
-                continue
-            for i, j in np.ndindex(2, 2):
-                mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-                data.joint(f"swing_{robot.legs[a]}").qpos = span[a][i]
-                data.joint(f"swing_{robot.legs[b]}").qpos = span[b][j]
-                mujoco.mj_kinematics(model, data)
-                gaps = [
-                    mujoco.mj_geomDistance(model, data, g, h, 1.0, None)
-                    for g in geoms[a]
-                    for h in geoms[b]
-                ]
-                assert min(gaps) > 0, (robot.legs[a], robot.legs[b])
+    spans = [np.linspace(*robot.swing_range[group], 3) for group in robot.groups]
+    for swing in itertools.product(*spans):
+        data.qpos[:] = robot.start_qpos
+        for leg, of, gain in zip(
+            robot.legs, robot.group_of_leg, robot.swing_gain, strict=True
+        ):
+            data.joint(robot.card.legs[leg].swing).qpos += gain * swing[of]
+        mujoco.mj_kinematics(model, data)
+        for g, h in pairs:
+            gap = mujoco.mj_geomDistance(model, data, g, h, 1.0, None)
+            assert gap > 0, (swing, model.geom(g).name, model.geom(h).name)
 
 
 def test_kinematics_agree_with_the_engine_at_any_angles(robot):
@@ -106,12 +103,12 @@ def test_kinematics_agree_with_the_engine_at_any_angles(robot):
         swing = rng.uniform(-0.45, 0.45, len(robot.groups))
         lift = rng.uniform(0, 0.5, len(robot.groups))
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-        for leg, of, sign in zip(
+        for leg, of, gain in zip(
             robot.legs, robot.group_of_leg, robot.swing_gain, strict=True
         ):
             card = robot.card.legs[leg]
-            data.joint(card.swing).qpos = sign * swing[of]
-            data.joint(card.lift).qpos = card.raise_sign * lift[of]
+            data.joint(card.swing).qpos += gain * swing[of]
+            data.joint(card.lift).qpos += card.raise_sign * lift[of]
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         stance = kinematics.stance(swing, lift)
