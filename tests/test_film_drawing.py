@@ -178,6 +178,11 @@ def test_a_stratum_is_put_into_words(flow, words):
     assert describe(flow, "12", legs_per_group=3) == words
 
 
+def test_groups_that_swing_together_are_named_together():
+    words = describe(FlowRow("swing", "12", "12"), "12", legs_per_group=3)
+    assert words == "tripods 1 and 2 swing the body"
+
+
 def test_legs_that_do_the_same_are_named_together():
     words = describe(FlowRow("swing", "134", "2"), "1234", legs_per_group=1)
     assert words == "legs 1, 3 and 4 stand, leg 2 swings in the air"
