@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -64,7 +65,8 @@ class Captions:
 def _legend(walk: Walk) -> Panel:
     """Top left: what is walked, and what the colours mean."""
     scenario, entries = walk.scenario, _entries(walk)
-    about = f"{scenario.robot}, {scenario.fields} fields, {scenario.segments} segments"
+    robot = Path(scenario.robot).stem  # of a user's own, the file
+    about = f"{robot}, {scenario.fields} fields, {scenario.segments} segments"
     labels = [_length(label) + SWATCH for label, _, _ in entries]
     still, draw = _empty(
         max(_length(about), _length(scenario.name, LARGE), *labels) + 2 * PAD,

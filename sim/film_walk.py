@@ -1,17 +1,16 @@
 """A finished walk as the film needs it: read from a run folder, in world coordinates.
 
-Reads scenario, card, arrays, flows and summary; draws nothing.
+Reads scenario, card, arrays and flows; draws nothing.
 """
 
 from __future__ import annotations
 
 import csv
-import json
 import zipfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,7 +43,6 @@ class Walk:
     model: Path  # MJCF file
     card: Card
     scenario: Scenario
-    summary: dict[str, Any]
     flows: tuple[FlowRow, ...]
     time: Array  # (T,) [s]
     phase: Array  # index into flows, (T,)
@@ -117,7 +115,6 @@ def _read(folder: Path) -> Walk:
             model=folder / "model.xml",
             card=read_card(folder / "card.toml"),
             scenario=scenario,
-            summary=json.loads((folder / "summary.json").read_text()),
             flows=_read_flows(folder / "flows.csv"),
             time=arrays["time"],
             phase=arrays["phase"],
