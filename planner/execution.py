@@ -16,6 +16,7 @@ from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow
 from planner.grouping import regroup
+from planner.leaning import Leans, leaning
 from planner.shape import Limits
 from planner.stance import centred
 from planner.steering import Order
@@ -43,6 +44,7 @@ class Execution:
             segment those that switch contacts least, `shortest` takes words that sweep
             least.
         limits: Lowest and highest value of shape coordinates by name.
+        leans: Where to lean, along what and how far, so that lifting a foot is safe.
         finish: Whether centred flows end by bringing the legs to the goal's shape.
         depart: Stratum at rest before the first flow; the bottom stratum if empty.
         arrive: Stratum at rest after the last one; the bottom stratum if empty.
@@ -54,6 +56,7 @@ class Execution:
     stance: Stance = "paper"
     coordinates: Coordinates = "fewest"
     limits: Limits = field(default_factory=dict)
+    leans: Leans = field(default_factory=dict)
     finish: bool = True
     depart: str = ""
     arrive: str = ""
@@ -112,6 +115,9 @@ class Execution:
         if self.stance == "centred":
             shape_after = goal if self.finish else None
             ordered = centred(extended.shape, ordered, start, shape_after, ends)
+        if self.leans:
+            commute = extended.grouper.interchange
+            ordered = leaning(extended.system, ordered, self.leans, commute)
         extended.shape.require_within(self.limits, chain(*ordered), start)
         return ordered
 

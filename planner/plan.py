@@ -15,6 +15,7 @@ from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.fields import Array
 from planner.flows import Flow, contact_switches, visits
+from planner.leaning import Leans
 from planner.nominal import default_nodes, fictitious_inputs, sample
 from planner.paths import Path, as_path
 from planner.shape import Limits
@@ -91,6 +92,7 @@ def plan(
     *,
     stance: Stance = "paper",
     limits: Limits | None = None,
+    leans: Leans | None = None,
     coordinates: Coordinates = "fewest",
     finish: bool = True,
     depart: str = "",
@@ -105,8 +107,9 @@ def plan(
         segments: Number of pieces that the path is cut into, each planned by itself.
         elements: Fields and brackets of the extended system, chosen by
             `planner.choice` if not given; not with a compiled one.
-        stance: As in `planner.execution.Execution`, like the next five.
+        stance: As in `planner.execution.Execution`, like the next six.
         limits: Lowest and highest value of shape coordinates by name.
+        leans: Where to lean, along what and how far.
         coordinates: Hall coordinates to follow.
         finish: Whether a centred plan ends in the goal's shape.
         depart: Stratum at rest before the plan.
@@ -128,6 +131,7 @@ def plan(
         stance=stance,
         coordinates=coordinates,
         limits=limits or {},
+        leans=leans or {},
         finish=finish,
         depart=depart,
         arrive=arrive,
