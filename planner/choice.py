@@ -102,7 +102,8 @@ def choose_elements(
         if min(ranks) == system.bottom_dimension:
             return _explained(system, chosen, x)
     worst = int(np.argmin(ranks))
-    raise RankError(x[worst], ranks[worst], system.bottom_dimension)
+    missing = system.missing(_spans(chosen, x)[worst], x[worst])
+    raise RankError(x[worst], system.bottom_dimension, missing)
 
 
 def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:

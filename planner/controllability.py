@@ -19,7 +19,7 @@ from planner.errors import point
 from planner.fields import Array
 from planner.level_sets import LevelSet
 from planner.strata import Gait, StratifiedSystem, steps
-from planner.subspaces import column_space, in_words, null_space, rank, sparse_basis
+from planner.subspaces import column_space, null_space, rank
 from planner.tangency import tangent_field
 
 OFF_STRATUM = 1e-9  # of the level sets at the configuration
@@ -102,7 +102,7 @@ def gait_controllability(
     closed = column_space(union.at(x))
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
-    missing = () if controllable else _missing(system, home, reached, x)
+    missing = () if controllable else system.missing(reached, x, walk.strata[0])
     tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
     return Controllability(
         gait=str(walk),
@@ -195,17 +195,6 @@ def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
         return space
     slopes = level_set.gradients(x).T @ space  # (codimension, rank)
     return space @ null_space(slopes)
-
-
-def _missing(
-    system: StratifiedSystem, home: LevelSet, reached: Array, x: Array
-) -> tuple[str, ...]:
-    """Directions of the tangent space orthogonal to what is reached, in words."""
-    rows = [reached.T]
-    if home.functions:
-        rows.append(home.gradients(x).T)
-    directions = sparse_basis(null_space(np.vstack(rows)))
-    return tuple(in_words(direction, system.state) for direction in directions.T)
 
 
 def _advice(

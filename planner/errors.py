@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 
@@ -39,12 +39,22 @@ class SingularConfigurationError(PlannerError):
 class RankError(PlannerError):
     """Elements that do not span the bottom stratum's tangent space (Def. 3)."""
 
-    def __init__(self, configuration: Iterable[float], rank: int, needed: int) -> None:
-        self.rank, self.needed = rank, needed
+    def __init__(
+        self, configuration: Iterable[float], needed: int, missing: Sequence[str]
+    ) -> None:
+        """Compose the message.
+
+        Args:
+            configuration: Where they do not.
+            needed: Dimension of the bottom stratum.
+            missing: Directions that they lack, in words.
+        """
+        self.rank, self.needed = needed - len(missing), needed
+        self.missing = tuple(missing)
         super().__init__(
-            f"the extended system has rank {rank} of {needed} at "
-            f"{point(configuration)} (Def. 3); add fields or brackets, or keep the "
-            "path away from there"
+            f"the extended system has rank {self.rank} of {needed} at "
+            f"{point(configuration)} (Def. 3), nothing along {', '.join(missing)}; "
+            "add fields or brackets, or keep the path away from there"
         )
 
 

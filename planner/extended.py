@@ -90,7 +90,8 @@ class ExtendedSystem:
         rank = kept.sum(axis=-1)
         if (rank < needed).any():
             worst = np.unravel_index(rank.argmin(), rank.shape)
-            raise RankError(x[worst], int(rank[worst]), needed)
+            reached = left[worst][:, kept[worst]]
+            raise RankError(x[worst], needed, self.system.missing(reached, x[worst]))
         scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
         parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
         inputs: Array = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[

@@ -71,9 +71,7 @@ class LevelSet:
         if not found:
             raise ValueError(f"found no configuration where {listed} vanish together")
         for x in found:
-            if np.linalg.matrix_rank(self.gradients(x), tol=1e-9) < len(
-                self.functions
-            ):
+            if np.linalg.matrix_rank(self.gradients(x), tol=1e-9) < len(self.functions):
                 raise ValueError(
                     f"{listed} are not independent where they vanish (Def. 1)"
                 )
@@ -85,6 +83,8 @@ class LevelSet:
 
     def gradients(self, x: Array) -> Array:
         """Gradients at configurations (..., n), shape (..., n, codimension)."""
+        if not self.functions:
+            return np.zeros((*x.shape, 0))
         return self._gradients.values(x)
 
     @cached_property

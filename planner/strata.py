@@ -13,12 +13,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
 import sympy as sp
 
 from planner.declaration import checked_level_sets, checked_state, checked_strata
 from planner.errors import StratumError, point, unknown
-from planner.fields import Symbols, VectorField
+from planner.fields import Array, Symbols, VectorField
 from planner.level_sets import LevelSet
+from planner.subspaces import directions_beyond
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +94,17 @@ class StratifiedSystem:
     def level_set(self, stratum: str) -> LevelSet:
         """The functions that vanish on a stratum; none where it is open."""
         return LevelSet(self.level_sets.get(stratum, ()), self.state)
+
+    def missing(self, reached: Array, x: Array, stratum: str = "") -> tuple[str, ...]:
+        """Directions of a stratum's tangent space that are not reached, in words.
+
+        Args:
+            reached: Orthonormal columns, shape (n, rank).
+            x: Configuration on the stratum, shape (n,).
+            stratum: The stratum; the bottom one if empty.
+        """
+        gradients = self.level_set(stratum or self.bottom).gradients(x)
+        return directions_beyond(np.hstack([reached, gradients]), self.state)
 
     @cached_property
     def edges(self) -> tuple[tuple[str, str], ...]:

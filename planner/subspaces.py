@@ -48,6 +48,13 @@ def sparse_basis(columns: Array) -> Array:
     return rows.T
 
 
+def directions_beyond(columns: Array, names: Iterable[object]) -> tuple[str, ...]:
+    """Directions orthogonal to all columns, in words."""
+    names = tuple(names)
+    directions = sparse_basis(null_space(columns.T))
+    return tuple(in_words(direction, names) for direction in directions.T)
+
+
 def in_words(direction: Array, names: Iterable[object]) -> str:
     """A direction as a sum of coordinates, `x - 0.5 y`."""
     words = ""
