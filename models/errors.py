@@ -9,9 +9,5 @@ class UnknownRobotError(ValueError):
     """A robot name that is not shipped, or a file that is not there."""
 
 
-class UnknownSystemError(ValueError):
-    """A system name that is not shipped, or a file that is not there."""
-
-
-class SystemFileError(ValueError):
-    """A file that exists but describes no system; exit code 2 on the command line."""
+class ProblemError(ValueError):
+    """A system that is not shipped, or is described wrongly; exit code 2."""

@@ -12,7 +12,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import ClassVar
 
-from models.errors import ModelError, UnknownRobotError
+from models.errors import ModelError, ProblemError, UnknownRobotError
 from planner.errors import PlannerError
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -83,6 +83,7 @@ class Terminated(BaseException):
 
 _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     UnknownRobotError: ExitCode.USAGE,
+    ProblemError: ExitCode.USAGE,
     ModelError: ExitCode.MODEL,
     PlannerError: ExitCode.SIMULATION,
     KeyboardInterrupt: ExitCode.INTERRUPTED,

@@ -27,7 +27,7 @@ from typing import Any
 
 import sympy as sp
 
-from models.errors import SystemFileError
+from models.errors import ProblemError
 from models.systems.problem import Problem
 from planner.errors import PlannerError, unknown
 from planner.expressions import read
@@ -49,7 +49,7 @@ def load(path: Path, values: Mapping[str, object] | None = None) -> Problem:
         values: Parameters that replace the file's.
 
     Raises:
-        SystemFileError: It cannot be read, or what it says is impossible.
+        ProblemError: It cannot be read, or what it says is impossible.
         OSError: The file cannot be opened.
     """
     source = path.read_bytes()
@@ -58,7 +58,7 @@ def load(path: Path, values: Mapping[str, object] | None = None) -> Problem:
             return _run(path, values or {})
         return _decode(path.stem, tomllib.loads(source.decode()), values or {})
     except (ValueError, PlannerError) as error:
-        raise SystemFileError(f"bad system: {path}; {error}") from error
+        raise ProblemError(f"bad system: {path}; {error}") from error
 
 
 def _run(path: Path, values: Mapping[str, object]) -> Problem:

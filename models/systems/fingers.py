@@ -20,6 +20,9 @@ def finger_gaiting(fingers: int = 3, reach: float = 1, span: float = 0.5) -> Pro
         fingers: Number of fingers, 2 to 9.
         reach: Turn of the disc per radian of a finger in contact.
         span: Angle that a finger can swing to either side [rad].
+
+    Raises:
+        ValueError: There are too few or too many fingers.
     """
     if not 2 <= fingers <= 9:
         raise ValueError(f"fingers is {fingers}; 2 to 9 can walk around a disc")

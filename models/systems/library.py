@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
-from models.errors import UnknownSystemError
+from models.errors import ProblemError
 from models.systems import fingers, legged, smooth
 from models.systems.problem import Problem
 from planner.errors import unknown
@@ -28,12 +28,14 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
 }
 """What makes each problem; its keyword arguments are the system's parameters."""
 
+KINDS: Mapping[Any, str] = {bool: "true or false", int: "a whole number"}
+
 
 def parameters(name: str) -> dict[str, object]:
     """The parameters of a shipped system and their defaults.
 
     Raises:
-        UnknownSystemError: There is no such system.
+        ProblemError: There is no such system.
     """
     signature = inspect.signature(_maker(name))
     return {key: value.default for key, value in signature.parameters.items()}
@@ -47,28 +49,35 @@ def shipped(name: str, values: Mapping[str, object] | None = None) -> Problem:
         values: Parameters that are not to have their defaults.
 
     Raises:
-        UnknownSystemError: There is no such system.
-        ValueError: A parameter is unknown or impossible.
+        ProblemError: There is no such system, or a parameter is unknown or impossible.
     """
-    known = get_type_hints(_maker(name))
-    for key, value in (values or {}).items():
-        if key not in parameters(name):
-            raise ValueError(f"parameter {key!r} {_known(parameters(name), key)}")
-        if not _fits(value, known[key]):
-            kind = "true or false" if known[key] is bool else "a number"
-            kind = "a whole number" if known[key] is int else kind
-            raise ValueError(f"parameter {key} is {value!r}; give {kind}")
-    return _maker(name)(**(values or {}))
+    values = values or {}
+    maker = _maker(name)
+    try:
+        _require_parameters(parameters(name), get_type_hints(maker), values)
+        return maker(**values)
+    except ValueError as error:
+        raise ProblemError(f"bad parameters of {name}: {error}") from error
 
 
 def _maker(name: str) -> Callable[..., Problem]:
     if name not in SYSTEMS:
-        raise UnknownSystemError(f"system {name!r} {unknown(name, SYSTEMS)}")
+        raise ProblemError(f"system {name!r} {unknown(name, SYSTEMS)}")
     return SYSTEMS[name]
 
 
-def _known(names: Mapping[str, object], key: str) -> str:
-    return unknown(key, names) if names else "is unknown; the system has none"
+def _require_parameters(
+    defaults: Mapping[str, object],
+    kinds: Mapping[str, object],
+    values: Mapping[str, object],
+) -> None:
+    for key, value in values.items():
+        if key not in defaults:
+            known = unknown(key, defaults) if defaults else "is unknown; it has none"
+            raise ValueError(f"{key} {known}")
+        if not _fits(value, kinds[key]):
+            kind = KINDS.get(kinds[key], "a number")
+            raise ValueError(f"{key} is {value!r}; give {kind}")
 
 
 def _fits(value: object, kind: object) -> bool:

@@ -60,20 +60,13 @@ class Problem:
             )
         if self.segments < 1:
             raise ValueError(f"segments is {self.segments}; at least 1 is needed")
-        if not np.isfinite([*self.states]).all():
-            raise ValueError(f"start or goal of {self.name} is not finite")
+        _ = self.states  # refuses unknown coordinates
 
     @cached_property
     def states(self) -> tuple[Array, Array]:
         """Configurations at the start and at the goal, shape (n,) each."""
-        names = [str(symbol) for symbol in self.system.state]
-        for what, given in (("start", self.start), ("goal", self.goal)):
-            for name in given:
-                if name not in names:
-                    raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
-        start = {name: float(self.start.get(name, 0.0)) for name in names}
-        goal = [float(self.goal.get(name, value)) for name, value in start.items()]
-        return np.array(list(start.values())), np.array(goal)
+        start = configuration(self.system, "start", self.start)
+        return start, configuration(self.system, "goal", self.goal, start)
 
     @property
     def path(self) -> Path:
@@ -84,3 +77,28 @@ class Problem:
     def execution(self) -> Execution:
         """How plans are carried out, with Hall coordinates that shots can follow."""
         return Execution(stance=self.stance, limits=self.limits, coordinates="backward")
+
+
+def configuration(
+    system: StratifiedSystem, what: str, given: State, otherwise: Array | None = None
+) -> Array:
+    """A configuration from some of its coordinates, shape (n,).
+
+    Args:
+        system: System whose configuration it is.
+        what: What it is called in messages.
+        given: Coordinates by name.
+        otherwise: Configuration that has the others; they are zero without it.
+
+    Raises:
+        ValueError: A coordinate is unknown or not finite.
+    """
+    names = [str(symbol) for symbol in system.state]
+    state = np.zeros(len(names)) if otherwise is None else otherwise.copy()
+    for name, value in given.items():
+        if name not in names:
+            raise ValueError(f"{what} has {name}, which {unknown(name, names)}")
+        if not np.isfinite(value):
+            raise ValueError(f"{what} has {name} = {value}; give a finite number")
+        state[names.index(name)] = value
+    return state

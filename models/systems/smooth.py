@@ -14,6 +14,8 @@ from models.systems.problem import Problem, State
 from planner.strata import StratifiedSystem
 
 ONLY = "0"  # the one stratum, without contacts that change
+MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree
+LONGEST_CHAIN = 8  # likewise
 Column = Sequence[Any]  # of expressions
 
 
@@ -54,11 +56,16 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
     Every trailer asks for one degree more, and for shorter steps by far.
 
     Args:
-        trailers: Number of trailers, at least 1.
+        trailers: Number of trailers, 1 to 3.
         length: Distance from each axle to the next.
+
+    Raises:
+        ValueError: Too many trailers, or none.
     """
-    if trailers < 1:
-        raise ValueError(f"trailers is {trailers}; give at least 1, or plan a car")
+    if not 1 <= trailers <= MOST_TRAILERS:
+        raise ValueError(
+            f"trailers is {trailers}; give 1 to {MOST_TRAILERS}, or take the car"
+        )
     phi = sp.Symbol("phi")
     headings = sp.symbols(f"theta_0:{trailers + 1}")
     following = []
@@ -82,11 +89,14 @@ def chained(size: int = 5) -> Problem:
     """The chained form x1' = u1, x2' = u2, x3' = x2 u1, x4' = x3 u1, and so on.
 
     Args:
-        size: Number of coordinates, at least 3; the last one asks for brackets of one
+        size: Number of coordinates, 3 to 8; the last one asks for brackets of one
             degree less.
+
+    Raises:
+        ValueError: The chain is too short or too long.
     """
-    if size < 3:
-        raise ValueError(f"size is {size}; a chain has at least 3 coordinates")
+    if not 3 <= size <= LONGEST_CHAIN:
+        raise ValueError(f"size is {size}; a chain has 3 to {LONGEST_CHAIN}")
     x = sp.symbols(f"x1:{size + 1}")
     return smooth(
         name="chained",

@@ -14,10 +14,18 @@ if TYPE_CHECKING:
 NAMED = ("robot", "fields", "segments", "replan", "steer")  # also keys of a scenario
 
 
-def add_scenario_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add what decides a scenario: its name or file, and what to replace in it."""
+def add_scenario_arguments(
+    parser: argparse.ArgumentParser, metavar: str = "SCENARIO"
+) -> None:
+    """Add what decides a scenario: its name or file, and what to replace in it.
+
+    Args:
+        parser: Parser of the command.
+        metavar: What the command takes.
+    """
+    what = metavar.lower().replace("|", " or ")
     parser.add_argument(
-        "scenario", metavar="SCENARIO", help="a shipped scenario, or a TOML file"
+        "scenario", metavar=metavar, help=f"a shipped {what}, or a file"
     )
     parser.add_argument("--robot", metavar="NAME|FILE.xml", help="robot to walk")
     parser.add_argument("--fields", help="fields to steer with, lifted or paper")

@@ -9,23 +9,28 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from sim.commands import system_plan
 from sim.commands.options import add_scenario_arguments, scenario_of
 
 if TYPE_CHECKING:
     from planner.flows import Flow
     from sim.setup import Setup
 
-HELP = "plan a scenario and play it on the exact kinematics, without physics"
+HELP = "plan a scenario or a system and play it on the exact kinematics"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    add_scenario_arguments(parser)
+    add_scenario_arguments(parser, "SCENARIO|SYSTEM")
+    system_plan.add_arguments(parser)
     parser.add_argument("--flows", action="store_true", help="print every flow as well")
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Plan the scenario and print what the plan does."""
+    """Plan the scenario, or the system, and print what the plan does."""
+    if system_plan.is_for_systems(options):
+        system_plan.execute(options)
+        return
     scenario = scenario_of(options)
 
     from sim.planning import plan_open_loop  # slow; a refused scenario does not wait

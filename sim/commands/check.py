@@ -1,0 +1,113 @@
+"""`stratawalk check`: can a gait reach every direction, and if not, what is missing."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from sim.errors import UsageError
+
+if TYPE_CHECKING:
+    from planner.controllability import Controllability
+    from planner.fields import Array
+    from planner.strata import StratifiedSystem
+
+HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "system",
+        metavar="SYSTEM|ROBOT",
+        help="a shipped system or robot, a TOML or Python file, or MJCF with a card",
+    )
+    parser.add_argument(
+        "--gait", metavar="STRATUM", nargs="+", help="strata in order, the first again"
+    )
+    parser.add_argument(
+        "--at", metavar="NAME=VALUE", nargs="+", help="coordinates; else the start's"
+    )
+    parser.add_argument(
+        "--depth", type=int, metavar="N", help="highest degree of brackets to form"
+    )
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help="a parameter of the system; may be repeated",
+    )
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Judge the gait by both tests of Sec. 4 and print what they say."""
+    from dataclasses import asdict
+
+    from models.systems.problem import configuration
+    from planner.controllability import MAX_DEPTH, gait_controllability
+    from sim.systems import coordinates, refused
+
+    system, gait, start = _subject(options.system, options.set)
+    with refused(options.system):
+        at = coordinates(options.at or (), "--at")
+        report = gait_controllability(
+            system,
+            options.gait or gait,
+            configuration(system, "--at", at, start).tolist(),
+            MAX_DEPTH if options.depth is None else options.depth,
+        )
+    if options.json:
+        print(json.dumps({"system": options.system, **asdict(report)}))
+        return
+    print(describe(options.system, report))
+
+
+def _subject(
+    source: str, settings: Sequence[str]
+) -> tuple[StratifiedSystem, Sequence[str], Array | None]:
+    """The system behind a word, its gait, and where to look at it."""
+    from sim.systems import find, is_system
+
+    if not source.endswith(".xml") and is_system(source, _robots(), "robot"):
+        problem = find(source, settings)
+        return problem.system, problem.gait, problem.states[0]
+    if settings:
+        raise UsageError("a robot has no parameters", "--set", "leave it out")
+    from models.equations import equations
+    from models.robot import load
+
+    robot = load(source)
+    return equations(robot).system, robot.card.gait, None
+
+
+def _robots() -> Sequence[str]:
+    from models.robot import robots
+
+    return robots()
+
+
+def describe(name: str, report: Controllability) -> str:
+    """The verdict, both tests, and what is missing, line by line."""
+    yes = f"controllable, as the {report.decided_by} shows"
+    no = "not controllable" if report.conclusive else "not shown to be controllable"
+    tests = {
+        "filtration": (report.filtration, "strata closed one by one (Sec. 4)"),
+        "closure": (report.closure, "brackets across strata, as in Def. 3"),
+    }
+    lines = [
+        f"{name}: {report.gait}",
+        f"{'at':12}{', '.join(f'{value:.6g}' for value in report.at)}",
+        f"{'verdict':12}{yes if report.controllable else no}",
+        *(
+            f"{test:12}rank {rank} of {report.dimension}, {how}"
+            for test, (rank, how) in tests.items()
+        ),
+        f"{'brackets':12}to degree {report.depth}",
+    ]
+    if not report.controllable:
+        lines.append(f"{'missing':12}{', '.join(report.missing)}")
+        lines.append(f"{'to do':12}{'; or '.join(report.advice)}")
+    return "\n".join(lines)

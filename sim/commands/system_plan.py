@@ -1,0 +1,156 @@
+"""The part of `stratawalk plan` that is for systems, and for plans saved of them."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.errors import UsageError
+
+if TYPE_CHECKING:
+    from planner.fields import Array
+    from planner.plan import Plan
+
+FOR_ROBOTS = ("robot", "fields", "steer")
+FOR_SYSTEMS = ("start", "goal", "elements", "save")
+SETTLED = ("start", "goal", "elements", "segments", "replan", "set")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that systems have and scenarios have not."""
+    group = parser.add_argument_group("for systems")
+    for option in ("start", "goal"):
+        group.add_argument(
+            f"--{option}",
+            metavar="NAME=VALUE",
+            nargs="+",
+            help=f"coordinates at the {option}",
+        )
+    group.add_argument(
+        "--elements",
+        metavar="ELEMENT",
+        nargs="+",
+        help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
+    )
+    group.add_argument("--save", metavar="FILE.json", help="keep the plan")
+
+
+def is_for_systems(options: argparse.Namespace) -> bool:
+    """Whether a system, or a plan saved of one, is to be planned and not a scenario.
+
+    Raises:
+        UsageError: There is no such thing, or an option is for the other kind.
+    """
+    from sim.scenario_file import shipped
+    from sim.systems import is_system
+
+    source = options.scenario
+    if source.endswith(".json"):
+        _refuse(options, SETTLED, "what is saved is settled; leave it out")
+    elif not is_system(source, shipped()):
+        _refuse(options, FOR_SYSTEMS, "is for systems; set a scenario's path.goal")
+        return False
+    _refuse(options, FOR_ROBOTS, "is for robots; leave it out")
+    return True
+
+
+def _refuse(options: argparse.Namespace, names: Sequence[str], why: str) -> None:
+    what, _, remedy = why.partition("; ")
+    for name in names:
+        if getattr(options, name):
+            raise UsageError(f"--{name} {what}", options.scenario, remedy)
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Plan the system, or read a plan of one, and print what it does."""
+    from planner.archive import load, save
+    from sim.systems import refused
+
+    source = options.scenario
+    with refused(source):
+        saved = source.endswith(".json")
+        planned, timing = (load(source), {}) if saved else _plan(options)
+    facts = summarise(Path(source).stem, planned) | timing
+    if options.save:
+        with refused(options.save):
+            save(planned, options.save)
+    if options.json:
+        print(json.dumps(facts | ({"flows": planned.flows} if options.flows else {})))
+        return
+    if options.flows:
+        print(*planned.flows, "", sep="\n")
+    print(describe(facts))
+
+
+def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
+    from sim.systems import changed, coordinates, extended, find, solve
+
+    changes = {
+        "start": options.start and coordinates(options.start, "--start"),
+        "goal": options.goal and coordinates(options.goal, "--goal"),
+        "segments": options.segments,
+        "elements": options.elements,
+    }
+    problem = changed(find(options.scenario, options.set), changes)
+    began = time.perf_counter()
+    compiled = extended(problem)
+    ready = time.perf_counter()
+    planned = solve(problem, compiled, aimed=bool(options.replan))
+    timing = {"compile": ready - began, "plan": time.perf_counter() - ready}
+    return planned, {"timing": timing}
+
+
+def summarise(name: str, planned: Plan) -> dict[str, Any]:
+    """What a plan does on the exact kinematics.
+
+    Args:
+        name: What the system is called.
+        planned: Plan to play.
+    """
+    from planner.rollout import rollout
+
+    end = rollout(planned)[-1]
+    return {
+        "system": name,
+        "segments": len(planned.segment_ends),
+        "elements": planned.elements,
+        "start": _named(planned, planned.start),
+        "goal": _named(planned, planned.goal),
+        "end": _named(planned, end),
+        "distance": math.dist(planned.start, planned.goal),
+        "error": math.dist(end, planned.goal),
+        "flow_count": len(planned.flows),
+        "flow_time": sum(abs(flow.duration) for flow in planned.flows),
+        "contact_switches": planned.contact_switches,
+    }
+
+
+def _named(planned: Plan, state: Array) -> dict[str, float]:
+    names = map(str, planned.system.state)
+    return dict(zip(names, state.tolist(), strict=True))
+
+
+def describe(facts: Mapping[str, Any]) -> str:
+    """The facts in a few lines; coordinates that neither move nor err are left out."""
+    ends = zip(facts["start"].items(), facts["end"].values(), strict=True)
+    moved = [f"{n} {b:z.4f}" for (n, a), b in ends if abs(b - a) > 5e-5]
+    share = facts["error"] / facts["distance"] if facts["distance"] else 0.0
+    lines = [
+        f"{facts['system']}: {facts['segments']} segments, {facts['flow_count']} "
+        f"flows for a time of {facts['flow_time']:.4g} in all, "
+        f"{facts['contact_switches']} contact switches",
+        f"{'steers by':10}{', '.join(facts['elements'])}",
+        f"{'ends at':10}{', '.join(moved) or 'its start'}",
+        f"{'off goal':10}{facts['error']:.3g}, {100 * share:.3g} % of the way",
+    ]
+    if timing := facts.get("timing"):
+        lines.append(
+            f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "
+            f"{1e3 * timing['compile']:.0f} ms to compile"
+        )
+    return "\n".join(lines)
