@@ -22,10 +22,13 @@ ONLY_IN = {
     "imageio": {"sim"},
     "imageio_ffmpeg": {"sim"},
     "PIL": {"sim"},
+    "matplotlib": {"sim"},
     "rich": {"sim"},
     "shapely": {"sim"},
 }
-HEAVY = ("mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely")
+HEAVY = (
+    "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely", "matplotlib",
+)  # fmt: skip
 LONGEST = 300  # lines
 
 SOURCES = [path for layer in LAYERS for path in sorted((ROOT / layer).rglob("*.py"))]

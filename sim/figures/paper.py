@@ -1,0 +1,112 @@
+"""The paper's hexapod in the paper's units, walked on its exact kinematics (l = 1).
+
+No body and no forces: eqs. (16) to (18) integrated along the flows of a plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import numpy as np
+
+from models.shapes import FEET, PIVOT, PIVOTS
+from models.systems.legged import AIR_SWINGS, hexapod
+from planner.extended import ExtendedSystem, extend
+from planner.paths import Path
+from planner.plan import Plan, plan
+from planner.rollout import rollout
+from sim.poses import rotate
+
+Array = np.ndarray
+Fields = Literal["paper", "lifted"]
+
+ELEMENTS: Mapping[Fields, tuple[str, ...]] = {
+    "paper": ("g12_1", "g12_2", *AIR_SWINGS, "[g12_1,g12_2]"),
+    "lifted": ("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),
+}
+SAMPLES = 12  # states drawn a flow, enough for arcs of a radian
+
+
+@dataclass(frozen=True)
+class PaperWalk:
+    """A plan and the states it leads through.
+
+    Attributes:
+        plan: The plan.
+        states: Start, then `samples` states a flow, shape (1 + samples * flows, 5).
+        samples: States a flow.
+    """
+
+    plan: Plan
+    states: Array
+    samples: int
+
+    @property
+    def ends(self) -> Array:
+        """Index of the state that closes each segment, shape (segments,)."""
+        return self.samples * np.array(self.plan.segment_ends)
+
+    @property
+    def flow(self) -> Array:
+        """Index of the flow that each state after the first lies on."""
+        return np.repeat(np.arange(len(self.plan.flows)), self.samples)
+
+    @property
+    def error(self) -> float:
+        """Distance of the end from the goal in the plane."""
+        return float(np.hypot(*(self.states[-1] - self.plan.goal)[:2]))
+
+
+@cache
+def _extended(fields: Fields) -> ExtendedSystem:
+    problem = hexapod(heights=False)
+    return extend(problem.system, ELEMENTS[fields])
+
+
+def walk(
+    path: Path, segments: int, *, fields: Fields = "paper", samples: int = SAMPLES
+) -> PaperWalk:
+    """Plan a path in the paper's order and walk it.
+
+    Args:
+        path: Configurations (x, y, theta, phi_1, phi_2) for s in [0, 1].
+        segments: Number of pieces it is cut into.
+        fields: The paper's own, or those that never swing a tripod beside a loaded one;
+            the body walks the same way.
+        samples: States recorded along each flow.
+    """
+    planned = plan(_extended(fields), path, segments, coordinates="backward")
+    return PaperWalk(planned, rollout(planned, samples), samples)
+
+
+def configuration(pose: Sequence[float]) -> Array:
+    """A pose with legs at angle 0, shape (5,)."""
+    return np.array([*pose, 0.0, 0.0])
+
+
+def feet(walked: PaperWalk) -> Array:
+    """All feet on the ground plane, shape (N, 6, 2).
+
+    A foot that stands still under eq. (17) is carried around its tripod's pivot, the
+    point (0, 1) or (0, -1) of the body. Feet and pivots are those of the robot
+    `hexapod`, measured in its pivots' distance.
+    """
+    x, y, yaw, *phi = walked.states.T
+    places = np.empty((len(walked.states), len(FEET), 2))
+    for leg, at in FEET.items():
+        pivot = np.array(PIVOTS[leg]) / PIVOT
+        turned = -phi[0] if pivot[1] > 0 else phi[1]
+        arm = np.array(at) / PIVOT - pivot
+        places[:, leg - 1] = pivot + rotate(np.tile(arm, (len(x), 1)), turned)
+    moved = rotate(places, yaw[:, None])
+    return np.asarray(moved + np.stack([x, y], axis=-1)[:, None])
+
+
+def standing(walked: PaperWalk) -> Array:
+    """Which feet are on the ground at each state, shape (N, 6), bool."""
+    tripod = np.array(["1" if PIVOTS[leg][1] > 0 else "2" for leg in FEET])
+    strata = ["12", *(walked.plan.flows[i].stratum for i in walked.flow)]
+    return np.array([[t in stratum for t in tripod] for stratum in strata])

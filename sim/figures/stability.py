@@ -1,0 +1,178 @@
+"""Fig. 5: on which angles a tripod stands, by closed forms and by support polygons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from models.tripod import PaperStance
+from sim.figures.sheet import Sheet, Table
+from sim.figures.style import IDEAL, NOMINAL, TRIPODS, WEIGHT, as_map, letter, sheet_of
+from sim.support import stability_margin
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Array = np.ndarray
+
+# The proportions of `hexapod-parallel`, in leg lengths: the paper gives none.
+STANCE = PaperStance(body_length=20 / 7, leg_length=1.0, half_width=3 / 7)
+SHOWN = 0.5  # [rad], the angle that the stance is drawn at
+PHI = np.linspace(-1.2, 1.2, 241)
+ROWS = 15  # of the table
+ANGLE = r"$\varphi$ of the loaded tripod  [rad]"
+STANDS = "#CFE3F1"
+
+
+def polygon_margin(stance: PaperStance, tripod: int, phi: Array, b: Array) -> Array:
+    """Margin by the support polygon, the weight on the body's axis, shape as phi.
+
+    Args:
+        stance: Lengths.
+        tripod: The loaded tripod, 1 or 2.
+        phi: Its angle [rad].
+        b: Distance of the weight from the front, same shape.
+    """
+    weight = np.stack([stance.body_length / 2 - b, np.zeros_like(b)], axis=-1)
+    feet = stance.feet(tripod, phi)
+    standing = np.ones(feet.shape[:-1], dtype=bool)
+    return stability_margin(feet, standing, weight)
+
+
+@dataclass(frozen=True)
+class SignMap:
+    """Both margins on a grid of angles and places of the weight."""
+
+    phi: Array  # (P,) [rad]
+    b: Array  # (B,)
+    closed: Array  # (B, P)
+    polygon: Array  # (B, P), of tripod 1
+
+    @property
+    def disagreements(self) -> int:
+        """Grid points at which the signs differ by more than rounding."""
+        off = np.abs(self.closed) > 1e-12
+        return int((np.sign(self.closed) != np.sign(self.polygon))[off].sum())
+
+
+def sign_map(stance: PaperStance, points: int = 121) -> SignMap:
+    """Compare the closed form with the support polygon everywhere."""
+    phi = np.linspace(PHI[0], PHI[-1], points)
+    b = np.linspace(-0.5, 1.5, points) * stance.body_length
+    at_phi, at_b = (grid.ravel() for grid in np.meshgrid(phi, b))
+    polygon = polygon_margin(stance, 1, at_phi, at_b)
+    closed = stance.margin_along_axis(at_phi, at_b)
+    shape = (points, points)
+    return SignMap(phi, b, closed.reshape(shape), polygon.reshape(shape))
+
+
+def paper() -> Sheet:
+    """In leg lengths, the weight in the middle of the body."""
+    figure, axes = sheet_of("abc", 2.6, width_ratios=[0.9, 1, 1])
+    signs = sign_map(STANCE)
+    _draw_stance(axes["a"])
+    _draw_signs(axes["b"], signs)
+    _draw_margins(axes["c"])
+    letter(axes, {"a": "tripod 1 loaded", "b": "where it stands", "c": "margin"})
+    return Sheet(
+        name="fig5-stability-paper",
+        title="Fig. 5, stability of the tripods, in the paper's units",
+        caption=(
+            "A tripod stands while the weight, at a distance b behind the front, lies "
+            "over the triangle of its feet: l_b/4 + l sin(phi) <= b <= 3 l_b/4 + "
+            "l sin(phi). Both bounds hold for either tripod; the paper prints one for "
+            "each. The margin of the support polygon changes sign exactly on them "
+            f"({signs.closed.size} points compared, {signs.disagreements} disagree). "
+            "The distance to the bounds along the body's axis is the closed form "
+            "itself; the margin proper, to the nearest side, is smaller by the sides' "
+            "slope. The paper leaves the proportions open; chosen are those of the "
+            "robot `hexapod-parallel`: l_b = 20/7 l, hips 3/7 l beside the axis, "
+            "weight in the middle, b = l_b/2."
+        ),
+        figure=figure,
+        table=_table(),
+    )
+
+
+def _table() -> Table:
+    phi = np.linspace(PHI[0], PHI[-1], ROWS)
+    middle = np.full_like(phi, STANCE.body_length / 2)
+    low, high = STANCE.bounds(phi)
+    columns = (
+        phi,
+        low,
+        high,
+        STANCE.margin_along_axis(phi, middle),
+        polygon_margin(STANCE, 1, phi, middle),
+        polygon_margin(STANCE, 2, phi, middle),
+    )
+    return Table(
+        header=(
+            "phi [rad]",
+            "least b [l]",
+            "largest b [l]",
+            "margin along x [l]",
+            "margin of tripod 1 [l]",
+            "margin of tripod 2 [l]",
+        ),  # fmt: skip
+        rows=tuple(zip(*(column.tolist() for column in columns), strict=True)),
+    )
+
+
+def _draw_stance(axes: Axes) -> None:
+    """The body from above, tripod 1 at one angle, the other at rest and in the air."""
+    as_map(axes, "$l$")
+    front = STANCE.body_length / 2
+    sides = STANCE.half_width * np.array([1, 1, -1, -1, 1])
+    axes.plot(front * np.array([1, -1, -1, 1, 1]), sides, color=NOMINAL)
+    for tripod, phi in ((1, SHOWN), (2, 0.0)):
+        hips, feet = STANCE.hips(tripod), STANCE.feet(tripod, phi)
+        colour, alpha = TRIPODS[str(tripod)], 1.0 if tripod == 1 else 0.35
+        for hip, foot in zip(hips, feet, strict=True):
+            axes.plot(*np.transpose([hip, foot]), color=colour, alpha=alpha)
+        axes.plot(*feet.T, "o", markersize=3.5, color=colour, alpha=alpha)
+    triangle = STANCE.feet(1, SHOWN)
+    axes.fill(*triangle.T, color=TRIPODS["1"], alpha=0.15, linewidth=0)
+    axes.plot(0, 0, "P", color=WEIGHT, markersize=5)
+    low, high = STANCE.bounds(SHOWN)
+    axes.plot(front - np.array([low, high]), [0, 0], "|", color=IDEAL, markersize=9)
+    axes.annotate(
+        "", (0, -0.72), (front, -0.72), arrowprops={"arrowstyle": "<->", "lw": 0.6}
+    )
+    axes.text(front / 2, -0.78, "$b$", ha="center", va="top")
+    axes.set_xlim(-2.3, 1.9)
+
+
+def _draw_signs(axes: Axes, signs: SignMap) -> None:
+    stands = [0.0, float(signs.polygon.max())]
+    axes.contourf(signs.phi, signs.b, signs.polygon, stands, colors=[STANDS])
+    low, high = STANCE.bounds(PHI)
+    axes.plot(PHI, low, color=IDEAL, label="closed form, both bounds")
+    axes.plot(PHI, high, color=IDEAL)
+    axes.plot([], [], color=STANDS, linewidth=6, label="support polygon: margin > 0")
+    axes.axhline(
+        STANCE.body_length / 2, color=NOMINAL, linestyle="--", label=r"$b = l_b/2$"
+    )
+    axes.set(xlabel=ANGLE, ylabel="$b$  [$l$]", xlim=(PHI[0], PHI[-1]), ylim=(-1, 5))
+    axes.legend(loc="upper left")
+
+
+def _draw_margins(axes: Axes) -> None:
+    middle = np.full_like(PHI, STANCE.body_length / 2)
+    along = STANCE.margin_along_axis(PHI, middle)
+    axes.plot(PHI, along, color=NOMINAL, linestyle="--", label="along the axis, both")
+    for tripod, style in ((1, "-"), (2, ":")):
+        axes.plot(
+            PHI,
+            polygon_margin(STANCE, tripod, PHI, middle),
+            color=TRIPODS[str(tripod)],
+            linestyle=style,
+            linewidth=1.2 if tripod == 1 else 2.0,
+            label=f"tripod {tripod}, to the nearest side",
+        )
+    axes.axhline(0, color=WEIGHT, linewidth=0.6)
+    axes.set(xlabel=ANGLE, ylabel="margin  [$l$]", xlim=(PHI[0], PHI[-1]))
+    axes.set_ylim(-0.65, 0.8)  # room for the legend
+    axes.legend(loc="lower center")

@@ -1,0 +1,87 @@
+"""How figures look: sizes for print, colours that the colour-blind tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = np.ndarray
+
+WIDTH = 7.0  # [in], two columns of a page
+
+# Okabe and Ito's palette; meanings are the same in all figures.
+NOMINAL = "#666666"
+IDEAL = "#0072B2"
+QUASI_STATIC = "#009E73"
+PHYSICS = "#D55E00"
+WEIGHT = "#000000"
+WALL = "#4D4D4D"
+NEAR_WALL = "#E3E3E3"
+TRIPODS: Mapping[str, str] = {"1": "#0072B2", "2": "#CC3311"}
+
+STYLE: dict[Any, Any] = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 8,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#E6E6E6",
+    "grid.linewidth": 0.5,
+    "axes.axisbelow": True,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "lines.linewidth": 1.0,
+    "lines.solid_joinstyle": "round",
+    "savefig.dpi": 300,
+    "savefig.bbox": "tight",
+    "savefig.pad_inches": 0.03,
+    "figure.constrained_layout.use": True,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "stratawalk",  # the same drawing gives the same bytes
+}
+
+
+def sheet_of(
+    mosaic: str, height: float, **options: Any
+) -> tuple[Figure, dict[str, Axes]]:
+    """An empty figure of the page's width, its panels by their letters.
+
+    Args:
+        mosaic: Arrangement of the panels, as matplotlib's `subplot_mosaic` takes it.
+        height: [in].
+        options: For `subplot_mosaic`.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes: dict[str, Axes] = figure.subplot_mosaic(mosaic, **options)
+    return figure, axes
+
+
+def as_map(axes: Axes, unit: str) -> None:
+    """Equal scales, and labels for positions on the ground."""
+    axes.set_aspect("equal", adjustable="datalim")
+    suffix = f" [{unit}]" if unit else ""
+    axes.set_xlabel(f"x{suffix}")
+    axes.set_ylabel(f"y{suffix}")
+
+
+def letter(axes: Mapping[str, Axes], titles: Mapping[str, str]) -> None:
+    """Head panels with their letters and titles."""
+    for name, title in titles.items():
+        axes[name].set_title(f"({name}) {title}")
