@@ -173,6 +173,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "swing_travel": _travel(swings, setup.robot.groups, loaded=True),
         "air_travel": _travel(swings, setup.robot.groups, loaded=False),
         "bounces": walk.recording.feet.bounces,
+        "wall_contacts": walk.recording.wall_contacts,
         "saturated_segments": walk.saturated_segments,
         "walk_starts": walk.starts * setup.limits.timestep,
         "predicted": predicted,

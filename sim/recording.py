@@ -13,6 +13,7 @@ import numpy as np
 
 from sim.measure import FootLog, Sensors, last_touched, log_feet
 from sim.physics import STRETCH, Engine
+from sim.walls import Touches
 
 Array = np.ndarray
 Samples = tuple[Array, ...]  # qpos, qvel, point, centre of mass
@@ -30,6 +31,7 @@ class Recording:
     point: Array  # where each foot touches the ground, or last did, (T', F, 2) [m]
     center_of_mass: Array  # (T', 3) [m]
     feet: FootLog  # (T, F)
+    wall_contacts: int  # times that the robot came to touch an obstacle
 
     @property
     def at_rows(self) -> Array:
@@ -43,6 +45,7 @@ class Recorder:
     def __init__(self, engine: Engine, sensors: Sensors, sample_every: int) -> None:
         self.engine = engine
         self._sensors, self._every = sensors, sample_every
+        self._touches = Touches(engine.model)
         self._ctrl: list[Array] = []
         self._rows: list[Array] = []
         self._samples: list[Samples] = []
@@ -64,6 +67,7 @@ class Recorder:
     def _record(self, ctrl: Array) -> None:
         before = self.engine.steps
         record = self.engine.advance(ctrl)
+        self._touches.read(record.sensordata)
         readings = self._sensors.read(record.sensordata)
         touched = None if self._last is None else self._last[2]
         point = last_touched(readings.point, readings.force > 0, touched)
@@ -94,4 +98,5 @@ class Recorder:
             point=point,
             center_of_mass=center,
             feet=log_feet(loaded, speed, timestep),
+            wall_contacts=self._touches.count,
         )

@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from sim.errors import UsageError
 from sim.nominal import NominalPath
+from sim.obstacles import Obstacle
 from sim.settings import Choice, Flag, Number, Text, setting
 
 
@@ -68,6 +69,11 @@ class Scenario:
     min_margin: float | None = setting(
         Number(0, 1), "least stability margin a plan may predict [m]", None
     )
+    min_clearance: float = setting(
+        Number(-1, 1),
+        "least distance from obstacles a plan may predict [m]; -1 asks for none",
+        0.002,
+    )
     sample_every: int = setting(
         Number(1, 1_000_000, whole=True), "physics steps between recorded rows", 20
     )
@@ -75,6 +81,7 @@ class Scenario:
         Number(0, 1000, above=True), "speed of the film against real time", None
     )
     seed: int = setting(Number(0, 2**32 - 1, whole=True), "of whatever is random", 0)
+    obstacles: tuple[Obstacle, ...] = ()
     path: NominalPath
 
     def __post_init__(self) -> None:
@@ -96,5 +103,5 @@ class Scenario:
 
 
 def settings() -> tuple[Field[Any], ...]:
-    """The fields of a scenario that are plain values; all but the path."""
+    """The fields of a scenario that are plain values; not the path, nor obstacles."""
     return tuple(item for item in fields(Scenario) if "kind" in item.metadata)

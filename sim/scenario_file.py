@@ -13,7 +13,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from sim import nominal
+from sim import nominal, obstacles
 from sim.errors import UsageError
 from sim.scenario import Scenario, settings
 from sim.settings import nearest
@@ -69,20 +69,26 @@ def to_table(scenario: Scenario) -> dict[str, Any]:
     """The scenario as a table of plain values, as a file would give it."""
     values = {item.name: getattr(scenario, item.name) for item in settings()}
     said = {key: value for key, value in values.items() if value is not None}
-    return {**said, "path": nominal.encode(scenario.path)}
+    standing = [obstacles.encode(obstacle) for obstacle in scenario.obstacles]
+    return {
+        **said,
+        "path": nominal.encode(scenario.path),
+        **({"obstacles": standing} if standing else {}),
+    }
 
 
 def dumps(scenario: Scenario) -> str:
     """The scenario as TOML, each setting with its meaning; None is left out."""
     table = to_table(scenario)
-    path = table.pop("path")
+    path, standing = table.pop("path"), table.pop("obstacles", [])
     about = {item.name: item.metadata["about"] for item in settings()}
     lines = [
         f"{f'{key} = {_toml(value)}':30}  # {about[key]}"
         for key, value in table.items()
     ]
-    lines += ["", "[path]"]
-    lines += [f"{key} = {_toml(value)}" for key, value in path.items()]
+    for head, inner in (("[path]", path), *(("[[obstacles]]", o) for o in standing)):
+        lines += ["", head]
+        lines += [f"{key} = {_toml(value)}" for key, value in inner.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -139,11 +145,13 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
     for key in ("segments", "path"):
         if key not in table:
             raise UsageError(f"{key} is missing", where, f"give {key}")
-    return Scenario(**{**table, "path": nominal.decode(table["path"])})
+    standing = obstacles.decode(table.get("obstacles", ()))
+    path = nominal.decode(table["path"])
+    return Scenario(**{**table, "path": path, "obstacles": standing})
 
 
 def _keys() -> tuple[str, ...]:
-    return (*(item.name for item in settings()), "path")
+    return (*(item.name for item in settings()), "path", "obstacles")
 
 
 def _toml(value: object) -> str:

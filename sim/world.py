@@ -16,6 +16,7 @@ from models.kinematics import Kinematics
 from models.robot import FOLDER, Robot, compile_model
 from sim.errors import UsageError
 from sim.scenario import Scenario
+from sim.walls import add_walls
 
 CONTACT_FIELDS = 10  # found 1, force 3, position 3, relative velocity 3
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
@@ -38,6 +39,7 @@ def build(robot: Robot, scenario: Scenario) -> str:
     _ensure_servos(spec, robot, scenario)
     _ensure_sensors(spec, robot, floor)
     _ensure_start(spec, robot)
+    add_walls(spec, robot.root, scenario.obstacles)
     compile_model(spec, str(robot.path))
     return str(spec.to_xml())
 
