@@ -19,6 +19,7 @@ from planner.strata import StratifiedSystem
 Commute = Callable[[str, str], bool]
 Word = Sequence[tuple[str, float]]  # fields and durations in time order
 Pattern = tuple[str, ...]  # the fields of a word
+Joint = tuple[str, str, tuple[int, ...]]  # stratum, field, places of the joined flows
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,9 @@ class Grouper:
     system: StratifiedSystem
     commute: Commute
     _known: dict[tuple[Pattern, str], tuple[Arrangement, ...]] = field(
+        default_factory=dict, init=False, repr=False
+    )
+    _joints: dict[tuple[Pattern, tuple[int, ...]], tuple[Joint, ...]] = field(
         default_factory=dict, init=False, repr=False
     )
 
@@ -96,28 +100,38 @@ class Grouper:
         """Whether flows along two fields may trade places."""
         return a == b or self.commute(a, b)
 
-    def flows(self, word: Word, order: Iterable[int]) -> list[Flow]:
+    def flows(self, word: Word, order: tuple[int, ...]) -> list[Flow]:
         """A word as flows in a given order, those of one field and visit joined."""
-        joined: list[tuple[str, str, float]] = []
-        stratum_of = self.system.stratum_of
-        for k in order:
-            name, duration = word[k]
-            i = self._partner(joined, name, stratum_of[name])
-            if i is None:
-                joined.append((stratum_of[name], name, duration))
-            else:
-                joined[i] = (*joined[i][:2], joined[i][2] + duration)
-        return [Flow(*flow) for flow in joined if flow[2]]
+        key = (tuple([name for name, _ in word]), order)
+        if key not in self._joints:
+            self._joints[key] = self._joined(*key)
+        flows = [
+            Flow(stratum, name, sum([word[k][1] for k in joint]))
+            for stratum, name, joint in self._joints[key]
+        ]
+        return [flow for flow in flows if flow.duration]
 
-    def _partner(
-        self, flows: Sequence[tuple[str, str, float]], name: str, stratum: str
-    ) -> int | None:
+    def _joined(self, pattern: Pattern, order: tuple[int, ...]) -> tuple[Joint, ...]:
+        """Which of a pattern's flows become one, in a given order."""
+        joints: list[list[int]] = []
+        for k in order:
+            fields = [pattern[joint[0]] for joint in joints]
+            i = self._partner(fields, pattern[k])
+            if i is None:
+                joints.append([k])
+            else:
+                joints[i].append(k)
+        names = [pattern[joint[0]] for joint in joints]
+        strata = [self.system.stratum_of[name] for name in names]
+        return tuple(zip(strata, names, map(tuple, joints), strict=True))
+
+    def _partner(self, fields: Sequence[str], name: str) -> int | None:
         """An earlier flow of the field, if only commuting ones of its visit follow."""
-        for i in range(len(flows) - 1, -1, -1):
-            where, other, _ = flows[i]
+        stratum_of = self.system.stratum_of
+        for i, other in reversed(list(enumerate(fields))):
             if other == name:
                 return i
-            if where != stratum or not self.commute(other, name):
+            if stratum_of[other] != stratum_of[name] or not self.commute(other, name):
                 return None
         return None
 

@@ -93,7 +93,13 @@ class StratifiedSystem:
 
     def level_set(self, stratum: str) -> LevelSet:
         """The functions that vanish on a stratum; none where it is open."""
-        return LevelSet(self.level_sets.get(stratum, ()), self.state)
+        return self._level_sets[stratum]
+
+    @cached_property
+    def _level_sets(self) -> dict[str, LevelSet]:
+        """One for each stratum, so that each is compiled once."""
+        given = self.level_sets
+        return {s: LevelSet(given.get(s, ()), self.state) for s in self.strata}
 
     def missing(self, reached: Array, x: Array, stratum: str = "") -> tuple[str, ...]:
         """Directions of a stratum's tangent space that are not reached, in words.
