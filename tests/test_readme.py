@@ -1,6 +1,7 @@
 """The README tells the truth: its code runs, its commands, options and files exist."""
 
 import argparse
+import json
 import re
 import shlex
 import tomllib
@@ -9,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from models.robot import robots
-from sim.cli import COMMANDS, parser
+from models.systems.library import SYSTEMS
+from sim.cli import COMMANDS, main, parser
 from sim.comparison import HEADER, PREDICTIONS
 from sim.scenario_file import load, shipped
 
@@ -47,7 +49,8 @@ def test_every_python_block_runs(block):
 @pytest.mark.parametrize("words", command_lines(), ids=" ".join)
 def test_every_command_line_parses_and_names_what_is_shipped(words):
     given = parser().parse_args(words[1:])
-    assert getattr(given, "scenario", None) in (*shipped(), None)
+    assert getattr(given, "scenario", None) in (*shipped(), *SYSTEMS, None)
+    assert getattr(given, "system", None) in (*robots(), *SYSTEMS, None)
     assert getattr(given, "robot", None) in (*robots(), None)
 
 
@@ -74,6 +77,16 @@ def test_the_scenario_shown_is_one(tmp_path):
     (block,) = (b for b in blocks("toml") if "[path]" in b)
     (tmp_path / "mine.toml").write_text(block)
     assert load(str(tmp_path / "mine.toml")).path.kind == "waypoints"
+
+
+def test_the_system_shown_is_checked_and_planned(tmp_path, capsys):
+    (block,) = (b for b in blocks("toml") if "[strata" in b)
+    path = tmp_path / "cupboard.toml"
+    path.write_text(block)
+    assert main(["check", str(path)]) == 0
+    assert "controllable, as the closure shows" in capsys.readouterr().out
+    assert main(["plan", str(path), "--replan", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["error"] < 1e-9  # what aiming promises
 
 
 def test_the_card_shown_has_the_keys_of_the_shipped_cards():
