@@ -65,6 +65,18 @@ class PatternCard:
                 raise ValueError(f"groups {lifted} are in the air on S{stratum}")
 
 
+@dataclass(frozen=True, slots=True)
+class LeanCard:
+    """How far to lean on a stratum before its feet lift: a pattern and its amount."""
+
+    pattern: str
+    by: float
+
+    def __post_init__(self) -> None:
+        if not isfinite(self.by):
+            raise ValueError(f"by must be finite, got {self.by}")
+
+
 def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
     bad = {name: gain for name, gain in gains.items() if not isfinite(gain) or not gain}
     if bad:
@@ -94,6 +106,7 @@ class Card:
     groups: Mapping[str, GroupCard]
     gait: tuple[str, ...]  # strata, each the names of the groups in contact
     patterns: Mapping[str, PatternCard] = field(default_factory=dict)
+    leans: Mapping[str, LeanCard] = field(default_factory=dict)  # by stratum
     servo: Servo | None = None
     description: str = ""
 
@@ -103,6 +116,7 @@ class Card:
         self._check_groups()
         self._check_gait()
         self._check_patterns()
+        self._check_leans()
 
     def _check_groups(self) -> None:
         grouped = [leg for group in self.groups.values() for leg in group.legs]
@@ -129,6 +143,16 @@ class Card:
                 raise ValueError(f"pattern {name}: there is no group {unknown}")
             if unknown := sorted(set(pattern.strata) - set(self.gait)):
                 raise ValueError(f"pattern {name}: the gait has no strata {unknown}")
+
+    def _check_leans(self) -> None:
+        for stratum, lean in self.leans.items():
+            if stratum not in self.gait:
+                raise ValueError(f"lean.{stratum}: the gait has no such stratum")
+            pattern = self.patterns.get(lean.pattern)
+            if pattern is None or self.bottom not in pattern.strata:
+                raise ValueError(
+                    f"lean.{stratum}: {lean.pattern!r} is no pattern of S{self.bottom}"
+                )
 
     @property
     def bottom(self) -> str:

@@ -8,8 +8,11 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from models.card import Card, GroupCard, LegCard, PatternCard, Servo, Twist
+from models.card import Card, GroupCard, LeanCard, LegCard, PatternCard, Servo, Twist
 from models.errors import ModelError
+
+NEEDED = ("lift_angle", "leg", "group", "gait")
+OPTIONAL = ("pattern", "lean", "servo", "description")
 
 
 def read_card(path: Path) -> Card:
@@ -34,9 +37,8 @@ def read_card(path: Path) -> Card:
 
 
 def _decode(table: dict[str, Any]) -> Card:
-    known = {"lift_angle", "leg", "group", "gait", "pattern", "servo", "description"}
-    _refuse_unknown(table, known, "the card")
-    for key in ("lift_angle", "leg", "group", "gait"):
+    _refuse_unknown(table, {*NEEDED, *OPTIONAL}, "the card")
+    for key in NEEDED:
         if key not in table:
             raise ValueError(f"{key} is missing")
     servo = table.get("servo")
@@ -48,6 +50,9 @@ def _decode(table: dict[str, Any]) -> Card:
         patterns={
             name: _pattern(name, pattern)
             for name, pattern in table.get("pattern", {}).items()
+        },
+        leans={
+            stratum: LeanCard(**lean) for stratum, lean in table.get("lean", {}).items()
         },
         servo=None if servo is None else Servo(**servo),
         description=table.get("description", ""),

@@ -23,6 +23,7 @@ from models.errors import ModelError
 from models.kinematics import Kinematics
 from models.loads import static_loads
 from models.robot import Robot
+from planner.leaning import Leans
 from planner.strata import StratifiedSystem
 
 Fields = Literal["paper", "lifted"]
@@ -38,6 +39,7 @@ class Equations:
     elements: tuple[str, ...]
     twists: Mapping[str, Twist]  # field -> body twist per unit; zero in the air
     swings: Mapping[str, Direction]  # field -> what it does to the groups' angles
+    leans: Leans  # stratum -> field and how long to follow it before feet lift
 
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
@@ -77,6 +79,10 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
+        leans={
+            stratum: (f"g{robot.card.bottom}_{lean.pattern}", lean.by)
+            for stratum, lean in robot.card.leans.items()
+        },
     )
 
 
@@ -185,8 +191,9 @@ def _exact(value: float) -> sp.Expr:
 
 def _elements(robot: Robot, swings: list[_Swing], fields: Fields) -> tuple[str, ...]:
     """Loaded swings to steer with, every group's swing in the air, and one bracket."""
-    if robot.card.patterns:
-        loaded = [swing for swing in swings if swing.twist is not None]
+    if patterns := set(robot.card.patterns):
+        leans = {lean.pattern for lean in robot.card.leans.values()}
+        loaded = [swing for swing in swings if swing.label in patterns - leans]
     else:
         alone = [robot.card.bottom] * len(robot.groups)
         on = {"paper": alone, "lifted": list(robot.groups)}[fields]

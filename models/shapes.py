@@ -82,8 +82,8 @@ HEXAPOD_PARALLEL = Morphology(
 )
 
 # Educational hexapods carry six equal legs of two servos at 60 degrees on a round body.
-# Radial legs can only turn it about its middle. Standing with the outer legs turned by
-# 22 degrees, the lines of each tripod meet at a pivot of its own, 0.05 m off the middle.
+# Radial legs can only turn it about its middle. Where it stands with the outer legs
+# turned by 22 degrees, each tripod's lines meet at a pivot 0.05 m off the middle.
 RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
 RADIAL_PIVOTS = {leg: (0.0, -0.05 if leg in (1, 4, 5) else 0.05) for leg in FEET}
 
@@ -104,8 +104,7 @@ HEXAPOD_RADIAL = Morphology(
     armature=ARMATURE,
 )
 
-# Two tetrapods, 1-4-6-7 and 2-3-5-8: as the hexapod's tripods, with two inner legs each.
-# All feet lie 0.2 m from their tetrapod's pivot.
+# Two tetrapods, 1-4-6-7 and 2-3-5-8: tripods of the hexapod with two inner legs. All feet lie 0.2 m from their tetrapod's pivot.
 OCTOPOD_FEET = {
     1: (0.16, 0.18),
     2: (0.16, -0.18),
@@ -137,4 +136,31 @@ OCTOPOD = Morphology(
     armature=ARMATURE,
 )
 
-SHAPES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD)
+# In proportion like HAMR, the ambulatory micro-robot of swing-and-lift legs, at four
+# times its length: four equal legs square to the body, farther out than apart.
+QUADRUPED = Morphology(
+    name="quadruped",
+    legs={
+        leg: Leg(hip=(x, 0.035 * side), foot=(x, 0.11 * side))
+        for leg, (x, side) in {
+            1: (0.06, 1),
+            2: (0.06, -1),
+            3: (-0.06, 1),
+            4: (-0.06, -1),
+        }.items()
+    },
+    hip_height=0.05,
+    plate=(0.09, 0.025, 0.008),
+    body_mass=0.6,
+    leg_mass=0.03,
+    leg_radius=0.006,
+    hip_radius=0.010,
+    foot_radius=0.008,
+    swing_range=0.7,
+    lift_range=(-0.1, 0.6),
+    stiffness=STIFFNESS,
+    damping=DAMPING,
+    armature=ARMATURE,
+)
+
+SHAPES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD, QUADRUPED)
