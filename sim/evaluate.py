@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models.ground import ground_of
-from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
+from models.twists import TwistModel
 from sim.phases import count_changes, phase_slips
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
@@ -45,20 +44,9 @@ class Evaluation:
     walking: Array  # rows from the start of the walk on, (T',), bool
 
 
-def twist_models(walk: Walk) -> dict[str, TwistModel]:
-    """The predictions that a walk is compared with, by name."""
-    setup = walk.setup
-    ground = ground_of(setup.robot, setup.model)
-    speed = setup.limits.swing_speed
-    return {
-        "ideal": IdealTwists(setup.equations),
-        "quasi_static": QuasiStaticTwists(setup.kinematics, ground, speed),
-    }
-
-
 def evaluate(walk: Walk) -> Evaluation:
     """Put achieved and predicted motion side by side."""
-    models = twist_models(walk)
+    models = walk.setup.twists
     predicted = {name: _predicted(walk, model) for name, model in models.items()}
     walking = walk.recording.rows >= walk.starts
     return Evaluation(walk, _achieved(walk), predicted, walking)
@@ -144,9 +132,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     setup, scenario = walk.setup, walk.setup.scenario
     pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
     swings = [p for p in walk.phases if p.kind == "swing"]
-    walked = float(
-        sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings)
-    )
+    walked = float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
     length = scenario.path.length
     slips = phase_slips(walk)
     predicted = {

@@ -1,14 +1,19 @@
-"""What the planner is asked for: the whole path at once, or its next segment."""
+"""What a walk needs planned: the whole path at once, or its next segment.
+
+The scenario says on which prediction to steer; the ideal one is the planner's own.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from models.twists import TwistModel
 from planner.paths import grid
-from planner.plan import Plan, plan
-from planner.replan import Step, plan_step
+from planner.plan import Plan
+from planner.replan import Step
 from sim.poses import nearest_turn
 from sim.setup import Setup
+from sim.steering import plan_along, plan_towards, steer, steer_towards
 
 
 def plan_open_loop(setup: Setup) -> Plan:
@@ -17,13 +22,10 @@ def plan_open_loop(setup: Setup) -> Plan:
     Raises:
         PlannerError: If there is none, or it leaves the joint range.
     """
-    return plan(
-        setup.extended,
-        setup.nominal(),
-        setup.scenario.segments,
-        stance=setup.stance,
-        limits=setup.swing_limits,
-    )
+    twists = _steered_on(setup)
+    if twists is None:
+        return plan_along(setup, setup.nominal())
+    return steer(setup, twists)
 
 
 def plan_segment(
@@ -40,8 +42,16 @@ def plan_segment(
     Raises:
         PlannerError: If the target cannot be approached from there.
     """
-    nominal, segments = setup.nominal(), setup.scenario.segments
-    target = nominal(grid(nominal, segments)[segment + 1])
+    nominal = setup.nominal()
+    target = nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
-    execution = setup.execution(finish=segment == segments - 1)
-    return plan_step(setup.extended, setup.state(here, swing), target, execution)
+    twists = _steered_on(setup)
+    if twists is None:
+        return plan_towards(setup, segment, target, here, swing)
+    return steer_towards(setup, twists, segment, target, here, swing)
+
+
+def _steered_on(setup: Setup) -> TwistModel | None:
+    """The prediction to steer on; None for the ideal one, which needs no iteration."""
+    steer_on = setup.scenario.steer.replace("-", "_")
+    return None if steer_on == "ideal" else setup.twists[steer_on]

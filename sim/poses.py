@@ -28,9 +28,21 @@ def pose_of(qpos: Array, address: int) -> Array:
 
 
 def seen_from(origin: Array, pose: Array) -> Array:
-    """Pose in the frame of another, shape (..., 3)."""
-    moved = rotate(pose[..., :2] - origin[..., :2], -origin[..., 2])
-    return np.concatenate([moved, wrap(pose[..., 2:] - origin[..., 2:])], axis=-1)
+    """Pose in the frame of another, yaw wrapped, shape (..., 3)."""
+    step = relative(origin, pose)
+    return np.concatenate([step[..., :2], wrap(step[..., 2:])], axis=-1)
+
+
+def compose(pose: Array, step: Array) -> Array:
+    """The pose reached by a step given in the frame of a pose; yaw is not wrapped."""
+    moved = pose[..., :2] + rotate(step[..., :2], pose[..., 2])
+    return np.concatenate([moved, pose[..., 2:] + step[..., 2:]], axis=-1)
+
+
+def relative(pose: Array, other: Array) -> Array:
+    """The step from a pose to another, so that `compose` gets there; not wrapped."""
+    moved = rotate(other[..., :2] - pose[..., :2], -pose[..., 2])
+    return np.concatenate([moved, other[..., 2:] - pose[..., 2:]], axis=-1)
 
 
 def rotate(points: Array, angle: Array | float) -> Array:

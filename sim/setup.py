@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
 
 from models.equations import Equations, equations
+from models.ground import ground_of
 from models.kinematics import Kinematics
 from models.robot import Robot, load
+from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from planner.execution import Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.paths import Path
@@ -43,6 +47,15 @@ class Setup:
             return self.scenario.stance
         return "centred" if self.scenario.fields == "lifted" else "paper"
 
+    @cached_property
+    def twists(self) -> Mapping[str, TwistModel]:
+        """The predictions that a walk is steered on and compared with, by name."""
+        ground, speed = ground_of(self.robot, self.model), self.limits.swing_speed
+        return {
+            "ideal": IdealTwists(self.equations),
+            "quasi_static": QuasiStaticTwists(self.kinematics, ground, speed),
+        }
+
     @property
     def swing_limits(self) -> dict[str, tuple[float, float]]:
         """Joint range of every group's angle, by the name of its coordinate."""
@@ -59,7 +72,12 @@ class Setup:
         Args:
             finish: Whether a centred plan brings the legs back to angle 0 at its end.
         """
-        return Execution(stance=self.stance, limits=self.swing_limits, finish=finish)
+        return Execution(
+            stance=self.stance,
+            limits=self.swing_limits,
+            leans=self.equations.leans,
+            finish=finish,
+        )
 
     @property
     def channels(self) -> Channels:

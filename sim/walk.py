@@ -144,11 +144,29 @@ class Walker:
 
 def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) -> None:
     """Lay the flows of consecutive segments, and put all feet down at their end."""
-    for number, flows in enumerate(segments, start=scheduler.segment):
+    for number, flow in joined(segments, scheduler.segment):
         scheduler.segment = number
-        for flow in flows:
-            scheduler.flow(flow, setup.equations.swings[flow.field])
+        scheduler.flow(flow, setup.equations.swings[flow.field])
     scheduler.enter(setup.robot.card.bottom)
+
+
+def joined(
+    segments: Iterable[Iterable[Flow]], first: int = 0
+) -> list[tuple[int, Flow]]:
+    """Flows with their segments; consecutive flows of one field become one.
+
+    A flow that goes on into the next segment belongs to the one it starts in.
+    """
+    done: list[tuple[int, Flow]] = []
+    for number, flows in enumerate(segments, start=first):
+        for flow in flows:
+            begun = number
+            if done and done[-1][1][:2] == flow[:2]:
+                begun, before = done.pop()
+                flow = flow._replace(duration=before.duration + flow.duration)
+            if flow.duration:
+                done.append((begun, flow))
+    return done
 
 
 def walk(setup: Setup, planned: Plan | None, progress: Progress = nothing) -> Walk:

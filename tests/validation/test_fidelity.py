@@ -99,6 +99,27 @@ def test_the_body_stands_still_while_feet_lift_and_land(short):
             assert moved.max() < 4e-4  # largest measured 2e-4
 
 
+@pytest.mark.parametrize("path", [SHORT, TURN], ids=["straight", "turning"])
+def test_steered_on_the_quasi_static_prediction_open_loop_ends_at_the_goal(path):
+    summary = run("line", **path, steer="quasi-static").summary
+    goal = summary["error"]["goal"]
+    assert goal["position"] < 0.01 * summary["path_length"]  # 0.0013, 0.0043 measured
+    assert goal["yaw"] < 1e-3
+
+
+def test_slip_during_swings_is_predicted(short):
+    """The quasi-static model knows which feet slide and how far."""
+    predicted = short.summary["predicted"]["quasi_static"]["slip"]
+    achieved = short.summary["achieved"]["slip_swing"]
+    assert predicted == pytest.approx(achieved, rel=0.2)  # 0.01 measured
+
+
+def test_the_quasi_static_prediction_is_close_all_along(short):
+    achieved = short.arrays["achieved_pose"]
+    predicted = short.arrays["quasi_static_pose"]
+    assert np.abs(achieved - predicted)[:, :2].max() < 3e-4  # 1.5e-4 measured
+
+
 def test_paper_fields_depart_plainly():
     error = run("line", **SHORT, fields="paper").summary["error"]["ideal"]
     assert error["position_per_path"] > 0.3  # 0.6 measured: two loaded tripods fight
@@ -121,6 +142,28 @@ def test_whole_walks_end_near_the_ideal_prediction(scenario):
     assert error["position_per_path"] < 0.02  # 0.0018, 0.0042, 0.0081 measured
     assert error["position_per_walked"] < 0.004  # 0.0002, 0.0007, 0.0014 measured
     assert summary["achieved"]["min_margin"] > 0  # 46 mm measured
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
+def test_whole_walks_obey_the_quasi_static_prediction(scenario):
+    summary = run(scenario).summary
+    error = summary["error"]["quasi_static"]
+    assert error["position_per_path"] < 0.01  # 0.0003, 0.0013, 0.0025 measured
+    assert error["position_per_walked"] < 0.002  # 0.00004, 0.0002, 0.0004 measured
+    slip = summary["predicted"]["quasi_static"]["slip"]
+    assert slip == pytest.approx(summary["achieved"]["slip_swing"], rel=0.2)
+    margins = [summary["achieved"], summary["predicted"]["quasi_static"]]
+    assert margins[0]["min_margin"] == pytest.approx(margins[1]["min_margin"], abs=3e-3)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
+def test_whole_walks_steered_on_the_quasi_static_prediction_arrive(scenario):
+    summary = run(scenario, steer="quasi-static").summary
+    goal = summary["error"]["goal"]
+    # 0.0006, 0.00004, 0.0031 measured
+    assert goal["position"] < 0.01 * summary["path_length"]
 
 
 @pytest.mark.full

@@ -1,0 +1,71 @@
+"""Steering on a prediction, without physics."""
+
+import numpy as np
+import pytest
+
+from planner.errors import ConvergenceError
+from planner.flows import Flow
+from sim.planning import plan_open_loop, plan_segment
+from sim.poses import compose, relative
+from sim.scenario_file import load
+from sim.setup import prepare
+from sim.steering import segment_ends, steer
+from sim.walk import joined
+
+
+@pytest.fixture(scope="module")
+def turning():
+    goal = {"kind": "line", "goal": [0.05, 0.05, 0.5]}
+    return prepare(load("line", {"path": goal, "segments": 10}))
+
+
+def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
+    twists = turning.twists["quasi_static"]
+    ends = segment_ends(turning, steer(turning, twists), twists)
+    nominal = [turning.scenario.path(k / 10) for k in range(11)]
+    # the rounds stop at 1e-7
+    assert ends == pytest.approx(np.array(nominal), abs=1e-6)
+
+
+def test_without_steering_the_prediction_misses_them(turning):
+    ends = segment_ends(
+        turning, plan_open_loop(turning), turning.twists["quasi_static"]
+    )
+    assert np.hypot(*(ends[-1] - turning.scenario.path(1.0))[:2]) > 1e-4
+
+
+def test_the_ideal_ends_are_those_of_the_exact_kinematics(turning):
+    from planner.rollout import rollout
+
+    planned = plan_open_loop(turning)
+    ends = segment_ends(turning, planned, turning.twists["ideal"])
+    assert ends[-1] == pytest.approx(rollout(planned)[-1][:3], abs=1e-9)
+
+
+def test_a_segment_is_steered_from_any_pose_and_leg_angles(turning):
+    steered = prepare(load("line", {"steer": "quasi-static", "segments": 10}))
+    pose, swing = np.array([0.014, 0.017, 0.02]), (0.05, -0.1)
+    step = plan_segment(steered, 0, pose, swing)
+    ends = segment_ends(steered, step.plan, steered.twists["quasi_static"], swing)
+    target = relative(pose, steered.scenario.path(0.1))
+    assert ends[-1] == pytest.approx(target, abs=1e-6)
+
+
+def test_a_prediction_that_cannot_be_met_is_refused(turning):
+    def stuck(stratum, swing, rates):
+        return np.zeros((len(swing), 3))
+
+    with pytest.raises(ConvergenceError, match="segment 10 still misses its end by 5"):
+        steer(turning, stuck)
+
+
+def test_steps_between_poses_compose():
+    rng = np.random.default_rng(5)
+    a, b = rng.normal(size=(2, 20, 3))
+    assert compose(a, relative(a, b)) == pytest.approx(b)
+
+
+def test_flows_of_one_field_join_across_segments_and_cancel():
+    first = [Flow("1", "g1_1", 0.1), Flow("2", "g2_2", 0.2)]
+    second = [Flow("2", "g2_2", -0.2), Flow("1", "g1_1", 0.3)]
+    assert joined([first, second]) == [(0, Flow("1", "g1_1", 0.4))]
