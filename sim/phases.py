@@ -59,8 +59,8 @@ def count_changes(walk: Walk) -> int:
     changes = 0
     for group in range(len(walk.setup.robot.groups)):
         feet = contact[:, walk.setup.robot.group_of_leg == group]
-        full, empty = feet.all(axis=1), ~feet.any(axis=1)
-        standing = full[full | empty]
+        standing = np.where(feet.all(axis=1), 1, np.where(feet.any(axis=1), -1, 0))
+        standing = standing[standing >= 0]
         changes += int(np.count_nonzero(np.diff(standing)))
     return changes
 
