@@ -23,7 +23,7 @@ from planner.plan import Plan, assemble
 from planner.replan import FINEST, NODES
 from planner.rollout import play
 
-MOST_AIMS = 40  # a step short enough converges by a constant factor or better
+MOST_AIMS = 40  # where aiming converges, a dozen do
 
 
 @dataclass(frozen=True)
@@ -91,15 +91,27 @@ def _aimed(
     execution: Execution,
     tolerance: float,
 ) -> _Shot | None:
-    """The shot that ends where it should, found by correcting the aim by the miss."""
+    """The shot that ends where it should, by Broyden's method on where to aim.
+
+    The first guess is that an end moves as its aim does; no correction is longer than
+    the way.
+    """
     here, target = ends
-    there = target
+    there, inverse = target, np.eye(target.size)  # of the end's change with the aim
+    shot = _shot(extended, here, there, execution)
+    miss = target - shot.end
     for _ in range(MOST_AIMS):
-        shot = _shot(extended, here, there, execution)
-        miss = target - shot.end
         if np.linalg.norm(miss) <= tolerance:
             return shot
-        there = there + miss
+        step = inverse @ miss
+        step *= min(1.0, float(np.linalg.norm(target - here) / np.linalg.norm(step)))
+        there = there + step
+        shot = _shot(extended, here, there, execution)
+        missed, miss = miss, target - shot.end
+        expected = inverse @ (missed - miss)
+        if not abs(step @ expected) > 0.0:
+            return None
+        inverse += np.outer(step - expected, step @ inverse) / (step @ expected)
     return None
 
 
