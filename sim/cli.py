@@ -18,7 +18,16 @@ from typing import NoReturn
 from sim import gl
 from sim.errors import ExitCode, Terminated, UsageError, exit_code, one_line
 
-COMMANDS = ("run", "plan", "check", "robots", "systems", "scenarios", "bench")
+COMMANDS = (
+    "run",
+    "plan",
+    "check",
+    "identify",
+    "robots",
+    "systems",
+    "scenarios",
+    "bench",
+)
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 
 

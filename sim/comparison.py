@@ -12,7 +12,11 @@ HEADER = (
     f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics is off by':31}"
     f"{'least margin':>12}{'slip':>13}"
 )
-PREDICTIONS = {"ideal": "ideal", "quasi_static": "quasi-static"}
+PREDICTIONS = {
+    "ideal": "ideal",
+    "quasi_static": "quasi-static",
+    "identified": "identified",
+}
 
 
 def describe(summary: Mapping[str, Any]) -> str:

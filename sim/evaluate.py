@@ -16,6 +16,7 @@ from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
 from sim.schedule import Phase
 from sim.support import stability_margin
+from sim.twist_models import MODELS, twist_model
 from sim.walk import Walk
 
 Array = np.ndarray
@@ -46,8 +47,9 @@ class Evaluation:
 
 def evaluate(walk: Walk) -> Evaluation:
     """Put achieved and predicted motion side by side."""
-    models = walk.setup.twists
-    predicted = {name: _predicted(walk, model) for name, model in models.items()}
+    predicted = {
+        name: _predicted(walk, twist_model(walk.setup, name)) for name in MODELS
+    }
     walking = walk.recording.rows >= walk.starts
     return Evaluation(walk, _achieved(walk), predicted, walking)
 

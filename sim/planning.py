@@ -14,6 +14,7 @@ from planner.replan import Step
 from sim.poses import nearest_turn
 from sim.setup import Setup
 from sim.steering import plan_along, plan_towards, steer, steer_towards
+from sim.twist_models import twist_model
 
 
 def plan_open_loop(setup: Setup) -> Plan:
@@ -54,4 +55,4 @@ def plan_segment(
 def _steered_on(setup: Setup) -> TwistModel | None:
     """The prediction to steer on; None for the ideal one, which needs no iteration."""
     steer_on = setup.scenario.steer.replace("-", "_")
-    return None if steer_on == "ideal" else setup.twists[steer_on]
+    return None if steer_on == "ideal" else twist_model(setup, steer_on)

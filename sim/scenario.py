@@ -43,8 +43,8 @@ class Scenario:
         Number(1, 100_000, whole=True), "pieces that the nominal path is planned in"
     )
     replan: bool = setting(Flag(), "plan each segment from the pose reached", False)
-    steer: Literal["ideal", "quasi-static"] = setting(
-        Choice(("ideal", "quasi-static")), "prediction to steer on", "ideal"
+    steer: Literal["ideal", "quasi-static", "identified"] = setting(
+        Choice(("ideal", "quasi-static", "identified")), "prediction to steer on", "ideal"
     )
     friction: float = setting(Number(0, 10), "sliding friction, feet and floor", 1.0)
     timestep: float = setting(Number(0, 0.02, above=True), "of the physics [s]", 0.0005)

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import mujoco
 import numpy as np
 
 from models.equations import Equations, equations
-from models.ground import ground_of
 from models.kinematics import Kinematics
 from models.robot import Robot, load
-from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from planner.execution import Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.paths import Path
@@ -27,7 +23,7 @@ Array = np.ndarray
 LIFT_TIME = 0.3  # [s]; slip while lifting and landing no longer falls with slower lifts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Setup:
     """A scenario made concrete."""
 
@@ -42,19 +38,14 @@ class Setup:
 
     @property
     def stance(self) -> Stance:
-        """Centred with lifted fields, the printed order with the paper's."""
-        if self.scenario.stance is not None:
-            return self.scenario.stance
-        return "centred" if self.scenario.fields == "lifted" else "paper"
+        """Centred with lifted fields, the printed order with the paper's.
 
-    @cached_property
-    def twists(self) -> Mapping[str, TwistModel]:
-        """The predictions that a walk is steered on and compared with, by name."""
-        ground, speed = ground_of(self.robot, self.model), self.limits.swing_speed
-        return {
-            "ideal": IdealTwists(self.equations),
-            "quasi_static": QuasiStaticTwists(self.kinematics, ground, speed),
-        }
+        A robot that rows in patterns on all feet is centred by stepping in between.
+        """
+        automatic = "centred" if self.scenario.fields == "lifted" else "paper"
+        stance: Stance = self.scenario.stance or automatic
+        rows = bool(self.robot.card.patterns)
+        return "stepped" if rows and stance == "centred" else stance
 
     @property
     def swing_limits(self) -> dict[str, tuple[float, float]]:

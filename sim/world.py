@@ -209,6 +209,24 @@ class Channels:
                 rows[:, self._actuator(joint)] = robot.standing_angle(joint)
         return np.ascontiguousarray(rows)
 
+    def swing(self, qpos: np.ndarray) -> np.ndarray:
+        """Where the legs are, not where they are told to be: servos lag.
+
+        Args:
+            qpos: Shape (T, nq).
+
+        Returns:
+            Mean angle of each group's legs, shape (T, G) [rad].
+        """
+        robot = self.robot
+        joints = [robot.card.legs[leg].swing for leg in robot.legs]
+        places = [int(self.model.joint(joint).qposadr[0]) for joint in joints]
+        standing = np.array([robot.standing_angle(joint) for joint in joints])
+        legs = (qpos[:, places] - standing) / robot.swing_gain  # (T, F)
+        groups = range(len(robot.groups))
+        means = [legs[:, robot.group_of_leg == g].mean(axis=1) for g in groups]
+        return np.stack(means, axis=1)
+
     def _actuator(self, joint: str) -> int:
         address = self.model.joint(joint).id
         return int(np.flatnonzero(self.model.actuator_trnid[:, 0] == address)[0])

@@ -10,6 +10,7 @@ from sim.poses import compose, relative
 from sim.scenario_file import load
 from sim.setup import prepare
 from sim.steering import segment_ends, steer
+from sim.twist_models import twist_model
 from sim.walk import joined
 
 
@@ -20,7 +21,7 @@ def turning():
 
 
 def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
-    twists = turning.twists["quasi_static"]
+    twists = twist_model(turning, "quasi_static")
     ends = segment_ends(turning, steer(turning, twists), twists)
     nominal = [turning.scenario.path(k / 10) for k in range(11)]
     # the rounds stop at 1e-7
@@ -29,7 +30,7 @@ def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
 
 def test_without_steering_the_prediction_misses_them(turning):
     ends = segment_ends(
-        turning, plan_open_loop(turning), turning.twists["quasi_static"]
+        turning, plan_open_loop(turning), twist_model(turning, "quasi_static")
     )
     assert np.hypot(*(ends[-1] - turning.scenario.path(1.0))[:2]) > 1e-4
 
@@ -38,7 +39,7 @@ def test_the_ideal_ends_are_those_of_the_exact_kinematics(turning):
     from planner.rollout import rollout
 
     planned = plan_open_loop(turning)
-    ends = segment_ends(turning, planned, turning.twists["ideal"])
+    ends = segment_ends(turning, planned, twist_model(turning, "ideal"))
     assert ends[-1] == pytest.approx(rollout(planned)[-1][:3], abs=1e-9)
 
 
@@ -46,7 +47,7 @@ def test_a_segment_is_steered_from_any_pose_and_leg_angles(turning):
     steered = prepare(load("line", {"steer": "quasi-static", "segments": 10}))
     pose, swing = np.array([0.014, 0.017, 0.02]), (0.05, -0.1)
     step = plan_segment(steered, 0, pose, swing)
-    ends = segment_ends(steered, step.plan, steered.twists["quasi_static"], swing)
+    ends = segment_ends(steered, step.plan, twist_model(steered, "quasi_static"), swing)
     target = relative(pose, steered.scenario.path(0.1))
     assert ends[-1] == pytest.approx(target, abs=1e-6)
 

@@ -1,0 +1,130 @@
+"""Measure a robot's fields by short experiments: one stratum, one input at a time.
+
+Each experiment brings the legs to one end of the field's swing through the air, steps
+onto the stratum, swings to the other end, and reads the body's pose on the way. No
+model of the contacts takes part.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from models.identified import IdentifiedTwists, MeasuredField
+from planner.flows import Flow
+from sim.measure import Sensors
+from sim.physics import Engine
+from sim.recording import Recorder, Recording
+from sim.schedule import Schedule, Scheduler
+from sim.setup import Setup
+
+Array = np.ndarray
+SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
+DEGREE = 6  # of the pose by the angle; the twist is of one degree less
+ROWS = 400  # poses read during a swing
+
+
+def identify(setup: Setup) -> IdentifiedTwists:
+    """Measure every loaded field of every stratum.
+
+    Args:
+        setup: Robot, world and limits; its plan and path do not matter.
+
+    Raises:
+        SimulationError: If the physics diverges.
+    """
+    equations, system = setup.equations, setup.equations.system
+    loaded = [name for name, twist in equations.twists.items() if any(twist)]
+    return IdentifiedTwists(
+        {name: measure(setup, system.stratum_of[name], name) for name in loaded}
+    )
+
+
+def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
+    """One experiment.
+
+    Args:
+        setup: Robot, world and limits.
+        stratum: Groups in contact while the field is followed.
+        field: Name of the field.
+    """
+    direction = setup.equations.swings[field]
+    span = _span(setup, direction)
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.hold(setup.limits.hold)
+    for flow in _approach(setup, direction, -span):
+        scheduler.flow(flow, setup.equations.swings[flow.field])
+    scheduler.flow(Flow(stratum, field, 2 * span), direction)
+    schedule = scheduler.finish()
+    recording = _record(setup, schedule)
+    begin = schedule.phases[-1].start
+    qpos = recording.qpos[recording.rows > begin]
+    d = np.array(direction)
+    way = setup.channels.swing(qpos) @ d / (d @ d)
+    slip = recording.feet.slip
+    return MeasuredField(
+        stratum=stratum,
+        direction=direction,
+        span=span,
+        twist=_fit(way, setup.pose(qpos), span),
+        slip=float((slip[-1] - slip[begin - 1]).sum()),
+    )
+
+
+def _span(setup: Setup, direction: tuple[float, ...]) -> float:
+    """How far to swing either way, within the range of every group that moves."""
+    ranges = [setup.robot.swing_range[group] for group in setup.robot.groups]
+    reach = [
+        min(-low, high) / abs(share)
+        for (low, high), share in zip(ranges, direction, strict=True)
+        if share
+    ]
+    return min(SPAN, *reach)
+
+
+def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list[Flow]:
+    """Swings in the air that bring the legs to one end of a field's swing."""
+    equations = setup.equations
+    stratum_of = equations.system.stratum_of
+    flows = []
+    for i, share in enumerate(direction):
+        only = tuple(float(k == i) for k in range(len(direction)))
+        for name, moved in equations.swings.items():
+            if share and moved == only and not any(equations.twists[name]):
+                flows.append(Flow(stratum_of[name], name, amount * share))
+                break
+    return flows
+
+
+def _record(setup: Setup, schedule: Schedule) -> Recording:
+    engine, sensors = Engine(setup.model), Sensors(setup.model, setup.robot)
+    every = max(schedule.phases[-1].steps // ROWS, 1)
+    recorder = Recorder(engine, sensors, every)
+    for _ in recorder.play(setup.channels.ctrl(*schedule.angles())):
+        pass
+    return recorder.finish()
+
+
+def _fit(
+    way: Array, pose: Array, span: float
+) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """Polynomials of the body twist by the way along the field.
+
+    Poses are smooth functions of the way, so they are fitted and differentiated; the
+    velocity is turned into the body's frame and fitted once more.
+    """
+    yaw = np.unwrap(pose[:, 2])
+    x, y, theta = (_polynomial(way, c, DEGREE) for c in (pose[:, 0], pose[:, 1], yaw))
+    grid = span * np.cos(np.linspace(np.pi, 0, 4 * DEGREE))
+    vx, vy, turn = (p.deriv()(grid) for p in (x, y, theta))
+    cos, sin = np.cos(theta(grid)), np.sin(theta(grid))
+    forward, left = cos * vx + sin * vy, cos * vy - sin * vx
+    first, second, third = (
+        _polynomial(grid, values, DEGREE - 1) for values in (forward, left, turn)
+    )
+    return first, second, third
+
+
+def _polynomial(x: Array, values: Array, degree: int) -> Polynomial:
+    fitted: Polynomial = Polynomial.fit(x, values, degree)
+    return fitted

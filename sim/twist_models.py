@@ -1,0 +1,34 @@
+"""The predictions that walks are steered on and compared with, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+
+from models.ground import ground_of
+from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
+from sim.identify import identify
+from sim.setup import Setup
+
+
+def _quasi_static(setup: Setup) -> TwistModel:
+    ground = ground_of(setup.robot, setup.model)
+    return QuasiStaticTwists(setup.kinematics, ground, setup.limits.swing_speed)
+
+
+MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
+    "ideal": lambda setup: IdealTwists(setup.equations),
+    "quasi_static": _quasi_static,
+    "identified": identify,
+}
+
+
+@lru_cache(maxsize=len(MODELS))
+def twist_model(setup: Setup, name: str) -> TwistModel:
+    """A prediction's twist model, made when first asked for.
+
+    Args:
+        setup: Robot, world and limits.
+        name: One of `MODELS`.
+    """
+    return MODELS[name](setup)
