@@ -13,7 +13,7 @@ import numpy as np
 
 from planner.collocation import follow
 from planner.errors import StratumError
-from planner.fields import Array, NumericField, VectorField, compile_fields
+from planner.fields import Array, NumericField, VectorField
 from planner.level_sets import LevelSet
 from planner.strata import StratifiedSystem, steps
 
@@ -72,8 +72,8 @@ def flow_map(
     system: StratifiedSystem, name: str, x: Sequence[float] | Array, duration: float
 ) -> Array:
     """The configuration after flowing along a field, shape (n,)."""
-    column = compile_fields([system.fields[name]], system.state, [f"field {name}"])
-    return follow(column.velocity, np.asarray(x, dtype=float), duration)
+    velocity = system.compiled(name).velocity
+    return follow(velocity, np.asarray(x, dtype=float), duration)
 
 
 def with_lifts(

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner.collocation import follow
-from planner.errors import unknown
-from planner.fields import Array, CompiledFields, compile_fields
+from planner.fields import Array
 from planner.flows import Flow
 from planner.plan import Plan
 from planner.strata import StratifiedSystem
@@ -38,14 +37,9 @@ def play(
     """
     if samples < 1:
         raise ValueError(f"samples is {samples}; at least 1 is needed")
-    fields: dict[str, CompiledFields] = {}
-    for name in dict.fromkeys(flow.field for flow in flows):
-        if name not in system.fields:
-            raise ValueError(f"field {name} of a flow {unknown(name, system.fields)}")
-        fields[name] = compile_fields([system.fields[name]], system.state, [name])
     states = [np.asarray(start, dtype=float)]
     for flow in flows:
+        velocity = system.compiled(flow.field).velocity
         for _ in range(samples):
-            velocity = fields[flow.field].velocity
             states.append(follow(velocity, states[-1], flow.duration / samples))
     return np.array(states)

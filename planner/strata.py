@@ -18,7 +18,13 @@ import sympy as sp
 
 from planner.declaration import checked_level_sets, checked_state, checked_strata
 from planner.errors import StratumError, point, unknown
-from planner.fields import Array, Symbols, VectorField
+from planner.fields import (
+    Array,
+    CompiledFields,
+    Symbols,
+    VectorField,
+    compile_fields,
+)
 from planner.level_sets import LevelSet
 from planner.subspaces import directions_beyond
 
@@ -44,6 +50,9 @@ class StratifiedSystem:
     strata: Mapping[str, Mapping[str, VectorField]]
     bottom: str
     level_sets: Mapping[str, tuple[sp.Expr, ...]] = field(default_factory=dict)
+    _compiled: dict[str, CompiledFields] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     def __post_init__(self) -> None:
         normalised = checked_state(self.state)
@@ -76,6 +85,19 @@ class StratifiedSystem:
         return {
             name: f for fields in self.strata.values() for name, f in fields.items()
         }
+
+    def compiled(self, name: str) -> CompiledFields:
+        """A field as a numeric function, compiled when first asked for.
+
+        Raises:
+            ValueError: There is no such field.
+        """
+        if name not in self._compiled:
+            if name not in self.fields:
+                raise ValueError(f"field {name} {unknown(name, self.fields)}")
+            compiled = compile_fields([self.fields[name]], self.state, [name])
+            self._compiled[name] = compiled
+        return self._compiled[name]
 
     @cached_property
     def stratum_of(self) -> dict[str, str]:
