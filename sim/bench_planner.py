@@ -1,0 +1,108 @@
+"""Speed of the planner: its algebra, its compilation, plans short and long.
+
+Also what plans cost: swing travel under load of the shortest words beside the printed
+ones, on the shipped scenarios.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from models.equations import equations
+from models.robot import load, robots
+from models.systems.library import SYSTEMS, shipped
+from planner.execution import Coordinates, Execution
+from planner.extended import ExtendedSystem, extend
+from planner.flows import merged
+from planner.free_lie import lie_algebra, structure_constants
+from planner.hall import degree, hall_basis, rank
+from planner.paths import line
+from planner.plan import plan
+from planner.shooting import aim
+from sim.bench_row import Row, median, seconds
+from sim.scenario_file import load as load_scenario
+from sim.setup import Setup, prepare
+
+GENERATORS, DEGREE = 4, 5  # of the Lie algebra, 294 elements
+SHORT, LONG, LONGEST = 60, 1_000, 10_000  # segments
+STRIDE = 0.004  # of each segment in x and in y [m]
+SCENARIOS = ("line", "ellipse", "diagonal")
+
+
+def measure() -> Iterator[Row]:
+    """All measurements; compilation first, before anything is remembered."""
+    yield from compilation()
+    yield from algebra()
+    yield from plans(prepare(load_scenario("line")))
+    for name in SCENARIOS:
+        yield from travel(name)
+
+
+def compilation() -> Iterator[Row]:
+    """Each shipped system and robot: its equations made and compiled, once."""
+    for name in SYSTEMS:
+        took = seconds(partial(_system, name))
+        yield Row(f"system {name} compiled in", took, "s", "< 0.5")
+    for name in robots():
+        took = seconds(partial(_robot, name))
+        yield Row(f"robot {name} compiled in", took, "s", "< 0.5")
+
+
+def _system(name: str) -> ExtendedSystem:
+    problem = shipped(name)
+    return extend(problem.system, problem.elements)
+
+
+def _robot(name: str) -> ExtendedSystem:
+    described = equations(load(name))
+    return extend(described.system, described.elements)
+
+
+def algebra() -> Iterator[Row]:
+    """A Hall basis with its structure constants, from nothing."""
+    remembered = (hall_basis, rank, degree, structure_constants, lie_algebra)
+
+    def structure() -> object:
+        for function in remembered:
+            function.cache_clear()
+        return lie_algebra(hall_basis(GENERATORS, DEGREE)).structure
+
+    elements = len(hall_basis(GENERATORS, DEGREE))
+    what = f"Hall basis of {elements} elements with its structure constants in"
+    yield Row(what, median(structure), "s", "< 2")
+
+
+def plans(setup: Setup) -> Iterator[Row]:
+    """Plans of the compiled hexapod, centred."""
+
+    def planned(segments: int) -> float:
+        far = setup.state(segments * STRIDE * np.array([1.0, 1.0, 0.0]))
+        path = line(setup.state(np.zeros(3)), far)
+        return median(lambda: plan(setup.extended, path, segments, stance="centred"))
+
+    short, long, longest = (planned(n) / n for n in (SHORT, LONG, LONGEST))
+    yield Row(f"{SHORT} segments planned in", 1e3 * SHORT * short, "ms", "< 5")
+    what = f"{LONGEST:,} segments planned, each in"
+    yield Row(what, 1e6 * longest, "us", "< 100")
+    what = f"time of each segment, {LONGEST:,} over {LONG:,}"
+    yield Row(what, longest / long, "", "near 1")
+
+
+def travel(scenario: str) -> Iterator[Row]:
+    """Swing travel under load of the shortest words over that of the printed ones."""
+    setup = prepare(load_scenario(scenario))
+    printed, shortest = (_travel(setup, way) for way in ("backward", "shortest"))
+    what = f"{scenario}: swing travel of shortest words over the printed"
+    yield Row(what, shortest / printed, "", "< 1")
+
+
+def _travel(setup: Setup, coordinates: Coordinates) -> float:
+    """Of a plan that ends exactly at the goal [rad]."""
+    execution = Execution(stance=setup.stance, coordinates=coordinates)
+    segments = setup.scenario.segments
+    aimed = aim(setup.extended, setup.nominal(), segments, execution)
+    loaded = setup.extended.elements[:2]
+    return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
