@@ -44,7 +44,7 @@ def test_flows_back_and_forth_return():
 
 
 def test_unknown_field_of_a_flow_is_refused():
-    with pytest.raises(ValueError, match="field g1_9 of a flow is unknown; there are"):
+    with pytest.raises(ValueError, match="field g1_9 is unknown; there are"):
         play(hexapod(), [Flow("1", "g1_9", 1.0)], np.zeros(5))
 
 

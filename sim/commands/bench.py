@@ -1,25 +1,43 @@
-"""`stratawalk bench`: speed and memory, as ratios measured side by side."""
+"""`stratawalk bench`: speed and memory side by side, and other planners."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterator
+from typing import Any
 
 HELP = "measure speed and memory, side by side with what they are compared to"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command; it has none of its own."""
+    """Add the options of the command."""
+    parser.add_argument(
+        "--peers",
+        action="store_true",
+        help="compare plans with those of OMPL and CasADi (extra `peers`)",
+    )
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print every measurement as it comes."""
     from dataclasses import asdict
 
+    rows = _peers() if options.peers else _measurements()
+    if options.json:
+        print(json.dumps([asdict(row) for row in rows], indent=1))
+        return
+    for row in rows:
+        print(row, flush=True)
+
+
+def _peers() -> Iterator[Any]:
+    from sim.bench_peers import peers
+
+    return peers()
+
+
+def _measurements() -> Iterator[Any]:
     from sim.bench import measure
 
-    if options.json:
-        print(json.dumps([asdict(row) for row in measure()], indent=1))
-        return
-    for row in measure():
-        print(row, flush=True)
+    return measure()
