@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from models.twists import TwistModel
+from sim.attribution import error_sources
 from sim.phases import count_changes, phase_slips
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
@@ -181,6 +182,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
             **errors,
             "goal": _departure(pose, goal),
         },
+        "error_sources": _sources(evaluation),
         "simulated_time": walk.recording.rows[-1] * setup.limits.timestep,
         "timestep": setup.limits.timestep,
     }
@@ -201,6 +203,17 @@ def _of_prediction(prediction: Prediction, walking: Array) -> Summary:
         "pose": [float(p) for p in prediction.pose[-1]],
         "min_margin": float(prediction.margin[walking].min()),
         "slip": float(prediction.slip[-1].sum()),
+    }
+
+
+def _sources(evaluation: Evaluation) -> Summary | None:
+    """Where open-loop errors come from; replanned, each segment starts afresh."""
+    walk, achieved = evaluation.walk, evaluation.achieved.pose
+    if walk.setup.scenario.replan:
+        return None
+    return {
+        name: error_sources(walk, achieved, prediction)
+        for name, prediction in evaluation.predicted.items()
     }
 
 

@@ -99,6 +99,26 @@ def test_the_body_stands_still_while_feet_lift_and_land(short):
             assert moved.max() < 4e-4  # largest measured 2e-4
 
 
+def test_halving_the_timestep_once_more_changes_nothing_that_matters(short):
+    walked = short.walk.setup.scenario
+    path = {"kind": "line", "goal": list(walked.path.goal)}
+    finer = run("line", path=path, segments=4, timestep=0.00025, sample_every=40)
+    moved = np.subtract(
+        finer.summary["achieved"]["pose"], short.arrays["achieved_pose"][-1]
+    )
+    assert np.hypot(*moved[:2]) < 0.002 * walked.path.length  # 0.0001 measured
+
+
+def test_error_sources_add_up_to_the_error(short):
+    for name, sources in short.summary["error_sources"].items():
+        error = (
+            short.arrays["achieved_pose"][-1]
+            - short.evaluation.predicted[name].pose[-1]
+        )
+        # rows are 10 ms apart, and poses at the ends of phases lie between two of them
+        assert np.sum(list(sources.values()), axis=0) == pytest.approx(error, abs=1e-5)
+
+
 @pytest.mark.parametrize("path", [SHORT, TURN], ids=["straight", "turning"])
 def test_steered_on_the_quasi_static_prediction_open_loop_ends_at_the_goal(path):
     summary = run("line", **path, steer="quasi-static").summary
