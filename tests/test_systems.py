@@ -7,6 +7,7 @@ import sympy as sp
 from models.errors import ProblemError
 from models.robot import robots
 from models.systems.library import SYSTEMS, shipped
+from planner.choice import choose_elements
 from planner.controllability import gait_controllability
 from planner.elements import leaves, parse_names
 from planner.extended import extend
@@ -57,6 +58,11 @@ def test_gait_is_controllable(problem):
 def test_algebra_ends_for_the_nilpotent_and_for_no_other(problem, compiled):
     ends = degrees_of_the_algebra(problem, compiled) <= highest_degree(problem.elements)
     assert ends == (problem.name in NILPOTENT)
+
+
+def test_elements_chosen_automatically_are_of_no_higher_degree(problem):
+    chosen = choose_elements(problem.system, problem.states).elements
+    assert highest_degree(chosen) <= highest_degree(problem.elements)
 
 
 @pytest.mark.parametrize("name", sorted(NILPOTENT))
