@@ -10,8 +10,10 @@ import statistics
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 REPEATS = 5
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,11 +40,19 @@ def paired(other: Callable[[], None], ours: Callable[[], None]) -> tuple[float, 
 def median(work: Callable[[], object], repeats: int = REPEATS) -> float:
     """Median time of some work after one warm-up [s]."""
     work()
-    return statistics.median(seconds(work) for _ in range(repeats))
+    return timed(work, repeats)[1]
 
 
 def seconds(work: Callable[[], object]) -> float:
     """Time that some work takes [s]."""
-    began = time.perf_counter()
-    work()
-    return time.perf_counter() - began
+    return timed(work, 1)[1]
+
+
+def timed(work: Callable[[], T], repeats: int = REPEATS) -> tuple[T, float]:
+    """What some work gives, and the median of its time [s]."""
+    times = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        given = work()
+        times.append(time.perf_counter() - began)
+    return given, statistics.median(times)

@@ -25,6 +25,8 @@ ONLY_IN = {
     "matplotlib": {"sim"},
     "rich": {"sim"},
     "shapely": {"sim"},
+    "casadi": {"sim"},
+    "ompl": {"sim"},
 }
 HEAVY = (
     "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely", "matplotlib",

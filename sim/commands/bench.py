@@ -32,9 +32,9 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _peers() -> Iterator[Any]:
-    from sim.bench_peers import peers
+    from sim.bench_peers import measure
 
-    return peers()
+    return measure()
 
 
 def _measurements() -> Iterator[Any]:

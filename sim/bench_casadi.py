@@ -1,0 +1,71 @@
+"""CasADi and IPOPT as a peer: sweeps optimised by multiple shooting.
+
+Poses between sweeps are unknowns like the sweeps' angles, so that a poor first guess
+does not bend the whole way. The best of many guesses stands for the optimum. Needs the
+extra `peers`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi
+import numpy as np
+
+from sim.bench_arcs import START, Array, Sweep, Task, joined, travel
+
+SWEEPS = 8  # of which optima use fewer, but for straight pieces
+GUESSES = 40
+MET = 1e-6  # of the arcs' radius
+UNUSED = 1e-6  # [rad], below which the interior point leaves what it does not need
+QUIET: dict[str, Any] = {
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+}
+
+
+class MultipleShooting:
+    """The least swing travel of a task as a nonlinear program, compiled.
+
+    Args:
+        task: What to reach.
+    """
+
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._sides = [1, -1] * (SWEEPS // 2)
+        forward, back = (casadi.SX.sym(name, SWEEPS) for name in ("forward", "back"))
+        poses = casadi.SX.sym("poses", 3, SWEEPS)
+        gaps = [poses[:, -1] - casadi.DM(task.goal)]
+        before: Any = casadi.DM(START)
+        for k, side in enumerate(self._sides):
+            after = task.arcs.after(before, side, forward[k] - back[k], casadi)
+            before = poses[:, k]
+            gaps.append(casadi.vertcat(*after) - before)
+        program = {
+            "x": casadi.vertcat(forward, back, casadi.vec(poses)),
+            "f": casadi.sum1(forward + back),
+            "g": casadi.vertcat(*gaps),
+        }
+        self._solver = casadi.nlpsol("shooting", "ipopt", program, QUIET)
+        free = np.full(3 * SWEEPS, -np.inf)
+        self._lowest = np.concatenate([np.zeros(2 * SWEEPS), free])
+
+    def once(self, angles: Array | None = None) -> list[Sweep]:
+        """Sweeps from one guess, by default a tenth of a radian each."""
+        angles = np.full(SWEEPS, 0.1) if angles is None else angles
+        poses = self._task.poses(list(zip(self._sides, angles.tolist(), strict=True)))
+        guess = [np.maximum(angles, 0), np.maximum(-angles, 0), poses[1:].ravel()]
+        found = self._solver(x0=np.concatenate(guess), lbx=self._lowest, lbg=0, ubg=0)
+        forward, back = np.array(found["x"])[: 2 * SWEEPS, 0].reshape(2, SWEEPS)
+        swings = (forward - back).tolist()
+        pairs = zip(self._sides, swings, strict=True)
+        return joined([(side, swing) for side, swing in pairs if abs(swing) > UNUSED])
+
+    def best(self) -> list[Sweep]:
+        """The shortest of many that meet the goal."""
+        rng = np.random.default_rng(0)
+        found = [self.once(rng.normal(size=SWEEPS)) for _ in range(GUESSES)]
+        near = MET * self._task.arcs.radius
+        return min((s for s in found if self._task.error(s) < near), key=travel)
