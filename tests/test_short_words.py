@@ -47,5 +47,19 @@ def _length(p, q, width, height):
     return np.abs([p, p - width, q, q - height]).sum(axis=0)
 
 
+@pytest.mark.parametrize("length", [2, 3, 4, 5, 6, 9])
+def test_no_word_of_any_length_is_shorter(length):
+    sizes = RNG.choice([0.05, 1.0, 3.0], (500, length))
+    words = sizes * RNG.normal(size=(500, length))
+    reached = np.zeros((len(words), 3))
+    for k, durations in enumerate(words.T):
+        flow = np.zeros_like(reached)
+        flow[:, k % 2] = durations
+        reached = product(BASIS, reached, flow)
+    found = np.abs(shortest(reached)).sum(axis=1)
+    # a few roundings of numbers near ten
+    assert (found <= np.abs(words).sum(axis=1) + 1e-12).all()
+
+
 def test_rounding_of_a_bracket_makes_no_rectangle():
     assert np.abs(shortest(np.array([[0.3, 0.2, 1e-17]]))).sum() == pytest.approx(0.5)
