@@ -3,19 +3,23 @@
 The study behind the defaults: a turning walk of six segments is repeated with one
 setting changed at a time. Timesteps show that the numbers have converged, speeds from
 when on the walk is no longer quasi-static, stiffness and friction what a real robot
-with softer servos or a smoother floor must expect.
+with softer servos or a smoother floor must expect. A last panel shows which phases the
+error comes from.
 
 Example:
-    python -m scripts.convergence --only timestep
+    python -m scripts.convergence --plot docs/fidelity.png
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
+from sim.attribution import error_sources
 from sim.evaluate import Evaluation, evaluate
 from sim.planning import plan_open_loop
 from sim.scenario_file import load
@@ -23,63 +27,118 @@ from sim.setup import prepare
 from sim.walk import walk
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
-STUDIES: dict[str, tuple[float, ...]] = {
+UNITS = {
+    "timestep": "timestep [s]",
+    "swing_speed": "swing speed [rad/s]",
+    "servo_stiffness": "servo stiffness [N m/rad]",
+    "friction": "friction",
+}
+VALUES: Mapping[str, tuple[float, ...]] = {
     "timestep": (0.002, 0.001, 0.0005, 0.00025),
     "swing_speed": (0.25, 0.5, 1.0, 1.5, 3.0, 6.0),
     "servo_stiffness": (50.0, 100.0, 300.0, 1000.0, 3000.0),
     "friction": (0.3, 0.6, 0.9, 1.2),
 }
+HEADER = (
+    f"{'off [mm]':>12}{'of path':>10}{'yaw [mrad]':>12}{'slip [mm]':>11}"
+    f"{'predicted':>11}{'bounces':>9}{'end moved [mm]':>16}"
+)
 
 
-def judged(**changes: object) -> Evaluation:
-    """Walk the study's path with some settings changed."""
-    setup = prepare(load("line", {"path": PATH, "segments": 6} | changes))
-    return evaluate(walk(setup, plan_open_loop(setup)))
+@dataclass(frozen=True, slots=True)
+class Result:
+    """One walk against its quasi-static prediction."""
+
+    value: float
+    pose: np.ndarray  # achieved at the end, (3,)
+    off: np.ndarray  # from the prediction, (3,)
+    path: float  # length of the nominal path [m]
+    slip: float  # [m]
+    predicted_slip: float  # [m]
+    bounces: int
+    sources: Mapping[str, Sequence[float]]
+
+    @property
+    def ratio(self) -> float:
+        """Position error over the length of the path."""
+        return float(np.hypot(*self.off[:2])) / self.path
+
+    def line(self, before: Result | None) -> str:
+        """A line of the table."""
+        moved = np.nan if before is None else np.hypot(*(self.pose - before.pose)[:2])
+        return (
+            f"{self.value:15g}{1e3 * np.hypot(*self.off[:2]):12.3f}{self.ratio:10.3%}"
+            f"{1e3 * self.off[2]:12.3f}{1e3 * self.slip:11.1f}"
+            f"{1e3 * self.predicted_slip:11.1f}{self.bounces:9d}{1e3 * moved:16.3f}"
+        )
 
 
-def row(setting: str, value: float) -> tuple[np.ndarray, str]:
-    """One walk: the pose it ends in, and a line of the table."""
-    changes: dict[str, object] = {setting: value}
+def judged(setting: str, value: float) -> Result:
+    """Walk the study's path with one setting changed."""
+    changes: dict[str, object] = {setting: value, "path": PATH, "segments": 6}
     if setting == "swing_speed":
-        changes["swing_acceleration"] = 10 * value
-    result = judged(**changes)
-    pose = result.achieved.pose[-1]
-    off = pose - result.predicted["quasi_static"].pose[-1]
-    path = result.walk.setup.scenario.path.length
-    line = (
-        f"{value:10g}{1e3 * np.hypot(*off[:2]):12.3f}{np.hypot(*off[:2]) / path:12.3%}"
-        f"{1e3 * off[2]:12.3f}{1e3 * result.achieved.slip[-1].sum():10.1f}"
-        f"{1e3 * result.predicted['quasi_static'].slip[-1].sum():10.1f}"
-        f"{result.walk.recording.feet.bounces:9d}"
+        changes["swing_acceleration"] = 10 * value  # the same way to full speed
+    setup = prepare(load("line", changes))
+    result: Evaluation = evaluate(walk(setup, plan_open_loop(setup)))
+    predicted, pose = result.predicted["quasi_static"], result.achieved.pose[-1]
+    return Result(
+        value=value,
+        pose=pose,
+        off=pose - predicted.pose[-1],
+        path=setup.scenario.path.length,
+        slip=float(result.achieved.slip[-1].sum()),
+        predicted_slip=float(predicted.slip[-1].sum()),
+        bounces=result.walk.recording.feet.bounces,
+        sources=error_sources(result.walk, result.achieved.pose, predicted),
     )
-    return pose, line
+
+
+def study(setting: str) -> list[Result]:
+    """Print one table as it grows."""
+    print(f"{setting:>15}{HEADER}")
+    results: list[Result] = []
+    for value in VALUES[setting]:
+        result = judged(setting, value)
+        print(result.line(results[-1] if results else None), flush=True)
+        results.append(result)
+    print()
+    return results
+
+
+def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
+    """One panel a setting, and one for the sources of the error at the defaults."""
+    import matplotlib as mpl
+
+    from sim.figures.style import IDEAL, PHYSICS, STYLE, sheet_of
+
+    with mpl.rc_context(STYLE):
+        figure, panels = sheet_of("ABE\nCDE", 3.6)
+        for letter, (setting, results) in zip("ABCD", studies.items(), strict=True):
+            axes = panels[letter]
+            values = [result.value for result in results]
+            ratios = [100 * result.ratio for result in results]
+            axes.semilogx(values, ratios, "o-", color=PHYSICS, markersize=3)
+            axes.set(xlabel=UNITS[setting], ylabel="off [% of path]")
+            axes.set_xticks(values, [f"{value:g}" for value in values])
+            axes.minorticks_off()
+            axes.set_ylim(0, 1.2 * max(ratios))
+        at_defaults = studies["timestep"][2].sources
+        names = [name for name in at_defaults if not name.startswith("hold")]
+        lengths = [1e3 * np.hypot(*at_defaults[name][:2]) for name in names]
+        panels["E"].barh(names, lengths, color=IDEAL)
+        panels["E"].set(xlabel="shift of the end [mm]", title="where it comes from")
+        figure.savefig(path)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Print the tables."""
+    """Print the tables, and draw them where asked to."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--only", choices=STUDIES, help="one setting alone")
-    chosen = parser.parse_args(arguments).only
-    for setting, values in STUDIES.items():
-        if chosen in (None, setting):
-            study(setting, values)
-
-
-def study(setting: str, values: Sequence[float]) -> None:
-    """Print one table, and how far the end moves from one row to the next."""
-    print(
-        f"{setting:>10}{'off [mm]':>12}{'of path':>12}{'yaw [mrad]':>12}"
-        f"{'slip [mm]':>10}{'predicted':>10}{'bounces':>9}{'moved [mm]':>12}"
-    )
-    before = None
-    for value in values:
-        pose, line = row(setting, value)
-        moved = (
-            "" if before is None else f"{1e3 * np.hypot(*(pose - before)[:2]):12.3f}"
-        )
-        print(line + moved, flush=True)
-        before = pose
-    print()
+    parser.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it as well")
+    plot = parser.parse_args(arguments).plot
+    studies = {setting: study(setting) for setting in VALUES}
+    if plot is not None:
+        draw(studies, plot)
+        print(f"drawn: {plot}")
 
 
 if __name__ == "__main__":
