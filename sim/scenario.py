@@ -39,12 +39,19 @@ class Scenario:
         "order of the flows: sweeps centred, or as printed",
         None,
     )
+    words: Literal["printed", "shortest"] = setting(
+        Choice(("printed", "shortest")),
+        "flows of a segment: the paper's, or those that sweep least",
+        "printed",
+    )
     segments: int = setting(
         Number(1, 100_000, whole=True), "pieces that the nominal path is planned in"
     )
     replan: bool = setting(Flag(), "plan each segment from the pose reached", False)
     steer: Literal["ideal", "quasi-static", "identified"] = setting(
-        Choice(("ideal", "quasi-static", "identified")), "prediction to steer on", "ideal"
+        Choice(("ideal", "quasi-static", "identified")),
+        "prediction to steer on",
+        "ideal",
     )
     friction: float = setting(Number(0, 10), "sliding friction, feet and floor", 1.0)
     timestep: float = setting(Number(0, 0.02, above=True), "of the physics [s]", 0.0005)

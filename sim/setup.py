@@ -10,7 +10,7 @@ import numpy as np
 from models.equations import Equations, equations
 from models.kinematics import Kinematics
 from models.robot import Robot, load
-from planner.execution import Execution, Stance
+from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.paths import Path
 from sim.poses import pose_of
@@ -48,6 +48,11 @@ class Setup:
         return "stepped" if rows and stance == "centred" else stance
 
     @property
+    def coordinates(self) -> Coordinates:
+        """Those of the printed words that switch contacts least, or the shortest."""
+        return "shortest" if self.scenario.words == "shortest" else "fewest"
+
+    @property
     def swing_limits(self) -> dict[str, tuple[float, float]]:
         """Joint range of every group's angle, by the name of its coordinate."""
         return {f"phi_{g}": span for g, span in self.robot.swing_range.items()}
@@ -67,6 +72,7 @@ class Setup:
             stance=self.stance,
             limits=self.swing_limits,
             leans=self.equations.leans,
+            coordinates=self.coordinates,
             finish=finish,
         )
 

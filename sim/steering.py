@@ -25,8 +25,15 @@ MISS = 1e-7  # [m] and [rad]
 JUMP = 0.1  # of a segment, by which it may end beside the path
 
 
-def plan_along(setup: Setup, path: Path, coordinates: Coordinates = "fewest") -> Plan:
+def plan_along(
+    setup: Setup, path: Path, coordinates: Coordinates | None = None
+) -> Plan:
     """One plan for a whole path of configurations.
+
+    Args:
+        setup: What to walk.
+        path: Where.
+        coordinates: Hall coordinates to follow; those of the scenario if not given.
 
     Raises:
         PlannerError: If there is none, or it leaves the joint range.
@@ -38,7 +45,7 @@ def plan_along(setup: Setup, path: Path, coordinates: Coordinates = "fewest") ->
         stance=setup.stance,
         limits=setup.swing_limits,
         leans=setup.equations.leans,
-        coordinates=coordinates,
+        coordinates=coordinates or setup.coordinates,
     )
 
 
@@ -69,9 +76,10 @@ def plan_towards(
 def steer(setup: Setup, twists: TwistModel) -> Plan:
     """A plan whose every segment is predicted to end on the nominal path.
 
-    Follows backward coordinates throughout: choosing the cheaper ones anew in each
-    round would make the prediction jump. It still jumps where a bracket changes its
-    sign; a segment there may end beside the path by a small part of its length.
+    Follows backward coordinates throughout, or the shortest words: choosing the cheaper
+    coordinates anew in each round would make the prediction jump. It still jumps where
+    a bracket changes its sign; a segment there may end beside the path by a small part
+    of its length.
 
     Args:
         setup: What to walk.
@@ -85,9 +93,10 @@ def steer(setup: Setup, twists: TwistModel) -> Plan:
     goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
     wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
     aims, best, least = wanted, None, np.inf
+    steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
     for _ in range(ROUNDS):
         try:
-            planned = plan_along(setup, _path(setup, goals[0], aims), "backward")
+            planned = plan_along(setup, _path(setup, goals[0], aims), steady)
         except RangeError:
             if best is None:
                 raise

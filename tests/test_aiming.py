@@ -1,10 +1,13 @@
 """Steering on a prediction, without physics."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from planner.errors import ConvergenceError
 from planner.flows import Flow
+from planner.rollout import rollout
 from sim.planning import plan_open_loop, plan_segment
 from sim.poses import compose, relative
 from sim.scenario_file import load
@@ -36,11 +39,35 @@ def test_without_steering_the_prediction_misses_them(turning):
 
 
 def test_the_ideal_ends_are_those_of_the_exact_kinematics(turning):
-    from planner.rollout import rollout
-
     planned = plan_open_loop(turning)
     ends = segment_ends(turning, planned, twist_model(turning, "ideal"))
     assert ends[-1] == pytest.approx(rollout(planned)[-1][:3], abs=1e-9)
+
+
+@pytest.mark.parametrize("steer_on", ["ideal", "quasi-static"])
+def test_shortest_words_meet_every_segments_end_on_less_travel(turning, steer_on):
+    setup = prepare(replace(turning.scenario, words="shortest", steer=steer_on))
+    planned = plan_open_loop(setup)
+    twists = twist_model(setup, steer_on.replace("-", "_"))
+    ends = segment_ends(setup, planned, twists)
+    nominal = [turning.scenario.path(k / 10) for k in range(11)]
+    assert ends == pytest.approx(np.array(nominal), abs=1e-6)
+    assert swing_travel(planned) < swing_travel(plan_open_loop(turning))
+
+
+def swing_travel(planned):
+    loaded = joined(planned.segments())
+    return sum(
+        abs(flow.duration) for _, flow in loaded if flow.field in ("g1_1", "g2_2")
+    )
+
+
+def test_a_segment_in_shortest_words_ends_at_its_target(turning):
+    setup = prepare(replace(turning.scenario, words="shortest"))
+    pose, swing = np.array([0.004, 0.006, 0.02]), (0.05, -0.1)
+    end = rollout(plan_segment(setup, 0, pose, swing).plan)[-1]
+    # the rounds stop at 1e-7
+    assert end[:3] == pytest.approx(turning.scenario.path(0.1), abs=1e-6)
 
 
 def test_a_segment_is_steered_from_any_pose_and_leg_angles(turning):
