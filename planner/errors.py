@@ -85,6 +85,10 @@ class RangeError(PlannerError):
         return RangeError(self.name, self.reached, self.low, self.high, segments)
 
 
+class BoundError(PlannerError):
+    """A lower bound that no plan, or none of a sensible number of segments, keeps."""
+
+
 class StratumError(PlannerError):
     """A change of stratum, or a walk of several, that the strata do not allow."""
 

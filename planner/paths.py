@@ -113,6 +113,22 @@ def grid(path: Path, segments: int) -> Array:
     return np.maximum.accumulate(parameters)
 
 
+def recut(path: Path, cuts: Array) -> Path:
+    """The same curve, with s running evenly over the pieces between given parameters.
+
+    Dividing it uniformly divides the original at the cuts.
+
+    Args:
+        path: Curve to run along.
+        cuts: Parameters of it from 0 to 1, ascending.
+    """
+    even = np.linspace(0.0, 1.0, len(cuts))
+    corners = np.interp(path.corners, cuts, even)
+    return Path(
+        lambda s: path.at(np.interp(s, even, cuts)), tuple(float(s) for s in corners)
+    )
+
+
 def _configurations(points: Sequence[ArrayLike], least: int = 2) -> Array:
     if len(points) < least:
         raise ValueError(f"a path needs at least {least} points, got {len(points)}")

@@ -25,7 +25,9 @@ def describe(summary: Mapping[str, Any]) -> str:
     Args:
         summary: Contents of summary.json.
     """
-    return "\n".join([*_headline(summary), "", HEADER, *_rows(summary)])
+    return "\n".join(
+        [*_headline(summary), "", HEADER, *_rows(summary), *_clearance(summary)]
+    )
 
 
 def _headline(summary: Mapping[str, Any]) -> list[str]:
@@ -55,6 +57,19 @@ def _rows(summary: Mapping[str, Any]) -> list[str]:
             rows.append(_row(name, predicted[key]["pose"], by, predicted[key]))
     achieved = summary["achieved"]
     return [*rows, _row("achieved", achieved["pose"], "", achieved)]
+
+
+def _clearance(summary: Mapping[str, Any]) -> list[str]:
+    """Distance from obstacles, where there are any."""
+    achieved = summary["achieved"].get("min_clearance")
+    if achieved is None:
+        return []
+    predicted = summary["predicted"][summary["steer"].replace("-", "_")]
+    return [
+        "",
+        f"{'clearance':13}at least {1e3 * predicted['min_clearance']:.1f} mm predicted, "
+        f"{1e3 * achieved:.1f} mm achieved, {summary['wall_contacts']} wall contacts",
+    ]
 
 
 def _row(

@@ -12,6 +12,7 @@ import numpy as np
 
 from models.twists import TwistModel
 from sim.attribution import error_sources
+from sim.passage import clearances
 from sim.phases import count_changes, phase_slips
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
@@ -43,6 +44,7 @@ class Evaluation:
     walk: Walk
     achieved: Achieved
     predicted: Mapping[str, Prediction]
+    clearance: Mapping[str, Array]  # achieved and predicted, if anything is in the way
     walking: Array  # rows from the start of the walk on, (T',), bool
 
 
@@ -52,7 +54,8 @@ def evaluate(walk: Walk) -> Evaluation:
         name: _predicted(walk, twist_model(walk.setup, name)) for name in MODELS
     }
     walking = walk.recording.rows >= walk.starts
-    return Evaluation(walk, _achieved(walk), predicted, walking)
+    near = clearances(walk, predicted)
+    return Evaluation(walk, _achieved(walk), predicted, near, walking)
 
 
 def _achieved(walk: Walk) -> Achieved:
@@ -121,6 +124,8 @@ def trajectory(evaluation: Evaluation) -> dict[str, Array]:
             arrays[f"{name}_pose"] = prediction.pose
             arrays[f"{name}_slip"] = prediction.slip
             arrays[f"{name}_margin"] = prediction.margin
+    for name, clearance in evaluation.clearance.items():
+        arrays[f"{'predicted' if name == 'ideal' else name}_clearance"] = clearance
     return arrays
 
 
@@ -140,6 +145,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     slips = phase_slips(walk)
     predicted = {
         name: _of_prediction(prediction, evaluation.walking)
+        | {"min_clearance": _least(evaluation, name)}
         for name, prediction in evaluation.predicted.items()
     }
     errors = {
@@ -169,6 +175,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "achieved": {
             "pose": [float(p) for p in pose],
             "min_margin": float(achieved.margin[evaluation.walking].min()),
+            "min_clearance": _least(evaluation, "achieved"),
             "slip": float(achieved.slip[-1].sum()),
             "slip_swing": float(slips["swing"]),
             "slip_transition": float(achieved.slip[-1].sum() - slips["swing"]),
@@ -196,6 +203,12 @@ def _travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> flo
         for i in phase.moving
         if (groups[i] in phase.stratum) == loaded
     )
+
+
+def _least(evaluation: Evaluation, name: str) -> float | None:
+    """Least clearance [m]; None where there are no obstacles."""
+    clearance = evaluation.clearance.get(name)
+    return None if clearance is None else float(clearance[evaluation.walking].min())
 
 
 def _of_prediction(prediction: Prediction, walking: Array) -> Summary:

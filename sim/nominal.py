@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import reprlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeGuard
 
 import numpy as np
@@ -48,6 +48,10 @@ class NominalPath:
     def __call__(self, s: float) -> Array:
         """Pose at s, shape (3,)."""
         return self.curve(s)
+
+    def recut(self, cuts: Array) -> NominalPath:
+        """The same path, with s running evenly over the pieces between the cuts."""
+        return replace(self, curve=paths.recut(self.curve, cuts))
 
 
 def line(goal: Sequence[float]) -> NominalPath:

@@ -162,8 +162,15 @@ def _decode(table: object, where: str) -> Obstacle:
     needed, allowed, make = KINDS[kind]
     _check_keys(table, where, needed, (*allowed, "height"))
     height = _length(table.get("height", HEIGHT), f"{where}: height")
-    given = tuple((key, value) for key, value in table.items() if key != "kind")
+    given = tuple(
+        (key, _frozen(value)) for key, value in table.items() if key != "kind"
+    )
     return Obstacle(kind, given, height, make(table, where))
+
+
+def _frozen(value: object) -> object:
+    """Lists as tuples, all the way down."""
+    return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value
 
 
 def _check_keys(

@@ -47,20 +47,51 @@ def predict(
         kinematics: Of the robot.
         start_pose: Pose before the schedule's first step.
     """
-    swing, lift = (angles[rows] for angles in schedule.angles())
-    begins = _begins(schedule)
-    loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
-    path = travel(_strokes(schedule, begins, loaded), twists, kinematics)
-    phase = _phase_of(schedule, rows)
-    clock = _clock(schedule, begins, loaded, phase, swing)
-    contact = _contact(schedule, phase, kinematics)
-    stance = kinematics.stance(swing, lift)
-    return Prediction(
-        pose=placed(path.pose(clock), start_pose),
-        slip=path.slip(clock),
-        margin=stability_margin(stance.feet, contact, stance.center_of_mass),
-        contact=contact,
-    )
+    return Predictor(schedule, twists, kinematics, start_pose)(rows)
+
+
+class Predictor:
+    """Predicts the motion of one schedule, at as many steps and as often as asked.
+
+    Its arguments are those of `predict`.
+    """
+
+    def __init__(
+        self,
+        schedule: Schedule,
+        twists: TwistModel,
+        kinematics: Kinematics,
+        start_pose: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.schedule, self.kinematics, self.start_pose = (
+            schedule,
+            kinematics,
+            start_pose,
+        )
+        self._angles = schedule.angles()
+        self._begins = _begins(schedule)
+        self._loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
+        strokes = _strokes(schedule, self._begins, self._loaded)
+        self._path = travel(strokes, twists, kinematics)
+
+    def angles(self, rows: Array) -> tuple[Array, Array]:
+        """Commanded swing and lift of every group, shape (T, G) each [rad]."""
+        swing, lift = self._angles
+        return swing[rows], lift[rows]
+
+    def __call__(self, rows: Array) -> Prediction:
+        """Predict the motion at steps of the schedule, shape (T,)."""
+        swing, lift = self.angles(rows)
+        phase = _phase_of(self.schedule, rows)
+        clock = _clock(self.schedule, self._begins, self._loaded, phase, swing)
+        contact = _contact(self.schedule, phase, self.kinematics)
+        stance = self.kinematics.stance(swing, lift)
+        return Prediction(
+            pose=placed(self._path.pose(clock), self.start_pose),
+            slip=self._path.slip(clock),
+            margin=stability_margin(stance.feet, contact, stance.center_of_mass),
+            contact=contact,
+        )
 
 
 def placed(pose: Array, start: Sequence[float]) -> Array:

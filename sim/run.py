@@ -8,6 +8,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from sim.bounds import within_bounds
 from sim.creep import creep_floor
 from sim.evaluate import Summary, evaluate, summarise, trajectory
 from sim.folder import RunFolder
@@ -48,6 +49,7 @@ def run(
     with _timed(timing, "compile"):
         setup = prepare(scenario)
     with _timed(timing, "plan"):
+        setup = within_bounds(setup)
         planned = None if scenario.replan else plan_open_loop(setup)
     folder.write_text("scenario.toml", dumps(scenario))
     folder.write_text("model.xml", setup.model_text)

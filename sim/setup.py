@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import mujoco
 import numpy as np
@@ -25,9 +25,12 @@ LIFT_TIME = 0.3  # [s]; slip while lifting and landing no longer falls with slow
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """A scenario made concrete."""
+    """A scenario made concrete.
 
-    scenario: Scenario
+    Setups are equal that walk the same robot in the same world, whatever the path.
+    """
+
+    scenario: Scenario = field(compare=False)
     robot: Robot
     equations: Equations
     extended: ExtendedSystem
@@ -91,6 +94,12 @@ class Setup:
         groups = len(self.robot.groups)
         angles = np.zeros(groups) if swing is None else np.array(swing)
         return np.concatenate([pose, angles, np.zeros(groups)])
+
+    def recut(self, cuts: Array) -> Setup:
+        """The same setup, its path divided at the cuts and nowhere else."""
+        path = self.scenario.path.recut(cuts)
+        scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)
+        return replace(self, scenario=scenario)
 
     def nominal(self) -> Path:
         """The nominal path as configurations: legs at angle 0, feet on the ground."""

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 
 from models.ground import ground_of
 from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from sim.identify import identify
-from sim.setup import Setup
+from sim.setup import Setup, prepare
 
 
 def _quasi_static(setup: Setup) -> TwistModel:
@@ -16,10 +17,16 @@ def _quasi_static(setup: Setup) -> TwistModel:
     return QuasiStaticTwists(setup.kinematics, ground, setup.limits.swing_speed)
 
 
+def _identified(setup: Setup) -> TwistModel:
+    """Measured in the open, where no wall is in the way of an experiment."""
+    scenario = replace(setup.scenario, obstacles=())
+    return identify(prepare(scenario) if setup.scenario.obstacles else setup)
+
+
 MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
     "ideal": lambda setup: IdealTwists(setup.equations),
     "quasi_static": _quasi_static,
-    "identified": identify,
+    "identified": _identified,
 }
 
 

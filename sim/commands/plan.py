@@ -33,12 +33,14 @@ def execute(options: argparse.Namespace) -> None:
         return
     scenario = scenario_of(options)
 
-    from sim.planning import plan_open_loop  # slow; a refused scenario does not wait
+    from sim.bounds import within_bounds  # slow; a refused scenario does not wait
+    from sim.planning import plan_open_loop
     from sim.setup import prepare
 
     began = time.perf_counter()
     setup = prepare(scenario)
     compiled = time.perf_counter()
+    setup = within_bounds(setup)
     flows = _replanned(setup) if scenario.replan else plan_open_loop(setup).flows
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     facts = summarise(setup, flows) | {"timing": timing}

@@ -1,0 +1,92 @@
+"""Subdivide a path until the motion along it keeps its bounds: the critical step.
+
+A walk swings out of its nominal path by the square root of a segment's length (the
+strokes of a bracket of size h are sqrt(h) long). So a segment that leaves a bound by
+`walking` although standing on its path would keep it by `standing` is cut into about
+((standing - walking) / standing)^2 pieces. What is bounded is for others to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from planner.errors import BoundError, RangeError
+from planner.fields import Array
+
+MOST_SEGMENTS = 1000  # a walk of an hour and more
+MOST_PIECES = 16  # a segment is cut into at once: the law holds for short ones only
+
+
+class Leeway(NamedTuple):
+    """What is left of a bound in each segment; negative where it is not kept."""
+
+    bound: str  # its name
+    least: float  # what it asks for, in its own unit
+    standing: Array  # on the nominal path itself, shape (segments,), positive
+    walking: Array  # least along the predicted motion, shape (segments,)
+
+
+def subdivide(cuts: Array, leeways: Callable[[Array], Sequence[Leeway]]) -> Array:
+    """Cut the segments of a path that leave a bound until none does.
+
+    Args:
+        cuts: Parameters that divide the path to begin with, from 0 to 1, ascending.
+        leeways: Plans along a divided path and says what is left of each bound.
+
+    Returns:
+        Parameters that divide the path so that every leeway is positive or zero.
+
+    Raises:
+        BoundError: More than `MOST_SEGMENTS` would be needed.
+        RangeError: No number of segments keeps the range of some shape coordinate.
+    """
+    while True:
+        try:
+            found = leeways(cuts)
+        except RangeError as error:
+            if error.segments is None:
+                raise
+            least = int(np.ceil(error.segments / (len(cuts) - 1)))
+            pieces = np.full(len(cuts) - 1, max(least, 2))
+        else:
+            pieces = np.max([needed(leeway) for leeway in found], axis=0)
+            if pieces.sum() > MOST_SEGMENTS:
+                raise _refusal(cuts, found)
+        if (pieces == 1).all():
+            return cuts
+        cuts = refined(cuts, pieces)
+
+
+def _refusal(cuts: Array, found: Sequence[Leeway]) -> BoundError:
+    worst = max(found, key=lambda leeway: needed(leeway).max())
+    at = int(needed(worst).argmax())
+    kept = worst.least + worst.walking.min()
+    return BoundError(
+        f"{worst.bound} of {worst.least:.4g} would need more than {MOST_SEGMENTS} "
+        f"segments, above all between s = {cuts[at]:.4g} and {cuts[at + 1]:.4g} of the "
+        f"path; {kept:.4g} is kept with {len(cuts) - 1}: ask for less, or make room"
+    )
+
+
+def needed(leeway: Leeway) -> Array:
+    """Pieces to cut each segment into, 1 where its bound is kept, shape (segments,)."""
+    swing_out = leeway.standing - leeway.walking
+    pieces = np.ceil((swing_out / leeway.standing) ** 2)
+    return np.where(leeway.walking < 0, np.clip(pieces, 2, MOST_PIECES), 1).astype(int)
+
+
+def refined(cuts: Array, pieces: Array) -> Array:
+    """Each segment cut into equal pieces.
+
+    Args:
+        cuts: Shape (segments + 1,).
+        pieces: How many of each segment, shape (segments,), at least 1.
+    """
+    parts = [
+        np.linspace(a, b, n, endpoint=False)
+        for a, b, n in zip(cuts[:-1], cuts[1:], pieces, strict=True)
+    ]
+    return np.append(np.concatenate(parts), cuts[-1])

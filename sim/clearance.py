@@ -1,0 +1,109 @@
+"""How far a robot's outline stays from obstacles, at instants and in between.
+
+Between two instants no part can come closer than its distances at both and the way in
+between allow: half the sum of the distances less half the way. So a sweep of samples
+bounds the clearance of the whole motion from below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from sim.obstacles import Obstacle
+from sim.outline import Outline, hulls
+from sim.setup import Setup
+
+Array = np.ndarray
+
+ARC = 1.01  # a way may be longer than the chord between samples by this factor
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """An outline at consecutive samples of a motion."""
+
+    clearance: Array  # of each part, shape (T, P) [m]; negative where it overlaps
+    way: Array  # most that any point of the outline moved, shape (T - 1,) [m]
+
+    @property
+    def least(self) -> Array:
+        """Clearance of the whole outline at each sample, shape (T,) [m]."""
+        return np.asarray(self.clearance.min(axis=1, initial=np.inf))
+
+    @property
+    def bound(self) -> Array:
+        """What the clearance between samples cannot fall below, shape (T - 1,) [m]."""
+        ends = self.clearance[:-1] + self.clearance[1:]
+        return np.asarray((ends.min(axis=1, initial=np.inf) - ARC * self.way) / 2)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Obstacles around a robot."""
+
+    outline: Outline
+    obstacles: Sequence[Obstacle]
+
+    @cached_property
+    def area(self) -> shapely.Geometry:
+        """The floor that the obstacles cover."""
+        return shapely.union_all([obstacle.area for obstacle in self.obstacles])
+
+    def sweep(self, qpos: Array) -> Sweep:
+        """Clearances along a motion.
+
+        Args:
+            qpos: Joint positions at samples, in the frame of the obstacles, (T, nq).
+        """
+        cores = self.outline.cores(qpos)
+        radii = [part.radius for part in self.outline.parts]
+        clearance = [
+            _distance(hulls(core), self.area) - radius
+            for core, radius in zip(cores, radii, strict=True)
+        ]
+        moved = [
+            np.linalg.norm(np.diff(core, axis=0), axis=-1).max(axis=-1)
+            for core in cores
+        ]
+        return Sweep(np.stack(clearance, axis=-1), np.max(moved, axis=0))
+
+    def nearest(self, qpos: Array) -> tuple[str, int]:
+        """The part and the obstacle, counted from 1, that are closest to each other.
+
+        Args:
+            qpos: Joint positions, shape (nq,).
+        """
+        cores = self.outline.cores(qpos[None])
+        each = [
+            [
+                float(_distance(hulls(core), obstacle.area)[0]) - part.radius
+                for obstacle in self.obstacles
+            ]
+            for core, part in zip(cores, self.outline.parts, strict=True)
+        ]
+        part, obstacle = np.unravel_index(np.argmin(each), np.shape(each))
+        return self.outline.parts[part].name, int(obstacle) + 1
+
+
+def surroundings(setup: Setup) -> Surroundings:
+    """A scenario's obstacles and the outline of its robot."""
+    return Surroundings(Outline(setup.robot, setup.model), setup.scenario.obstacles)
+
+
+def _distance(cores: Array, area: shapely.Geometry) -> Array:
+    """Signed distance: where a core lies inside, minus how deep its corners are."""
+    distance = shapely.distance(cores, area)
+    inside = np.flatnonzero(distance == 0)
+    if inside.size:
+        points, owner = shapely.get_coordinates(cores[inside], return_index=True)
+        covered = shapely.intersects_xy(area, points)
+        depth = shapely.distance(shapely.points(points), shapely.boundary(area))
+        deepest = np.zeros(inside.size)
+        np.maximum.at(deepest, owner, np.where(covered, depth, 0.0))
+        distance[inside] = -deepest
+    return np.asarray(distance)

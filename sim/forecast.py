@@ -1,0 +1,97 @@
+"""A walk foreseen: its commands and predicted motion, before anything moves.
+
+Follows the prediction that the scenario steers on. Replanned walks are foreseen as if
+every segment ended where it is predicted to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from models.twists import TwistModel
+from sim.planning import plan_open_loop, plan_segment
+from sim.prediction import Predictor
+from sim.schedule import Phase, Schedule, Scheduler
+from sim.setup import Setup
+from sim.twist_models import twist_model
+from sim.walk import lay
+
+Array = np.ndarray
+
+STEP = 0.02  # [rad] that the legs swing at most from one sample to the next
+LIFTS = 4  # samples of a lift or a landing
+
+
+@dataclass(frozen=True)
+class Stage:
+    """A stretch of commands and the motion predicted for it."""
+
+    predictor: Predictor
+
+    @property
+    def schedule(self) -> Schedule:
+        """The commands."""
+        return self.predictor.schedule
+
+    @cached_property
+    def rows(self) -> Array:
+        """Steps at which to look: the end of every phase, and evenly on the way."""
+        phases = self.schedule.phases
+        rows = [_rows(phase) - self.schedule.start for phase in phases]
+        return np.concatenate(rows) if rows else np.zeros(0, dtype=int)
+
+    def segment(self, rows: Array) -> Array:
+        """Segment that each step belongs to, shape (T,)."""
+        starts = [phase.start - self.schedule.start for phase in self.schedule.phases]
+        of = np.array([phase.segment for phase in self.schedule.phases])
+        return of[np.searchsorted(starts, rows, side="right") - 1]
+
+    def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
+        """Pose (T, 3), swing and lift (T, G) at steps."""
+        return (self.predictor(rows).pose, *self.predictor.angles(rows))
+
+
+def _rows(phase: Phase) -> Array:
+    samples = LIFTS
+    if phase.kind == "swing":
+        farthest = abs(phase.amount) * max(map(abs, phase.direction))
+        samples = 1 + int(np.ceil(farthest / STEP))
+    ends = np.linspace(0, phase.steps - 1, min(samples, phase.steps) + 1)[1:]
+    return phase.start + np.unique(ends.round().astype(int))
+
+
+def foresee(setup: Setup) -> list[Stage]:
+    """The stages of a walk in time order: one open loop, one a segment replanned.
+
+    Raises:
+        PlannerError: If there is no plan.
+    """
+    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    stages = _replanned if setup.scenario.replan else _open_loop
+    return list(stages(setup, twists))
+
+
+def _open_loop(setup: Setup, twists: TwistModel) -> Iterator[Stage]:
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    lay(setup, scheduler, plan_open_loop(setup).segments())
+    yield Stage(Predictor(scheduler.finish(), twists, setup.kinematics))
+
+
+def _replanned(setup: Setup, twists: TwistModel) -> Iterator[Stage]:
+    shape, pose = setup.at_rest, np.zeros(3)
+    for segment in range(setup.scenario.segments):
+        step = plan_segment(setup, segment, pose, shape.swing)
+        scheduler = Scheduler(setup.limits, shape, segment=segment)
+        lay(setup, scheduler, step.plan.segments())
+        schedule = scheduler.finish()
+        stage = Stage(Predictor(schedule, twists, setup.kinematics, tuple(pose)))
+        shape = schedule.end
+        if schedule.phases:
+            pose = stage.predictor(np.array([schedule.stop - schedule.start - 1])).pose[
+                0
+            ]
+            yield stage

@@ -1,0 +1,42 @@
+"""How close a walk came to obstacles, in the physics and by every prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from sim.clearance import surroundings
+from sim.prediction import Prediction
+from sim.walk import Walk
+
+Array = np.ndarray
+
+
+def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:
+    """Clearance of the robot's outline at every row, shape (T',) each [m].
+
+    Args:
+        walk: A finished walk.
+        predicted: Its predictions, by name.
+
+    Returns:
+        `achieved` and every prediction's; nothing where nothing stands in the way.
+    """
+    if not walk.setup.scenario.obstacles:
+        return {}
+    around = surroundings(walk.setup)
+    angles = _commanded(walk)
+    found = {"achieved": around.sweep(walk.recording.qpos).least}
+    for name, prediction in predicted.items():
+        qpos = around.outline.configurations(prediction.pose, *angles)
+        found[name] = around.sweep(qpos).least
+    return found
+
+
+def _commanded(walk: Walk) -> tuple[Array, Array]:
+    """Commanded swing and lift of every group at every row, shape (T', G) each."""
+    pieces = [stretch.schedule.angles() for stretch in walk.stretches]
+    at = walk.recording.at_rows
+    swing, lift = (np.concatenate(piece)[at] for piece in zip(*pieces, strict=True))
+    return swing, lift

@@ -1,0 +1,179 @@
+"""Plans within bounds: margin and clearance of predictions, checked independently."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pytest
+
+from planner import subdivide
+from planner.errors import BoundError
+from sim import obstacles
+from sim.bounds import within_bounds
+from sim.clearance import surroundings
+from sim.errors import ExitCode, exit_code
+from sim.forecast import foresee
+from sim.prediction import predict
+from sim.scenario_file import load
+from sim.setup import prepare
+from sim.twist_models import twist_model
+
+EVERY = 80  # steps between looks of the dense check: 0.02 rad of the fastest swing
+REPLAN = pytest.mark.parametrize("replan", [False, True], ids=["open", "replanned"])
+
+
+def bounded(name="line", **changes):
+    return within_bounds(prepare(load(name, changes)))
+
+
+def margins(setup):
+    """Margin of the predicted motion, at every `EVERY`th step and at every last one."""
+    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    for stage in foresee(setup):
+        schedule = stage.schedule
+        rows = np.arange(0, schedule.stop - schedule.start, EVERY)
+        ends = [phase.stop - 1 - schedule.start for phase in schedule.phases]
+        rows = np.unique(np.concatenate([rows, ends]))
+        yield from predict(schedule, rows, twists, setup.kinematics).margin
+
+
+def engine_clearances(setup):
+    """The engine's own distances between robot and obstacles, every `EVERY` steps."""
+    around, model = surroundings(setup), setup.model
+    data = mujoco.MjData(model)
+    walls = [
+        i for i in range(model.ngeom) if model.geom(i).name.startswith("obstacle_")
+    ]
+    parts = [part.geom for part in around.outline.parts]
+    for stage in foresee(setup):
+        schedule = stage.schedule
+        rows = np.arange(0, schedule.stop - schedule.start, EVERY)
+        for qpos in around.outline.configurations(*stage.configurations(rows)):
+            data.qpos = qpos
+            mujoco.mj_kinematics(model, data)
+            yield min(
+                mujoco.mj_geomDistance(model, data, part, wall, 1.0, None)
+                for part in parts
+                for wall in walls
+            )
+
+
+@pytest.fixture
+def passage():
+    """Walls on both sides of a short diagonal walk, as far from the feet as given."""
+
+    def make(room, **changes):
+        up, down = 0.188 + 0.02 + room, -0.188 - room  # feet and way; thickness below
+        scenario = load(
+            "line",
+            {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "min_clearance": 0.002}
+            | changes,
+        )
+        walls = obstacles.decode(
+            [
+                {"kind": "box", "center": [0, up + 0.05], "size": [1, 0.1]},
+                {"kind": "box", "center": [0, down - 0.05], "size": [1, 0.1]},
+            ]
+        )
+        return dataclasses.replace(scenario, obstacles=walls)
+
+    return make
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Give up early."""
+    monkeypatch.setattr(subdivide, "MOST_SEGMENTS", 200)
+
+
+def test_without_bounds_nothing_is_changed():
+    setup = prepare(load("line"))
+    assert within_bounds(setup) is setup
+
+
+@REPLAN
+def test_a_margin_is_kept_all_along_the_predicted_motion(replan):
+    least = 0.05
+    plain = prepare(load("line", {"replan": replan}))
+    assert min(margins(plain)) < least  # 46 mm, or the bound would show nothing
+    setup = bounded(min_margin=least, replan=replan)
+    assert setup.scenario.segments > plain.scenario.segments
+    # ends of swings, where the margin is least, are among the steps looked at
+    assert min(margins(setup)) > least - 1e-9
+
+
+def test_legs_out_of_range_are_brought_back_by_subdividing_too():
+    setup = bounded(segments=3, min_margin=0.02)
+    assert setup.scenario.segments > 3
+    for stage in foresee(setup):
+        swing, _ = stage.predictor.angles(stage.rows)
+        assert np.abs(swing).max() <= 0.45 + 1e-9
+
+
+def test_a_margin_beyond_what_standing_gives_is_refused_with_what_it_gives():
+    message = (
+        r"min_margin of 0\.06 m cannot be kept: standing on S[12] with all legs at "
+        r"angle 0 the margin is 0\.0536\d* m, the most"
+    )
+    with pytest.raises(BoundError, match=message) as refused:
+        bounded(min_margin=0.06)
+    assert exit_code(refused.value) == ExitCode.SIMULATION
+
+
+def test_a_margin_that_takes_too_many_segments_is_refused_with_what_can_be_kept(few):
+    with pytest.raises(BoundError, match=r"more than 200 segments.* is kept with \d+"):
+        bounded(min_margin=0.0535)
+
+
+@REPLAN
+def test_a_passage_is_walked_through_clear_of_its_walls(passage, replan):
+    """The clearance of the prediction, found densely by the engine's own distances."""
+    room = 0.012
+    coarse = prepare(passage(room, replan=replan))
+    assert min(engine_clearances(coarse)) < 0  # or nothing would have to be cut
+    setup = within_bounds(coarse)
+    assert setup.scenario.segments > coarse.scenario.segments
+    assert min(engine_clearances(setup)) > 0.002 - 1e-6
+
+
+def test_a_plan_may_be_left_to_hit(passage):
+    setup = prepare(passage(0.012, min_clearance=-1))
+    assert within_bounds(setup) is setup
+
+
+def test_a_passage_too_narrow_for_the_nominal_path_is_refused_there(passage):
+    message = (
+        r"the nominal path itself has \w+_\d -5\.0 mm from obstacle 2 at \(0, 0, 0\), "
+        r"where more than 2\.0 mm are asked; make 7\.0 mm more room there"
+    )
+    with pytest.raises(BoundError, match=message) as refused:
+        within_bounds(prepare(passage(-0.005)))
+    assert exit_code(refused.value) == ExitCode.SIMULATION
+
+
+def test_a_passage_too_narrow_for_any_tube_is_refused(passage, few):
+    with pytest.raises(BoundError, match=r"min_clearance of 0\.002 would need more"):
+        within_bounds(prepare(passage(0.0023)))
+
+
+def test_a_foreseen_replanned_walk_starts_each_segment_where_the_last_one_ended():
+    setup = prepare(
+        load("diagonal", {"replan": True, "segments": 8, "path.goal": GOAL})
+    )
+    stages = foresee(setup)
+    for before, after in zip(stages[:-1], stages[1:], strict=True):
+        last = np.array([before.schedule.stop - before.schedule.start - 1])
+        ended = before.predictor(last).pose[0]
+        began = after.predictor(np.array([0])).pose[0]
+        assert began == pytest.approx(ended, abs=1e-9)
+
+
+GOAL = [0.04, 0.04, 0.3]
+
+
+@pytest.mark.full
+def test_the_corridor_is_clear_along_the_prediction():
+    coarse = prepare(load("corridor"))
+    assert min(engine_clearances(coarse)) < 0
+    least = coarse.scenario.min_clearance
+    assert min(engine_clearances(within_bounds(coarse))) > least - 1e-6
