@@ -22,14 +22,15 @@ ONLY_IN = {
     "imageio": {"sim"},
     "imageio_ffmpeg": {"sim"},
     "PIL": {"sim"},
-    "matplotlib": {"sim"},
+    "matplotlib": {"sim", "scripts"},
     "rich": {"sim"},
     "shapely": {"sim"},
     "casadi": {"sim"},
     "ompl": {"sim"},
 }
 HEAVY = (
-    "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely", "matplotlib",
+    "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely",
+    "matplotlib",
 )  # fmt: skip
 LONGEST = 300  # lines
 
