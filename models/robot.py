@@ -163,7 +163,8 @@ def load(name: str) -> Robot:
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not name.endswith(".xml") and name not in robots():
         raise UnknownRobotError(
-            f"unknown robot: {name!r}; shipped are {', '.join(robots())}, or give a .xml file"
+            f"unknown robot: {name!r}; shipped are {', '.join(robots())}, "
+            "or give a .xml file"
         )
     if not path.is_file():
         raise UnknownRobotError(
@@ -187,7 +188,8 @@ def _card_path(path: Path) -> Path:
     if name in robots():
         return FOLDER / f"{name}.toml"
     raise ModelError(
-        f"no robot card: {beside} is missing; write one that names legs, groups and gait"
+        f"no robot card: {beside} is missing; "
+        "write one that names legs, groups and gait"
     )
 
 

@@ -161,7 +161,7 @@ def test_python_file_may_have_fields_known_as_functions(read):
         (("segments = 4", "limits = { x = 1 }"), r"limits: x is 1; give \[lowest, hi"),
         (("segments = 4", "level_sets = { 0 = 'x' }"), "0 is 'x'; make it a list"),
         (("segments = 4", "level_sets = { 0 = ['x'] }"), "roll leaves its stratum S0"),
-        (("[strata.0]", "[strata]"), "field x is 'radius.*'; give rates, as in { x = 1 }"),
+        (("[strata.0]", "[strata]"), "field x is 'radius.*'; give rates"),
     ],
 )
 def test_what_makes_no_sense_is_refused(read, change, message):

@@ -36,7 +36,9 @@ def add_scenario_arguments(
         default=None,
         help="plan each segment from the pose reached",
     )
-    parser.add_argument("--steer", help="prediction to steer on: ideal, quasi-static or identified")
+    parser.add_argument(
+        "--steer", help="prediction to steer on: ideal, quasi-static or identified"
+    )
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
