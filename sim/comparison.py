@@ -67,7 +67,7 @@ def _clearance(summary: Mapping[str, Any]) -> list[str]:
     predicted = summary["predicted"][summary["steer"].replace("-", "_")]
     return [
         "",
-        f"{'clearance':13}at least {1e3 * predicted['min_clearance']:.1f} mm planned, "
+        f"{'clearance':13}{1e3 * predicted['min_clearance']:.1f} mm predicted, "
         f"{1e3 * achieved:.1f} mm achieved, {summary['wall_contacts']} wall contacts",
     ]
 
