@@ -29,6 +29,18 @@ class Flow(NamedTuple):
         return f"S{self.stratum}: {self.duration:+.6g} {self.field}"
 
 
+class Word(NamedTuple):
+    """Flows of a segment in time order, before they are grouped by stratum.
+
+    Attributes:
+        fields: Names of the fields; words of many segments share theirs.
+        durations: Their signed durations.
+    """
+
+    fields: tuple[str, ...]
+    durations: Sequence[float]
+
+
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
     """Join consecutive flows of one field; those that cancel disappear."""
     joined: list[Flow] = []

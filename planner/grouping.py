@@ -13,11 +13,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, groupby
 
-from planner.flows import Flow
+from planner.flows import Flow, Word
 from planner.strata import StratifiedSystem
 
 Commute = Callable[[str, str], bool]
-Word = Sequence[tuple[str, float]]  # fields and durations in time order
 Pattern = tuple[str, ...]  # the fields of a word
 Joint = tuple[str, str, tuple[int, ...]]  # stratum, field, places of the joined flows
 
@@ -102,11 +101,11 @@ class Grouper:
 
     def flows(self, word: Word, order: tuple[int, ...]) -> list[Flow]:
         """A word as flows in a given order, those of one field and visit joined."""
-        key = (tuple([name for name, _ in word]), order)
+        key = (word.fields, order)
         if key not in self._joints:
             self._joints[key] = self._joined(*key)
         flows = [
-            Flow(stratum, name, sum([word[k][1] for k in joint]))
+            Flow(stratum, name, sum([word.durations[k] for k in joint]))
             for stratum, name, joint in self._joints[key]
         ]
         return [flow for flow in flows if flow.duration]
@@ -182,7 +181,7 @@ def regroup(
     best: dict[str, int] = {start: 0}  # fewest switches on the way to each stratum
     back: list[dict[str, tuple[str, int, Arrangement]]] = []
     for ways in segments:
-        patterns = [tuple([name for name, _ in way]) for way in ways]
+        patterns = [way.fields for way in ways]
         reached: dict[str, int] = {}
         links: dict[str, tuple[str, int, Arrangement]] = {}
         for here, cost in best.items():

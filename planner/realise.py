@@ -25,8 +25,9 @@ from planner.hall import Bracket, Element
 
 Order = Literal["backward", "forward"]
 Word = list[tuple[int, float]]
-T = TypeVar("T", int, float)
+Spelling = tuple[tuple[int, ...], list[float]]  # generators, and durations for each
 Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
+T = TypeVar("T", int, Array)
 
 NEGLIGIBLE = 1e-12  # rounding of this size in degree k would move by its k-th root
 
@@ -72,6 +73,24 @@ def words(
         order: As in `word`.
         vanishing: As in `word`.
     """
+    spelled = spellings(basis, hall_coordinates, order, vanishing)
+    return [list(zip(*spelling, strict=True)) for spelling in spelled]
+
+
+def spellings(
+    basis: Sequence[Element],
+    hall_coordinates: ArrayLike,
+    order: Order = "backward",
+    vanishing: Collection[Element] = (),
+) -> list[Spelling]:
+    """The same words with generators apart from durations: many share the former.
+
+    Args:
+        basis: Hall elements, s of them.
+        hall_coordinates: Backward coordinates, shape (segments, s).
+        order: As in `word`.
+        vanishing: As in `word`.
+    """
     algebra = lie_algebra(tuple(basis))
     h = algebra.vector(hall_coordinates)
     if order == "backward":
@@ -80,7 +99,7 @@ def words(
         raise ValueError(f"order is {order!r}; choose backward or forward")
     # -f are the backward coordinates of the flow back, whose word is then run back.
     way_back = _amounts(algebra, -forward(basis, h), vanishing)
-    return [_inverse(one) for one in _spelled(algebra, way_back)]
+    return _spelled(algebra, way_back, back=True)
 
 
 def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> Array:
@@ -128,21 +147,49 @@ def _letters(element: Element) -> Letters:
     return (*left, *right, *_inverse(left), *_inverse(right))
 
 
-def _spelled(algebra: LieAlgebra, amounts: Array) -> list[Word]:
-    """The words for amounts of all elements, the last element's first."""
-    durations = np.sign(amounts) * np.abs(amounts) ** (1 / np.array(algebra.degrees))
-    letters = [_letters(element) for element in algebra.basis]
-    back = [_inverse(one) for one in letters]
-    order = range(len(letters) - 1, -1, -1)
-    return [
-        _merged(
-            (generator, sign * abs(row[j]))
-            for j in order
-            if row[j]
-            for generator, sign in (letters[j] if row[j] > 0 else back[j])
-        )
-        for row in durations.tolist()
-    ]
+def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Spelling]:
+    """The words for amounts of all elements, the last element's first, or run back.
+
+    Segments whose amounts have the same signs share their generators.
+    """
+    sizes = np.abs(amounts) ** (1 / np.array(algebra.degrees))
+    signs, sort = np.unique(np.sign(amounts), axis=0, return_inverse=True)
+    spelled: list[Spelling] = [((), [])] * len(amounts)
+    for k, sign in enumerate(signs.astype(int).tolist()):
+        generators, parts = _pattern(algebra, tuple(sign), back)
+        segments = np.flatnonzero(sort.ravel() == k)
+        durations = sizes[segments] @ parts.T
+        least = np.abs(durations).min(axis=-1, initial=np.inf)
+        rows = zip(segments.tolist(), durations.tolist(), least.tolist(), strict=True)
+        for segment, row, shortest in rows:
+            whole = shortest >= NEGLIGIBLE
+            spelled[segment] = (generators, row) if whole else joined(generators, row)
+    return spelled
+
+
+@cache
+def _pattern(
+    algebra: LieAlgebra, signs: tuple[int, ...], back: bool
+) -> tuple[tuple[int, ...], Array]:
+    """The words for amounts of given signs: generators, and durations as sums.
+
+    Durations are sums of the amounts' sizes, each to the power of its degree's inverse,
+    with coefficients of shape (flows, s).
+    """
+    letters: list[tuple[int, Array]] = []
+    units = np.eye(len(signs), dtype=int)
+    for element, sign, unit in zip(algebra.basis, signs, units, strict=True):
+        word = [(i, sense * unit) for i, sense in _letters(element) if sign]
+        letters = (_inverse(word) if sign < 0 else word) + letters
+    generators: list[int] = []
+    durations: list[Array] = []
+    for generator, duration in _inverse(letters) if back else letters:
+        if generators and generators[-1] == generator:
+            durations[-1] = durations[-1] + duration
+        else:
+            generators.append(generator)
+            durations.append(duration)
+    return tuple(generators), np.array(durations).reshape(-1, len(signs))
 
 
 def _inverse(letters: Sequence[tuple[int, T]]) -> list[tuple[int, T]]:
@@ -150,12 +197,15 @@ def _inverse(letters: Sequence[tuple[int, T]]) -> list[tuple[int, T]]:
     return [(generator, -amount) for generator, amount in reversed(letters)]
 
 
-def _merged(letters: Iterable[tuple[int, float]]) -> Word:
-    """Join consecutive letters of one generator; those that cancel disappear."""
-    joined: Word = []
-    for generator, duration in letters:
-        if joined and joined[-1][0] == generator:
-            duration += joined.pop()[1]
+def joined(generators: Iterable[int], durations: Iterable[float]) -> Spelling:
+    """Drop letters that have vanished, and join those of one generator they parted."""
+    letters: list[int] = []
+    together: list[float] = []
+    for generator, duration in zip(generators, durations, strict=True):
+        if letters and letters[-1] == generator:
+            letters.pop()
+            duration += together.pop()
         if abs(duration) >= NEGLIGIBLE:
-            joined.append((generator, duration))
-    return joined
+            letters.append(generator)
+            together.append(duration)
+    return tuple(letters), together

@@ -182,7 +182,7 @@ def _shot(
     inputs = fictitious_inputs(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)
     (word,) = extended.steering.words(coordinates, orders[0])
-    flows = extended.grouper.flows(word, tuple(range(len(word))))
+    flows = extended.grouper.flows(word, tuple(range(len(word.fields))))
     return _Shot(inputs, coordinates, play(extended.system, flows, here)[-1])
 
 

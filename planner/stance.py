@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import groupby
 
 from planner.fields import Array
 from planner.flows import Flow
@@ -28,21 +27,28 @@ class _Visit:
     segment: int  # to which its air swings belong
     swings: dict[str, float] = field(default_factory=dict)  # duration by field
     sweeps: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
+    runs: list[tuple[str, float]] = field(
+        default_factory=list
+    )  # sweeps of a field joined
+
+    def add(self, segment: int, flow: Flow) -> None:
+        """One more sweep under load."""
+        self.sweeps.append((segment, flow))
+        before = 0.0
+        if self.runs and self.runs[-1][0] == flow.field:
+            _, before = self.runs.pop()
+        self.runs.append((flow.field, before + flow.duration))
 
     def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
         """Middle and net of a coordinate's sweep from its start, if there is one."""
         lowest = highest = net = 0.0
         loaded = False
-        for name, run in groupby(self.sweeps, key=_field):
+        for name, duration in self.runs:
             if rate := rates[name]:
                 loaded = True
-                net += rate * sum(flow.duration for _, flow in run)
+                net += rate * duration
                 lowest, highest = min(lowest, net), max(highest, net)
         return ((lowest + highest) / 2, net) if loaded else None
-
-
-def _field(sweep: tuple[int, Flow]) -> str:
-    return sweep[1].field
 
 
 def centred(
@@ -85,7 +91,7 @@ def _visits(shape: Shape, segments: Sequence[Sequence[Flow]]) -> Iterator[_Visit
                     yield visit
                 visit = _Visit(flow.stratum, k)
             if flow.field not in shape.free:
-                visit.sweeps.append((k, flow))
+                visit.add(k, flow)
     if visit is not None:
         yield visit
 

@@ -15,14 +15,14 @@ import numpy as np
 from planner.coordinates import integrate
 from planner.elements import Tree, leaves, name_of
 from planner.fields import Array
+from planner.flows import Word
 from planner.hall import Bracket
 from planner.hall_fields import HallFields, hall_fields
-from planner.realise import words
-from planner.short_words import NEGLIGIBLE, short_durations
+from planner.realise import Spelling, joined, spellings
+from planner.short_words import short_durations
 from planner.strata import StratifiedSystem
 
 Order = Literal["backward", "forward", "shortest"]
-Word = list[tuple[str, float]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,25 +58,24 @@ class Steering:
         return integrate(self.hall.elements, everywhere)
 
     def words(self, hall_coordinates: Array, order: Order) -> list[Word]:
-        """Flows of the generators that realise Hall coordinates, one word a segment.
+        """Words of the generators that realise Hall coordinates, one a segment.
 
         Args:
             hall_coordinates: Backward coordinates, shape (segments, s).
             order: `backward` runs brackets first, `forward` generators first,
                 `shortest` lets the sweeps of a single pair into its bracket's and is
                 the shorter of the two elsewhere.
-
-        Returns:
-            For each segment fields and signed durations in time order.
         """
         if order == "shortest":
             return self._short_words(hall_coordinates)
         elements, vanishing = self.hall.elements, self.hall.vanishing
-        return self._named(words(elements, hall_coordinates, order, vanishing))
+        return self._named(spellings(elements, hall_coordinates, order, vanishing))
 
-    def _named(self, numbered: list[list[tuple[int, float]]]) -> list[Word]:
+    def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
         names = self.hall.generators
-        return [[(names[i - 1], t) for i, t in word] for word in numbered]
+        patterns = {letters for letters, _ in spelled}
+        fields = {letters: tuple(names[i - 1] for i in letters) for letters in patterns}
+        return [Word(fields[letters], durations) for letters, durations in spelled]
 
     def _short_words(self, hall_coordinates: Array) -> list[Word]:
         count = len(self.hall.generators)
@@ -91,21 +90,18 @@ class Steering:
 
 def _single_pair(
     hall_coordinates: Array, count: int, first: int, second: int
-) -> list[list[tuple[int, float]]]:
+) -> list[Spelling]:
     """Shortest words where two of the generators have the only bracket."""
     h = hall_coordinates.T
     sweeps = short_durations(h[first - 1], h[second - 1], h[count])
     apart = [i for i in range(1, count + 1) if i not in (first, second)]
-    letters = [first, second, first, second, first, *apart]
-    durations = np.hstack([sweeps, h[[i - 1 for i in apart]].T]).tolist()
-    return [
-        [(i, t) for i, t in zip(letters, row, strict=True) if abs(t) > NEGLIGIBLE]
-        for row in durations
-    ]
+    generators = (first, second, first, second, first, *apart)
+    durations = np.hstack([sweeps, h[[i - 1 for i in apart]].T])
+    return [joined(generators, row) for row in durations.tolist()]
 
 
 def _travel(word: Word) -> float:
-    return sum(abs(duration) for _, duration in word)
+    return sum(map(abs, word.durations))
 
 
 def steering(system: StratifiedSystem, trees: Sequence[Tree]) -> Steering:

@@ -7,7 +7,7 @@ import pytest
 
 from planner.errors import StratumError
 from planner.extended import extend
-from planner.flows import Flow, contact_switches
+from planner.flows import Flow, Word, contact_switches
 from planner.grouping import Grouper, regroup
 from planner.rollout import play
 from planner.strata import StratifiedSystem
@@ -28,8 +28,16 @@ def in_order(extended, word, order=None):
     return [Flow(stratum_of[name], name, t) for name, t in spelled]
 
 
+def regrouped(grouper, segments, ends=("12", "12")):
+    ways = [
+        [Word(tuple(name for name, _ in way), [t for _, t in way]) for way in segment]
+        for segment in segments
+    ]
+    return regroup(grouper, ways, *ends)
+
+
 def grouped(extended, *ways):
-    (flows,) = regroup(extended.grouper, [ways], "12", "12")
+    (flows,) = regrouped(extended.grouper, [ways])
     return flows
 
 
@@ -85,13 +93,13 @@ def test_segments_are_arranged_with_their_neighbours_in_mind():
     # ending the first segment on S2 saves a change of stratum
     extended = extend(hexapod(), PAPER)
     first, second = [("g2_1", 1.0), ("g1_2", 1.0)], [("g2_1", 1.0)]
-    ordered = regroup(extended.grouper, [[first], [second]], "12", "12")
+    ordered = regrouped(extended.grouper, [[first], [second]])
     assert [flow.stratum for flows in ordered for flow in flows] == ["1", "2", "2"]
 
 
 def test_segments_without_flows_change_nothing():
     grouper = Grouper(hexapod(), lambda a, b: True)
-    assert regroup(grouper, [[[]], [[]]], "12", "12") == [[], []]
+    assert regrouped(grouper, [[[]], [[]]]) == [[], []]
 
 
 def test_strata_that_nothing_joins_are_named():
@@ -99,4 +107,4 @@ def test_strata_that_nothing_joins_are_named():
     apart = StratifiedSystem("x", strata, "1")
     grouper = Grouper(apart, lambda a, b: False)
     with pytest.raises(StratumError, match="joins S1 to S2"):
-        regroup(grouper, [[[("g2", 1.0)]]], "1", "1")
+        regrouped(grouper, [[[("g2", 1.0)]]], ("1", "1"))

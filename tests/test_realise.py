@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from planner.coordinates import backward, backward_from_forward, logarithm
 from planner.free_lie import lie_algebra
 from planner.hall import degree, hall_basis
-from planner.realise import word, words
+from planner.realise import spellings, word, words
 
 BASES = [hall_basis(2, 2), hall_basis(4, 2), hall_basis(2, 4), hall_basis(3, 3)]
 ORDERS = ["backward", "forward"]
@@ -92,6 +92,13 @@ def test_words_of_many_segments_are_the_words_of_each():
         assert list(map(len, together)) == list(map(len, alone))
         for a, b in zip(together, alone, strict=True):
             assert np.array(a) == pytest.approx(np.array(b))
+
+
+def test_segments_whose_coordinates_have_the_same_signs_share_their_generators():
+    h = np.array([[0.3, 0.2, 0.5], [0.1, 0.4, 0.7], [0.1, 0.4, -0.7]])
+    (first, _), (second, _), (third, _) = spellings(hall_basis(2, 2), h)
+    assert first is second
+    assert first != third
 
 
 def test_coordinates_of_another_shape_are_refused():
