@@ -71,7 +71,7 @@ class Absent:
     """A planner that is not installed, and so has no rows."""
 
     package: str
-    remedy: str = "pip install 'stratawalk[peers]'"
+    remedy: str = "pip install -e '.[peers]'"
 
     def __str__(self) -> str:
         return f"{self.package} is not installed, its rows are left out: {self.remedy}"
