@@ -125,10 +125,9 @@ def tasks() -> Iterator[tuple[Task, ExtendedSystem, int]]:
 
 def _arcs(extended: ExtendedSystem) -> Arcs:
     """The arcs of a hexapod's tripod 1."""
-    stride, _, yaw_gain, *_ = extended.columns(np.zeros(extended.system.dimension))[
-        :, 0
-    ]
-    return Arcs(float(stride), float(yaw_gain))
+    at_rest = np.zeros(extended.system.dimension)
+    stride, _, yaw_gain = extended.columns(at_rest)[:3, 0].tolist()
+    return Arcs(stride, yaw_gain)
 
 
 def ours(task: Task, extended: ExtendedSystem, segments: int) -> Iterator[Solver]:
