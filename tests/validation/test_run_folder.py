@@ -87,7 +87,7 @@ def test_the_summary_has_the_keys_of_the_contract(folders):
         "walk_starts",
         "predicted", "achieved", "error", "simulated_time", "timestep", "timing",
     }  # fmt: skip
-    assert summary["achieved"].keys() == {
+    assert summary["achieved"].keys() >= {
         "pose", "min_margin", "slip", "slip_swing", "slip_transition", "slip_per_foot",
         "creep_floor",
     }  # fmt: skip
