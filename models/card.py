@@ -67,14 +67,15 @@ class PatternCard:
 
 @dataclass(frozen=True, slots=True)
 class LeanCard:
-    """How far to lean on a stratum before its feet lift: a pattern and its amount."""
+    """The posture in which the feet of a stratum lift."""
 
-    pattern: str
-    by: float
+    pattern: str  # along which the robot leans
+    groups: tuple[str, ...]  # whose mean angle says how far
+    at: float  # that it reaches, or is beyond [rad]
 
     def __post_init__(self) -> None:
-        if not isfinite(self.by):
-            raise ValueError(f"by must be finite, got {self.by}")
+        if not (isfinite(self.at) and self.at):
+            raise ValueError(f"at must be an angle other than 0, got {self.at}")
 
 
 def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
@@ -148,6 +149,8 @@ class Card:
         for stratum, lean in self.leans.items():
             if stratum not in self.gait:
                 raise ValueError(f"lean.{stratum}: the gait has no such stratum")
+            if not lean.groups or set(lean.groups) - set(self.groups):
+                raise ValueError(f"lean.{stratum}: no groups {lean.groups}")
             pattern = self.patterns.get(lean.pattern)
             if pattern is None or self.bottom not in pattern.strata:
                 raise ValueError(

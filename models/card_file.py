@@ -51,9 +51,7 @@ def _decode(table: dict[str, Any]) -> Card:
             name: _pattern(name, pattern)
             for name, pattern in table.get("pattern", {}).items()
         },
-        leans={
-            stratum: LeanCard(**lean) for stratum, lean in table.get("lean", {}).items()
-        },
+        leans={name: _lean(name, lean) for name, lean in table.get("lean", {}).items()},
         servo=None if servo is None else Servo(**servo),
         description=table.get("description", ""),
     )
@@ -106,6 +104,17 @@ def _pattern(name: str, table: dict[str, Any]) -> PatternCard:
             groups={group: float(gain) for group, gain in table["groups"].items()},
             twist=_twist(table.get("twist")),
         )
+    except KeyError as error:
+        raise ValueError(f"{where}: {error.args[0]} is missing") from error
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error
+
+
+def _lean(stratum: str, table: dict[str, Any]) -> LeanCard:
+    where = f"lean.{stratum}"
+    _refuse_unknown(table, {"pattern", "groups", "at"}, where)
+    try:
+        return LeanCard(table["pattern"], tuple(table["groups"]), float(table["at"]))
     except KeyError as error:
         raise ValueError(f"{where}: {error.args[0]} is missing") from error
     except ValueError as error:

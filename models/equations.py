@@ -23,7 +23,7 @@ from models.errors import ModelError
 from models.kinematics import Kinematics
 from models.loads import static_loads
 from models.robot import Robot
-from planner.leaning import Leans
+from planner.stepping import Lean, Leans
 from planner.strata import StratifiedSystem
 
 Fields = Literal["paper", "lifted"]
@@ -39,7 +39,7 @@ class Equations:
     elements: tuple[str, ...]
     twists: Mapping[str, Twist]  # field -> body twist per unit; zero in the air
     swings: Mapping[str, Direction]  # field -> what it does to the groups' angles
-    leans: Leans  # stratum -> field and how long to follow it before feet lift
+    leans: Leans  # stratum -> posture in which its feet lift
 
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
@@ -80,7 +80,11 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
         leans={
-            stratum: (f"g{robot.card.bottom}_{lean.pattern}", lean.by)
+            stratum: Lean(
+                field=f"g{robot.card.bottom}_{lean.pattern}",
+                coordinates=tuple(f"phi_{group}" for group in lean.groups),
+                at=lean.at,
+            )
             for stratum, lean in robot.card.leans.items()
         },
     )
@@ -191,9 +195,8 @@ def _exact(value: float) -> sp.Expr:
 
 def _elements(robot: Robot, swings: list[_Swing], fields: Fields) -> tuple[str, ...]:
     """Loaded swings to steer with, every group's swing in the air, and one bracket."""
-    if patterns := set(robot.card.patterns):
-        leans = {lean.pattern for lean in robot.card.leans.values()}
-        loaded = [swing for swing in swings if swing.label in patterns - leans]
+    if robot.card.patterns:
+        loaded = [swing for swing in swings if swing.twist is not None]
     else:
         alone = [robot.card.bottom] * len(robot.groups)
         on = {"paper": alone, "lifted": list(robot.groups)}[fields]

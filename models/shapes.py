@@ -104,7 +104,8 @@ HEXAPOD_RADIAL = Morphology(
     armature=ARMATURE,
 )
 
-# Two tetrapods, 1-4-6-7 and 2-3-5-8: tripods of the hexapod with two inner legs. All feet lie 0.2 m from their tetrapod's pivot.
+# Two tetrapods, 1-4-6-7 and 2-3-5-8: the tripods with two inner legs each. All
+# feet lie 0.2 m from their tetrapod's pivot.
 OCTOPOD_FEET = {
     1: (0.16, 0.18),
     2: (0.16, -0.18),
@@ -141,12 +142,12 @@ OCTOPOD = Morphology(
 QUADRUPED = Morphology(
     name="quadruped",
     legs={
-        leg: Leg(hip=(x, 0.035 * side), foot=(x, 0.11 * side))
+        leg: Leg(hip=(x, 0.035 * side), foot=(x, 0.12 * side))
         for leg, (x, side) in {
-            1: (0.06, 1),
-            2: (0.06, -1),
-            3: (-0.06, 1),
-            4: (-0.06, -1),
+            1: (0.055, 1),
+            2: (0.055, -1),
+            3: (-0.055, 1),
+            4: (-0.055, -1),
         }.items()
     },
     hip_height=0.05,
@@ -156,7 +157,7 @@ QUADRUPED = Morphology(
     leg_radius=0.006,
     hip_radius=0.010,
     foot_radius=0.008,
-    swing_range=0.7,
+    swing_range=0.55,
     lift_range=(-0.1, 0.6),
     stiffness=STIFFNESS,
     damping=DAMPING,

@@ -16,12 +16,12 @@ from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow
 from planner.grouping import regroup
-from planner.leaning import Leans, leaning
 from planner.shape import Limits
 from planner.stance import centred
 from planner.steering import Order
+from planner.stepping import Leans, stepped
 
-Stance = Literal["paper", "centred"]
+Stance = Literal["paper", "centred", "stepped"]
 Coordinates = Literal["backward", "forward", "fewest", "shortest"]
 
 CHOICES: Mapping[str, tuple[tuple[Order, ...], ...]] = {
@@ -39,12 +39,13 @@ class Execution:
 
     Attributes:
         stance: `paper` keeps the printed order, `centred` puts every sweep under load
-            around shape zero by swings in the air.
+            around shape zero by swings in the air, `stepped` sets every leg anew
+            before each sweep.
         coordinates: Hall coordinates that the flows follow; `fewest` takes for each
             segment those that switch contacts least, `shortest` takes words that sweep
             least.
         limits: Lowest and highest value of shape coordinates by name.
-        leans: Where to lean, along what and how far, so that lifting a foot is safe.
+        leans: Postures in which legs lift, for `stepped`.
         finish: Whether centred flows end by bringing the legs to the goal's shape.
         depart: Stratum at rest before the first flow; the bottom stratum if empty.
         arrive: Stratum at rest after the last one; the bottom stratum if empty.
@@ -115,9 +116,10 @@ class Execution:
         if self.stance == "centred":
             shape_after = goal if self.finish else None
             ordered = centred(extended.shape, ordered, start, shape_after, ends)
-        if self.leans:
-            commute = extended.grouper.interchange
-            ordered = leaning(extended.system, ordered, self.leans, commute)
+        if self.stance == "stepped":
+            shape_after = goal if self.finish else None
+            rules = self.limits, self.leans
+            ordered = stepped(extended.shape, ordered, start, shape_after, *rules)
         extended.shape.require_within(self.limits, chain(*ordered), start)
         return ordered
 

@@ -15,10 +15,10 @@ from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.fields import Array
 from planner.flows import Flow, contact_switches, visits
-from planner.leaning import Leans
 from planner.nominal import default_nodes, fictitious_inputs, sample
 from planner.paths import Path, as_path
 from planner.shape import Limits
+from planner.stepping import Leans
 from planner.strata import StratifiedSystem
 
 CHOICE_NODES = 7  # configurations of a path that chosen elements must span
@@ -109,7 +109,7 @@ def plan(
             `planner.choice` if not given; not with a compiled one.
         stance: As in `planner.execution.Execution`, like the next six.
         limits: Lowest and highest value of shape coordinates by name.
-        leans: Where to lean, along what and how far.
+        leans: Postures in which legs lift.
         coordinates: Hall coordinates to follow.
         finish: Whether a centred plan ends in the goal's shape.
         depart: Stratum at rest before the plan.

@@ -45,8 +45,9 @@ class Setup:
 
         A robot that rows in patterns on all feet is centred by stepping in between.
         """
-        automatic = "centred" if self.scenario.fields == "lifted" else "paper"
-        stance: Stance = self.scenario.stance or automatic
+        stance: Stance = "centred" if self.scenario.fields == "lifted" else "paper"
+        if self.scenario.stance is not None:
+            stance = self.scenario.stance
         rows = bool(self.robot.card.patterns)
         return "stepped" if rows and stance == "centred" else stance
 
