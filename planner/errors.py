@@ -25,6 +25,10 @@ class PlannerError(Exception):
     Bad arguments (wrong shapes, unknown names, NaN) are ``ValueError`` instead.
     """
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Travel between processes, although subclasses are made from other values."""
+        return Exception.__new__, (type(self), *self.args), self.__dict__
+
 
 class SingularConfigurationError(PlannerError):
     """A field or path that has no finite value at a configuration."""

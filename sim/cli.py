@@ -23,6 +23,7 @@ COMMANDS = (
     "plan",
     "check",
     "identify",
+    "figures",
     "robots",
     "systems",
     "scenarios",

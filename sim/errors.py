@@ -52,6 +52,10 @@ class StratawalkError(Exception):
         self.what, self.where, self.remedy = what, where, remedy
         super().__init__(f"{what}: {where}; {remedy}")
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Travel between processes, although an error is made from three texts."""
+        return Exception.__new__, (type(self), *self.args), self.__dict__
+
 
 class UsageError(StratawalkError, ValueError):
     """A command line, scenario or setting that asks for the impossible."""

@@ -26,7 +26,7 @@ def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Arr
     if not walk.setup.scenario.obstacles:
         return {}
     around = surroundings(walk.setup)
-    angles = _commanded(walk)
+    angles = commanded(walk)
     found = {"achieved": around.sweep(walk.recording.qpos).least}
     for name, prediction in predicted.items():
         qpos = around.outline.configurations(prediction.pose, *angles)
@@ -34,7 +34,7 @@ def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Arr
     return found
 
 
-def _commanded(walk: Walk) -> tuple[Array, Array]:
+def commanded(walk: Walk) -> tuple[Array, Array]:
     """Commanded swing and lift of every group at every row, shape (T', G) each."""
     pieces = [stretch.schedule.angles() for stretch in walk.stretches]
     at = walk.recording.at_rows

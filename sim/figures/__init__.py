@@ -4,3 +4,6 @@ One module a figure, each with two sheets: `paper` in the paper's units (l = 1) 
 `metres` with physics beside prediction. What is drawn is computed by functions that
 need no drawing.
 """
+
+NAMES = ("stability", "line", "ellipse", "diagonal", "corridor")
+"""Modules of Figs. 5 to 9; each has `WALKS`, `paper()` and `metres(walks)`."""

@@ -11,8 +11,18 @@ import numpy as np
 from planner.paths import line
 from sim.figures.footprints import Footprints, footprints
 from sim.figures.paper import PaperWalk, configuration, feet, standing, walk
-from sim.figures.sheet import Sheet, Table
-from sim.figures.style import IDEAL, NOMINAL, TRIPODS, WEIGHT, as_map, letter, sheet_of
+from sim.figures.physics import Job, Walked
+from sim.figures.sheet import Cell, Sheet, Table, words
+from sim.figures.style import (
+    IDEAL,
+    MM,
+    NOMINAL,
+    TRIPODS,
+    WEIGHT,
+    as_map,
+    letter,
+    sheet_of,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +31,23 @@ Array = np.ndarray
 
 GOAL = (4.0, 4.0, math.pi / 2)
 SEGMENTS = 12
+MARKERS = {"1": "^", "2": "v"}
+PAPER_CAPTION = """
+Footprints on eqs. (17) and (18), l = 1, from (0, 0, 0) to (4, 4, pi/2) in {segments}
+segments. The paper gives neither path nor feet. A foot that stands still under these
+equations is carried around its tripod's pivot beside the body, (0, l) or (0, -l); feet
+lie where those of the robot `hexapod` do, measured in its pivots' distance. Steered
+with lifted fields: with the paper's own, a tripod swings while both are loaded, and no
+foot would leave one print. The body walks the same way with either.
+"""
+METRES_CAPTION = """
+Footprints of `hexapod` from (0, 0, 0) to (0.15 m, 0.15 m, pi/2) in 30 segments, open
+loop with lifted fields: {count} stays of six feet on the ground, each shown by the
+place of the foot in the middle of its stay. Planned: on the ideal prediction, at the
+commanded angles of the legs. Found: measured contact points. A foot of two joints
+cannot turn exactly about its tripod's pivot, so it slides while it stands; as sweeps
+are centred it slides back again, and little is left at the end of its stay (c).
+"""
 LEGS: Mapping[str, Sequence[int]] = {"1": (1, 4, 5), "2": (2, 3, 6)}
 
 
@@ -36,17 +63,118 @@ def paper() -> Sheet:
     return Sheet(
         name="fig8-diagonal-paper",
         title="Fig. 8, footprints of a turning walk, in the paper's units",
-        caption=(
-            "Footprints on eqs. (17) and (18), l = 1, from (0, 0, 0) to (4, 4, pi/2) "
-            f"in {SEGMENTS} segments. The paper gives neither path nor feet. A foot "
-            "that stands still under these equations is carried around its tripod's "
-            "pivot beside the body, (0, l) or (0, -l); feet lie where those of the "
-            "robot `hexapod` do, measured in its pivots' distance. Steered with lifted "
-            "fields: with the paper's own, a tripod swings while both are loaded, and "
-            "no foot would leave one print. The body walks the same way with either."
-        ),
+        caption=words(PAPER_CAPTION, segments=SEGMENTS),
         figure=figure,
         table=_table(prints),
+    )
+
+
+WALKS = {"diagonal": Job("diagonal")}
+
+
+def metres(walks: Mapping[str, Walked]) -> Sheet:
+    """The scenario `diagonal` in the physics."""
+    walked = walks["diagonal"]
+    planned, found = (
+        footprints(walked.feet[name], walked.contact[name])
+        for name in ("planned", "achieved")
+    )
+    figure, axes = sheet_of("ab\nac", 3.8, width_ratios=[1.5, 1])
+    _draw_both(axes["a"], planned, found)
+    apart = matched(planned, found)
+    _draw_apart(axes["b"], planned, apart)
+    _draw_slides(axes["c"], planned, found)
+    handles, labels = axes["a"].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower left", ncols=len(labels))
+    titles = ("footprints", "found off planned", "from the first to the last of a stay")
+    letter(axes, dict(zip("abc", titles, strict=True)))
+    return Sheet(
+        name="fig8-diagonal-metres",
+        title="Fig. 8, footprints of a turning walk, in metres",
+        caption=words(METRES_CAPTION, count=len(planned.foot)),
+        figure=figure,
+        table=_metres_table(planned, found, apart),
+    )
+
+
+def matched(planned: Footprints, found: Footprints) -> Array:
+    """Distance of each planned print from the one found in its place, (K,) [m].
+
+    Raises:
+        ValueError: The feet did not stand as often as planned.
+    """
+    if not np.array_equal(planned.foot, found.foot):
+        raise ValueError(
+            f"{len(found.foot)} footprints found for {len(planned.foot)} planned"
+        )
+    return np.asarray(np.hypot(*(found.place - planned.place).T))
+
+
+def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:
+    for tripod, legs in LEGS.items():
+        of = np.isin(planned.foot, np.array(legs) - 1)
+        marker, colour = MARKERS[tripod], TRIPODS[tripod]
+        axes.plot(
+            *(MM * planned.place[of].T), marker, color=colour, markersize=4.5,
+            markerfacecolor="none", markeredgewidth=0.5,
+            label=f"tripod {tripod}, planned",
+        )  # fmt: skip
+        axes.plot(
+            *(MM * found.place[of].T), ".", color=colour, markersize=2,
+            label=f"tripod {tripod}, found",
+        )  # fmt: skip
+    as_map(axes, "mm")
+
+
+def _draw_apart(axes: Axes, planned: Footprints, apart: Array) -> None:
+    for tripod, legs in LEGS.items():
+        of = np.isin(planned.foot, np.array(legs) - 1)
+        order = np.argsort(planned.begin[of])
+        axes.plot(
+            np.arange(of.sum()) / len(legs), MM * apart[of][order], MARKERS[tripod],
+            color=TRIPODS[tripod], markersize=2.5, markeredgewidth=0,
+        )  # fmt: skip
+    axes.set(xlabel="stay on the ground", ylabel="distance  [mm]")
+    axes.set_ylim(bottom=0)
+
+
+def _draw_slides(axes: Axes, planned: Footprints, found: Footprints) -> None:
+    for tripod, legs in LEGS.items():
+        of = np.isin(planned.foot, np.array(legs) - 1)
+        order = np.argsort(planned.begin[of])
+        stays = np.arange(of.sum()) / len(legs)
+        axes.plot(
+            stays, MM * found.slid[of][order], MARKERS[tripod], color=TRIPODS[tripod],
+            markersize=2.5, markeredgewidth=0,
+        )  # fmt: skip
+        axes.plot(stays, MM * planned.slid[of][order], ",", color=WEIGHT)
+    axes.plot(
+        [], [], ".", color=WEIGHT, markersize=1.5, label="on the ideal prediction"
+    )
+    axes.set(xlabel="stay on the ground", ylabel="slide  [mm]")
+    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])
+    axes.legend(loc="upper right")
+
+
+def _metres_table(planned: Footprints, found: Footprints, apart: Array) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for tripod, legs in LEGS.items():
+        for leg in legs:
+            of = planned.foot == leg - 1
+            slides = float(planned.slid[of].max()), float(found.slid[of].max())
+            off = float(apart[of].mean()), float(apart[of].max())
+            rows.append((tripod, leg, int(of.sum()), *off, *slides))
+    return Table(
+        header=(
+            "tripod",
+            "leg",
+            "footprints",
+            "mean off planned [m]",
+            "most off planned [m]",
+            "longest slide, ideal [m]",
+            "longest slide, physics [m]",
+        ),  # fmt: skip
+        rows=tuple(rows),
     )
 
 
@@ -74,12 +202,11 @@ def _table(prints: Footprints) -> Table:
 
 
 def _draw_tripods(axes: Axes, prints: Footprints) -> None:
-    markers = {"1": "^", "2": "v"}
     for tripod, legs in LEGS.items():
         of = np.isin(prints.foot, np.array(legs) - 1)
         axes.plot(
             *prints.place[of].T,
-            markers[tripod],
+            MARKERS[tripod],
             color=TRIPODS[tripod],
             markersize=3,
             markeredgewidth=0,

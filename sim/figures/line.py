@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,8 +10,21 @@ import numpy as np
 
 from planner.paths import line
 from sim.figures.paper import SAMPLES, PaperWalk, configuration, walk
-from sim.figures.sheet import Sheet, Table
-from sim.figures.style import IDEAL, NOMINAL, WEIGHT, as_map, letter, sheet_of
+from sim.figures.physics import Job, Walked
+from sim.figures.sheet import Cell, Sheet, Table, words
+from sim.figures.style import (
+    IDEAL,
+    MM,
+    NOMINAL,
+    PHYSICS,
+    QUASI_STATIC,
+    WEIGHT,
+    as_map,
+    draw_walk,
+    letter,
+    plain_decades,
+    sheet_of,
+)
 from sim.figures.tube import exponent, swing_out
 
 if TYPE_CHECKING:
@@ -20,7 +34,25 @@ Array = np.ndarray
 
 SEGMENTS = (1, 4, 16, 60)  # drawn
 TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured
+PAPER_CAPTION = """
+Body centre on eqs. (16) to (18), l = 1, from (0, 0, 0) to (1, 1, 0) in 1, 4, 16 and 60
+segments; the paper draws four. Dots end segments. Within a segment the path swings out
+of the line by the strokes of its bracket: the tube's half width falls as the square
+root of the segment's length (measured power {power:.3f}), while the end error falls as
+one over their number. The single segment uses h5 = 5/8, the integral of the paper's own
+equation, where the paper prints 3/4.
+"""
+METRES_CAPTION = """
+Body centre of `hexapod` from (0, 0, 0) to (0.03 m, 0.03 m, 0), open loop with lifted
+fields: in the physics, predicted on the paper's constant fields (ideal), and on the
+contact kinematics of the actual legs (quasi-static). Loaded sweeps are centred. The
+line is as long as the joint range of 0.45 rad lets a single segment reach, 0.44 of the
+paper's line in units of the pivots' distance. (e) Half width of the tube of the body's
+centre. (f) Shorter segments bring the prediction to the goal and the physics to the
+prediction, until their contact switches, eight a segment, take the larger part.
+"""
 GOAL = (1.0, 1.0, 0.0)
+METRES_LENGTH = 0.03 * np.sqrt(2)
 
 
 @dataclass(frozen=True)
@@ -80,15 +112,7 @@ def paper() -> Sheet:
     return Sheet(
         name="fig6-line-paper",
         title="Fig. 6, straight line, in the paper's units",
-        caption=(
-            "Body centre on eqs. (16) to (18), l = 1, from (0, 0, 0) to (1, 1, 0) in "
-            "1, 4, 16 and 60 segments; the paper draws four. Dots end segments. Within "
-            "a segment the path swings out of the line by the strokes of its bracket: "
-            "the tube's half width falls as the square root of the segment's length "
-            f"(measured power {measured.exponent:.3f}), while the end error falls as "
-            "one over their number. The single segment uses h5 = 5/8, the integral of "
-            "the paper's own equation, where the paper prints 3/4."
-        ),
+        caption=words(PAPER_CAPTION, power=measured.exponent),
         figure=figure,
         table=Table(
             header=(
@@ -112,6 +136,117 @@ def paper() -> Sheet:
             ),
         ),
     )
+
+
+METRES_GOAL = (0.03, 0.03, 0.0)
+WALKS = {
+    f"line-{n}": Job("line", {"path.goal": METRES_GOAL, "segments": n})
+    for n in SEGMENTS
+}
+
+
+def metres(walks: Mapping[str, Walked]) -> Sheet:
+    """The longest such line that one segment's strokes reach, in the same segments."""
+    figure, axes = sheet_of("abe\ncdf", 4.6)
+    made = [walks[name] for name in WALKS]
+    for name, walked in zip("abcd", made, strict=True):
+        _draw_physics(axes[name], walked)
+    widths = {name: [_tube(w, name) for w in made] for name in ("ideal", "achieved")}
+    length = METRES_LENGTH / np.array(SEGMENTS)
+    _draw_widths(axes["e"], length, widths)
+    _draw_departures(axes["f"], made)
+    plural = [f"{n} segment{'s' * (n > 1)}" for n in SEGMENTS]
+    titles = dict(zip("abcd", plural, strict=True))
+    handles, labels = axes["a"].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+    letter(axes, titles | {"e": "tube", "f": "end"})
+    rows = [_row(n, w) for n, w in zip(SEGMENTS, made, strict=True)]
+    return Sheet(
+        name="fig6-line-metres",
+        title="Fig. 6, straight line, in metres",
+        caption=words(METRES_CAPTION),
+        figure=figure,
+        table=Table(
+            header=(
+                "segments",
+                "half width of the tube, ideal [m]",
+                "half width of the tube, physics [m]",
+                "physics off ideal [m]",
+                "physics off quasi-static [m]",
+                "physics off goal [m]",
+                "contact switches",
+            ),  # fmt: skip
+            rows=tuple(rows),
+        ),
+    )
+
+
+def _tube(walked: Walked, name: str) -> float:
+    points, segment = walked.pose[name][:, :2], walked.segment
+    ends = np.append(np.flatnonzero(np.diff(segment)), len(segment) - 1)
+    line_produced = np.outer([-1.0, 2.0], METRES_GOAL[:2])
+    return float(swing_out(points, ends, line_produced).max())
+
+
+def _off(walked: Walked, name: str) -> float:
+    ends = walked.pose["achieved"][-1], walked.pose[name][-1]
+    return float(np.hypot(*(ends[0] - ends[1])[:2]))
+
+
+def _off_goal(walked: Walked) -> float:
+    return float(np.hypot(*(walked.pose["achieved"][-1] - METRES_GOAL)[:2]))
+
+
+def _row(segments: int, walked: Walked) -> tuple[Cell, ...]:
+    return (
+        segments,
+        _tube(walked, "ideal"),
+        _tube(walked, "achieved"),
+        _off(walked, "ideal"),
+        _off(walked, "quasi_static"),
+        _off_goal(walked),
+        int(str(walked.summary["contact_switches"])),
+    )
+
+
+def _draw_physics(axes: Axes, walked: Walked) -> None:
+    draw_walk(axes, walked)
+    as_map(axes, "mm")
+
+
+def _draw_widths(
+    axes: Axes, length: Array, widths: Mapping[str, Sequence[float]]
+) -> None:
+    for name, colour, marker in (("ideal", IDEAL, "o-"), ("achieved", PHYSICS, "s:")):
+        label = "physics" if name == "achieved" else "predicted"
+        axes.loglog(
+            MM * length, MM * np.array(widths[name]), marker,
+            color=colour, markersize=3, label=label,
+        )  # fmt: skip
+    through = widths["ideal"][-1] * np.sqrt(length / length[-1])
+    axes.loglog(MM * length, MM * through, "--", color=NOMINAL, label="square root")
+    axes.set(xlabel="length of a segment  [mm]", ylabel="half width of the tube  [mm]")
+    axes.set_ylim(4, 60)
+    plain_decades(axes.xaxis, axes.yaxis)
+    axes.legend(loc="upper left")
+
+
+def _draw_departures(axes: Axes, made: Sequence[Walked]) -> None:
+    off = {
+        "goal": ([_off_goal(w) for w in made], NOMINAL, "^--"),
+        "ideal": ([_off(w, "ideal") for w in made], IDEAL, "o-"),
+        "quasi-static": ([_off(w, "quasi_static") for w in made], QUASI_STATIC, "s-"),
+    }
+    for name, (distances, colour, marker) in off.items():
+        axes.loglog(
+            SEGMENTS, MM * np.array(distances), marker,
+            color=colour, markersize=3, label=f"physics off {name}",
+        )  # fmt: skip
+    axes.set(xlabel="number of segments", ylabel="distance at the end  [mm]")
+    axes.set_ylim(top=10)  # room for the legend
+    plain_decades(axes.yaxis)
+    axes.set_xticks(SEGMENTS, map(str, SEGMENTS), minor=False)
+    axes.legend(loc="upper right")
 
 
 def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
@@ -139,4 +274,5 @@ def _draw_errors(axes: Axes, measured: Tube) -> None:
     through = measured.error[-1] * measured.segments[-1] / measured.segments
     axes.loglog(measured.segments, through, "--", color=NOMINAL, label="one over n")
     axes.set(xlabel="number of segments n", ylabel="distance from the goal  [$l$]")
+    plain_decades(axes.xaxis, axes.yaxis)
     axes.legend(loc="upper right")

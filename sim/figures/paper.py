@@ -55,6 +55,13 @@ class PaperWalk:
         return np.repeat(np.arange(len(self.plan.flows)), self.samples)
 
     @property
+    def share(self) -> Array:
+        """Part of the segments done at each state, from 0 to 1, shape (N,)."""
+        ends = np.concatenate([[0], self.ends])
+        done = np.linspace(0, 1, len(ends))
+        return np.interp(np.arange(len(self.states)), ends, done)
+
+    @property
     def error(self) -> float:
         """Distance of the end from the goal in the plane."""
         return float(np.hypot(*(self.states[-1] - self.plan.goal)[:2]))

@@ -77,6 +77,11 @@ class Sheet:
     table: Table
 
 
+def words(text: str, **values: object) -> str:
+    """A caption written over several lines as one, with values filled in."""
+    return " ".join(text.split()).format(**values)
+
+
 def save(sheet: Sheet, folder: Path) -> None:
     """Write the drawing as PNG and SVG and its numbers as CSV, each file whole."""
     from matplotlib import rc_context

@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from models.tripod import PaperStance
-from sim.figures.sheet import Sheet, Table
-from sim.figures.style import IDEAL, NOMINAL, TRIPODS, WEIGHT, as_map, letter, sheet_of
+from sim.figures.physics import SWAY, Job, Walked
+from sim.figures.sheet import Cell, Sheet, Table, words
+from sim.figures.style import (
+    IDEAL,
+    MM,
+    NOMINAL,
+    TRIPODS,
+    WEIGHT,
+    as_map,
+    letter,
+    sheet_of,
+)
 from sim.support import stability_margin
 
 if TYPE_CHECKING:
@@ -19,8 +30,28 @@ Array = np.ndarray
 
 # The proportions of `hexapod-parallel`, in leg lengths: the paper gives none.
 STANCE = PaperStance(body_length=20 / 7, leg_length=1.0, half_width=3 / 7)
+BODY = PaperStance(body_length=0.3, leg_length=0.105, half_width=0.045)  # the same [m]
 SHOWN = 0.5  # [rad], the angle that the stance is drawn at
 PHI = np.linspace(-1.2, 1.2, 241)
+PAPER_CAPTION = """
+A tripod stands while the weight, at a distance b behind the front, lies over the
+triangle of its feet: l_b/4 + l sin(phi) <= b <= 3 l_b/4 + l sin(phi). Both bounds hold
+for either tripod; the paper prints one for each. The margin of the support polygon
+changes sign exactly on them ({points} points compared, {disagree} disagree). The
+distance to the bounds along the body's axis is the closed form itself; the margin
+proper, to the nearest side, is smaller by the sides' slope. The paper leaves the
+proportions open; chosen are those of the robot `hexapod-parallel`: l_b = 20/7 l, hips
+3/7 l beside the axis, weight in the middle, b = l_b/2.
+"""
+METRES_CAPTION = """
+Each tripod alone under load, swung from -0.4 to 0.4 rad. Lines: margin of the support
+polygon predicted from the commanded angles, with the weight of the legs moving along.
+Markers: margin in the physics, from measured contacts and centre of mass. The tripod in
+the air stays where its own sweep left it, at 0.4 rad while tripod 2 sweeps.
+`hexapod-parallel` is the paper's stance as a body (l_b = 0.30 m, l = 0.105 m); its grey
+line is the closed form along the body's axis, for a weight that stays in the middle.
+`hexapod`, whose legs point to their tripod's pivot, has no closed form in the paper.
+"""
 ROWS = 15  # of the table
 ANGLE = r"$\varphi$ of the loaded tripod  [rad]"
 STANDS = "#CFE3F1"
@@ -79,21 +110,76 @@ def paper() -> Sheet:
     return Sheet(
         name="fig5-stability-paper",
         title="Fig. 5, stability of the tripods, in the paper's units",
-        caption=(
-            "A tripod stands while the weight, at a distance b behind the front, lies "
-            "over the triangle of its feet: l_b/4 + l sin(phi) <= b <= 3 l_b/4 + "
-            "l sin(phi). Both bounds hold for either tripod; the paper prints one for "
-            "each. The margin of the support polygon changes sign exactly on them "
-            f"({signs.closed.size} points compared, {signs.disagreements} disagree). "
-            "The distance to the bounds along the body's axis is the closed form "
-            "itself; the margin proper, to the nearest side, is smaller by the sides' "
-            "slope. The paper leaves the proportions open; chosen are those of the "
-            "robot `hexapod-parallel`: l_b = 20/7 l, hips 3/7 l beside the axis, "
-            "weight in the middle, b = l_b/2."
+        caption=words(
+            PAPER_CAPTION, points=signs.closed.size, disagree=signs.disagreements
         ),
         figure=figure,
         table=_table(),
     )
+
+
+WALKS = {
+    robot: Job("line", {"robot": robot, "segments": 1}, sway=True)
+    for robot in ("hexapod", "hexapod-parallel")
+}
+
+
+def metres(walks: Mapping[str, Walked]) -> Sheet:
+    """Both hexapods swinging one loaded tripod after the other from end to end."""
+    figure, axes = sheet_of("ab", 2.9, sharey=True)
+    for name, robot in zip("ab", WALKS, strict=True):
+        _draw_sway(axes[name], walks[robot], robot == "hexapod-parallel")
+    letter(axes, dict(zip("ab", WALKS, strict=True)))
+    axes["a"].set_ylabel("margin  [mm]")
+    return Sheet(
+        name="fig5-stability-metres",
+        title="Fig. 5, stability of the tripods, in metres",
+        caption=words(METRES_CAPTION),
+        figure=figure,
+        table=_sway_table(walks),
+    )
+
+
+def _sway_rows(walked: Walked, group: int) -> tuple[Array, Array, Array]:
+    """Angle, predicted and achieved margin while a tripod swings under load."""
+    on = walked.moving == group
+    return (
+        walked.swing[on, group],
+        walked.margin["ideal"][on],
+        walked.margin["achieved"][on],
+    )
+
+
+def _draw_sway(axes: Axes, walked: Walked, parallel: bool) -> None:
+    if parallel:
+        phi = np.linspace(-SWAY, SWAY, 201)
+        along = BODY.margin_along_axis(phi, BODY.body_length / 2)
+        axes.plot(phi, MM * along, "--", color=NOMINAL, label="closed form, along x")
+    for group, (marker, line) in enumerate((("^", "-"), ("v", ":"))):
+        phi, predicted, achieved = _sway_rows(walked, group)
+        colour, tripod = TRIPODS[str(group + 1)], f"tripod {group + 1}"
+        axes.plot(phi, MM * predicted, line, color=colour, label=f"{tripod}, predicted")
+        few = np.linspace(0, len(phi) - 1, 17).astype(int)[group::2]
+        axes.plot(
+            phi[few], MM * achieved[few], marker, color=colour, markersize=4,
+            markerfacecolor="white", label=f"{tripod}, physics",
+        )  # fmt: skip
+    axes.set(xlabel=ANGLE, xlim=(-1.05 * SWAY, 1.05 * SWAY))
+    axes.set_ylim(8, 80)  # room for the legend
+    axes.legend(loc="lower center", ncols=2)
+
+
+def _sway_table(walks: Mapping[str, Walked]) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for robot in WALKS:
+        for group in range(2):
+            phi, predicted, achieved = _sway_rows(walks[robot], group)
+            for angle in np.linspace(-SWAY, SWAY, 9):
+                k = int(np.abs(phi - angle).argmin())
+                margins = float(predicted[k]), float(achieved[k])
+                rows.append((robot, group + 1, float(phi[k]), *margins))
+    header = ("robot", "tripod", "phi [rad]", "predicted [m]", "achieved [m]")
+    return Table(header, tuple(rows))
 
 
 def _table() -> Table:

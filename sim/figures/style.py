@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+
+    from sim.figures.physics import Walked
 
 Array = np.ndarray
 
+MM = 1e3  # [mm/m]
 WIDTH = 7.0  # [in], two columns of a page
 
 # Okabe and Ito's palette; meanings are the same in all figures.
@@ -21,6 +25,11 @@ IDEAL = "#0072B2"
 QUASI_STATIC = "#009E73"
 PHYSICS = "#D55E00"
 WEIGHT = "#000000"
+PATHS = {  # of a walk: colour, width and label, the broad ones below
+    "achieved": ("#F2B48C", 2.2, "physics"),
+    "ideal": (IDEAL, 0.6, "predicted, ideal"),
+    "quasi_static": (QUASI_STATIC, 0.6, "predicted, quasi-static"),
+}
 WALL = "#4D4D4D"
 NEAR_WALL = "#E3E3E3"
 TRIPODS: Mapping[str, str] = {"1": "#0072B2", "2": "#CC3311"}
@@ -73,12 +82,32 @@ def sheet_of(
     return figure, axes
 
 
-def as_map(axes: Axes, unit: str) -> None:
+def as_map(
+    axes: Axes, unit: str, adjustable: Literal["box", "datalim"] = "datalim"
+) -> None:
     """Equal scales, and labels for positions on the ground."""
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal", adjustable=adjustable)
     suffix = f" [{unit}]" if unit else ""
     axes.set_xlabel(f"x{suffix}")
     axes.set_ylabel(f"y{suffix}")
+
+
+def plain_decades(*axes: Axis) -> None:
+    """Logarithmic axes with 1, 2 and 5 of every decade written out."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    for axis in axes:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
+    """Nominal path, physics as a broad line, and both predictions on top of it."""
+    axes.plot(*(scale * walked.nominal.T), "--", color=NOMINAL, label="nominal")
+    for name, (colour, width, label) in PATHS.items():
+        points = scale * walked.pose[name][:, :2].T
+        axes.plot(*points, color=colour, linewidth=width, label=label)
 
 
 def letter(axes: Mapping[str, Axes], titles: Mapping[str, str]) -> None:

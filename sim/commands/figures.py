@@ -1,0 +1,40 @@
+"""`stratawalk figures`: the paper's Figs. 5 to 9, on its kinematics and in physics."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from sim.commands.options import folder_of
+from sim.figures import NAMES
+
+HELP = "draw the paper's Figs. 5 to 9 again, on its kinematics and beside physics"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"
+    )
+    parser.add_argument("--only", choices=NAMES, help="draw this one alone")
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Draw the figures and say where they are."""
+    from sim.figures.draw import draw
+    from sim.folder import claim
+    from sim.progress import bar
+
+    folder = claim(folder_of(options), "figures")
+    try:
+        with bar(quiet=options.json) as progress:
+            sheets = draw(folder, options.only, progress=progress)
+    finally:
+        folder.discard_if_empty()
+    if options.json:
+        facts = {sheet.name: sheet.caption for sheet in sheets}
+        print(json.dumps({"folder": str(folder.path), "figures": facts}, indent=1))
+        return
+    for sheet in sheets:
+        print(f"{sheet.name:26}{sheet.title}")
+    print(f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it")

@@ -1,0 +1,168 @@
+"""Walks in the physics that the figures show, made side by side on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, field
+from multiprocessing import get_context
+
+import numpy as np
+
+from planner.flows import Flow
+from sim.bounds import within_bounds
+from sim.evaluate import Evaluation, Summary, evaluate, summarise
+from sim.passage import commanded
+from sim.planning import plan_open_loop
+from sim.poses import rotate
+from sim.progress import Progress, silent
+from sim.scenario_file import load
+from sim.schedule import Phase
+from sim.setup import Setup, prepare
+from sim.walk import Walk, Walker, walk
+
+Array = np.ndarray
+SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
+NOMINAL = 601  # points of the nominal path
+SWAY = 0.4  # [rad] to either side
+PREDICTED = ("ideal", "quasi_static")
+KEPT = ("achieved", *PREDICTED)
+
+
+@dataclass(frozen=True)
+class Job:
+    """A walk to make.
+
+    Attributes:
+        scenario: Its name.
+        changes: Settings to replace.
+        sway: Instead of walking, swing each tripod under load from end to end.
+    """
+
+    scenario: str
+    changes: Mapping[str, object] = field(default_factory=dict)
+    sway: bool = False
+
+
+@dataclass(frozen=True)
+class Walked:
+    """What the figures need of a finished walk; rows from the start of the walk on.
+
+    Attributes:
+        summary: As in summary.json, timing left out.
+        pose: Achieved and predicted poses by name, shape (T, 3) each.
+        margin: Likewise, shape (T,) each [m].
+        clearance: Likewise, where there are obstacles.
+        swing: Commanded angle of each group, shape (T, G) [rad].
+        qpos: Joint positions, shape (T, nq).
+        segment: Of each row, shape (T,).
+        moving: Which group swings under load, -1 if none does, shape (T,).
+        feet: Where each foot touches and where it was planned to, (T, F, 2) [m].
+        contact: Whether it does and whether it was planned to, (T, F), bool.
+        nominal: Points of the nominal path, shape (M, 2) [m].
+    """
+
+    summary: Summary
+    pose: Mapping[str, Array]
+    margin: Mapping[str, Array]
+    clearance: Mapping[str, Array]
+    swing: Array
+    qpos: Array
+    segment: Array
+    moving: Array
+    feet: Mapping[str, Array]
+    contact: Mapping[str, Array]
+    nominal: Array
+
+    @property
+    def segments(self) -> int:
+        """Number of segments walked."""
+        return int(str(self.summary["segments"]))
+
+
+def perform(job: Job) -> Walked:
+    """Make one walk."""
+    settings = {"sample_every": SAMPLE_EVERY, **job.changes}
+    setup = prepare(load(job.scenario, settings))
+    if job.sway:
+        return _gathered(evaluate(_sway(setup)))
+    setup = within_bounds(setup)
+    planned = None if setup.scenario.replan else plan_open_loop(setup)
+    return _gathered(evaluate(walk(setup, planned)))
+
+
+def perform_all(
+    jobs: Mapping[str, Job], progress: Progress = silent
+) -> dict[str, Walked]:
+    """Make walks side by side, one a core.
+
+    Args:
+        jobs: What to walk, by name.
+        progress: Told the stage and how much of it is done.
+
+    Raises:
+        PlannerError: If one of them has no plan.
+        SimulationError: If the physics diverges.
+    """
+    cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
+    done: dict[str, Walked] = {}
+    with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
+        try:
+            later_first = list(jobs)[::-1]  # later figures walk farther
+            names = {pool.submit(perform, jobs[name]): name for name in later_first}
+            for finished in as_completed(names):
+                done[names[finished]] = finished.result()
+                progress("walking", len(done) / len(jobs))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return done
+
+
+def _sway(setup: Setup) -> Walk:
+    """Swing each tripod from end to end, standing on it alone."""
+    swing = [
+        Flow("2", "g2_1", -SWAY), Flow("1", "g1_1", 2 * SWAY),
+        Flow("1", "g1_2", -SWAY), Flow("2", "g2_2", 2 * SWAY),
+        Flow("2", "g2_1", -SWAY), Flow("1", "g1_2", -SWAY),
+    ]  # fmt: skip
+    walker = Walker(setup)
+    walker.stand()
+    walker.go([swing])
+    return walker.finish()
+
+
+def _gathered(evaluation: Evaluation) -> Walked:
+    made, achieved = evaluation.walk, evaluation.achieved
+    setup, on = made.setup, evaluation.walking
+    phases = made.phases
+    starts = np.array([phase.start for phase in phases])
+    at = np.searchsorted(starts, made.recording.at_rows, side="right") - 1
+    swing, lift = commanded(made)
+    predicted = {name: evaluation.predicted[name] for name in PREDICTED}
+    stance = setup.kinematics.stance(swing, lift)
+    ideal = predicted["ideal"]
+    planned = ideal.pose[:, None, :2] + rotate(stance.feet, ideal.pose[:, 2:])
+    poses = {name: prediction.pose for name, prediction in predicted.items()}
+    margins = {name: prediction.margin for name, prediction in predicted.items()}
+    near = {n: c[on] for n, c in evaluation.clearance.items() if n in KEPT}
+    return Walked(
+        summary=summarise(evaluation, 0.0),
+        pose={n: p[on] for n, p in {**poses, "achieved": achieved.pose}.items()},
+        margin={n: m[on] for n, m in {**margins, "achieved": achieved.margin}.items()},
+        clearance=near,
+        swing=swing[on],
+        qpos=made.recording.qpos[on],
+        segment=np.array([phase.segment for phase in phases])[at][on],
+        moving=np.array([_swept(setup, phase) for phase in phases])[at][on],
+        feet={"planned": planned[on], "achieved": achieved.point[on]},
+        contact={"planned": ideal.contact[on], "achieved": achieved.contact[on]},
+        nominal=setup.scenario.path.curve.at(np.linspace(0, 1, NOMINAL))[:, :2],
+    )
+
+
+def _swept(setup: Setup, phase: Phase) -> int:
+    """Index of the group that swings under load, -1 if none does."""
+    loaded = [i for i in phase.moving if setup.robot.groups[i] in phase.stratum]
+    return loaded[0] if phase.kind == "swing" and loaded else -1

@@ -1,0 +1,165 @@
+"""Figures in metres, drawn from short walks in real physics."""
+
+import json
+
+import numpy as np
+import pytest
+from matplotlib import rc_context
+from PIL import Image
+
+from planner.errors import PlannerError, RangeError
+from sim.cli import COMMANDS, main
+from sim.figures import NAMES, corridor, diagonal, ellipse, line, stability
+from sim.figures.footprints import footprints
+from sim.figures.physics import SWAY, Job, perform, perform_all
+from sim.figures.sheet import save
+from sim.figures.style import STYLE
+
+STEP = {"path.goal": [0.006, 0.006, 0.0]}
+SHORT = {
+    "stability": stability.WALKS,
+    "line": {
+        name: Job("line", STEP | {"segments": n})
+        for n, name in enumerate(line.WALKS, start=1)
+    },
+    "ellipse": {
+        "ellipse": Job("ellipse", {"path.semi_axes": [0.006, 0.004], "segments": 13})
+    },
+    "diagonal": {
+        "diagonal": Job("diagonal", {"path.goal": [0.01, 0.01, 0.1], "segments": 2})
+    },
+    "corridor": {
+        name: Job("corridor", {"path.points": [[0, 0, 0], [0.02, 0, 0.02]]} | few)
+        for name, few in (
+            ("corridor", {"segments": 2}),
+            ("corridor-coarse", {"segments": 1, "min_clearance": -1}),
+        )
+    },
+}
+FIGURES = {
+    "stability": stability,
+    "line": line,
+    "ellipse": ellipse,
+    "diagonal": diagonal,
+    "corridor": corridor,
+}
+
+pytestmark = pytest.mark.physics
+
+
+@pytest.fixture(scope="module")
+def walks():
+    """Walks for every figure, far shorter than those it shows."""
+    return {
+        name: {key: perform(job) for key, job in jobs.items()}
+        for name, jobs in SHORT.items()
+    }
+
+
+def test_every_figure_can_be_asked_for():
+    assert tuple(FIGURES) == NAMES
+    assert "figures" in COMMANDS
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_in_metres_is_drawn_with_its_numbers(walks, name, tmp_path):
+    with rc_context(STYLE):
+        sheet = FIGURES[name].metres(walks[name])
+    save(sheet, tmp_path)
+    with Image.open(tmp_path / f"{sheet.name}.png") as picture:
+        assert picture.width > 1500
+        assert np.ptp(np.asarray(picture.convert("L"))) > 200
+    assert (tmp_path / f"{sheet.name}.svg").stat().st_size > 10_000
+    assert np.isfinite(
+        [c for row in sheet.table.rows for c in row if isinstance(c, float)]
+    ).all()
+    assert "{" not in sheet.caption
+
+
+@pytest.mark.parametrize("robot", stability.WALKS)
+def test_swaying_tripods_have_the_margin_predicted(walks, robot):
+    walked = walks["stability"][robot]
+    for group in range(2):
+        on = walked.moving == group
+        swept = walked.swing[on, group]
+        assert (swept.min(), swept.max()) == pytest.approx((-SWAY, SWAY), abs=0.01)
+        achieved, predicted = walked.margin["achieved"][on], walked.margin["ideal"][on]
+        assert achieved == pytest.approx(predicted, abs=5e-4)  # 2e-4 measured: sag
+
+
+def test_the_paper_s_stance_predicts_the_margin_of_the_parallel_hexapod(walks):
+    """Up to what its legs' weight adds: 27 g of 127 g in reach of 0.105 m sin(0.4)."""
+    walked = walks["stability"]["hexapod-parallel"]
+    on = walked.moving == 0
+    phi = walked.swing[on, 0]
+    middle = np.full_like(phi, stability.BODY.body_length / 2)
+    closed = stability.polygon_margin(stability.BODY, 1, phi, middle)
+    assert walked.margin["achieved"][on] == pytest.approx(closed, abs=0.009)
+    assert np.corrcoef(walked.margin["achieved"][on], closed)[0, 1] > 0.99
+
+
+def test_footprints_are_found_where_they_were_planned(walks):
+    walked = walks["diagonal"]["diagonal"]
+    planned, found = (
+        footprints(walked.feet[name], walked.contact[name])
+        for name in ("planned", "achieved")
+    )
+    apart = diagonal.matched(planned, found)
+    assert len(apart) > 6
+    assert apart.max() < 2e-3  # 0.9e-3 measured, at the ends of uncentred sweeps
+
+
+def test_feet_that_stood_more_often_than_planned_cannot_be_matched(walks):
+    walked = walks["diagonal"]["diagonal"]
+    planned = footprints(walked.feet["planned"], walked.contact["planned"])
+    fewer = footprints(walked.feet["planned"][:9], walked.contact["planned"][:9])
+    with pytest.raises(ValueError, match=r"6 footprints found for \d+ planned"):
+        diagonal.matched(planned, fewer)
+
+
+def test_walks_are_made_side_by_side_and_told_of():
+    jobs = {str(n): Job("line", STEP | {"segments": n}) for n in (1, 2)}
+    told = []
+    done = perform_all(jobs, lambda stage, share: told.append((stage, share)))
+    assert {name: walked.segments for name, walked in done.items()} == {"1": 1, "2": 2}
+    assert told == [("walking", 0.5), ("walking", 1.0)]
+    alone = perform(jobs["2"])
+    assert np.array_equal(done["2"].pose["achieved"], alone.pose["achieved"])
+
+
+def test_a_walk_without_a_plan_ends_the_drawing():
+    far = Job("line", {"path.goal": [0.3, 0.3, 0.0], "segments": 1})
+    with pytest.raises(RangeError, match="plan at least") as refused:
+        perform_all({"far": far})
+    assert isinstance(refused.value, PlannerError)
+
+
+def test_the_paper_s_corridor_is_hit_coarsely_and_cleared_finely():
+    """Looked at more densely than the search for the cuts does."""
+    made = corridor.passage()
+    least = {}
+    for name, cuts in (("coarse", made.coarse), ("fine", made.fine)):
+        walked = made.through(cuts, samples=25)
+        clearance, _ = made.clearance(walked.states[:, :3], walked.states[:, 3:])
+        least[name] = clearance.min()
+    assert least["coarse"] < 0
+    assert least["fine"] >= corridor.LEAST - 1e-9
+    assert np.isin(made.coarse, made.fine).all()
+
+
+def test_the_command_draws_one_figure_and_says_where(tmp_path, capsys):
+    out = tmp_path / "drawn"
+    code = main(["figures", "--only", "stability", "--out", str(out), "--json"])
+    assert code == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert set(facts["figures"]) == {"fig5-stability-paper", "fig5-stability-metres"}
+    names = {path.name for path in out.iterdir()}
+    drawn = {
+        f"{name}.{end}" for name in facts["figures"] for end in ("png", "svg", "csv")
+    }
+    assert names == drawn | {"figures.md"}
+
+
+def test_a_figure_that_is_not_there_is_refused(capsys):
+    assert main(["figures", "--only", "moon"]) == 2
+    assert "invalid choice: 'moon'" in capsys.readouterr().err
