@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from models.kinematics import Kinematics
-from models.robot import Robot
+from models.robot import Robot, actuator_of
 
 Array = np.ndarray
 
@@ -84,6 +84,5 @@ def _spring(data: mujoco.MjData, contacts: list[int]) -> tuple[float, float]:
 
 
 def _servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
-    """Stiffness of the position servo that drives a joint; infinite without one."""
-    driven = np.flatnonzero(model.actuator_trnid[:, 0] == model.joint(joint).id)
-    return float(model.actuator_gainprm[driven[0], 0]) if len(driven) else np.inf
+    """Stiffness of the position servo that drives a joint."""
+    return float(model.actuator_gainprm[actuator_of(model, joint), 0])

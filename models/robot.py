@@ -145,6 +145,20 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     return model
 
 
+def actuator_of(model: mujoco.MjModel, joint: str) -> int:
+    """Index of the first actuator that drives a joint.
+
+    Raises:
+        ModelError: If there is none.
+    """
+    on_joints = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
+    same = model.actuator_trnid[:, 0] == model.joint(joint).id
+    found = np.flatnonzero(on_joints & same)
+    if not len(found):
+        raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
+    return int(found[0])
+
+
 def robots() -> tuple[str, ...]:
     """Names of the shipped robots."""
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))

@@ -63,7 +63,7 @@ def _achieved(walk: Walk) -> Achieved:
     at = recording.at_rows
     contact, points = feet.contact[at], recording.point
     center = recording.center_of_mass.copy()
-    margin = stability_margin(points, contact, center[:, :2])
+    margin = stability_margin(points, _carrying(points, contact, center), center[:, :2])
     before = feet.slip[walk.starts - 1]
     x, y, yaw = walk.origin
     center[:, :2] = rotate(center[:, :2] - (x, y), -yaw)
@@ -75,6 +75,13 @@ def _achieved(walk: Walk) -> Achieved:
         point=rotate(points - (x, y), -yaw),
         center_of_mass=center,
     )
+
+
+def _carrying(points: Array, contact: Array, center: Array) -> Array:
+    """Feet in contact; with none, the one that last touched closest to the weight."""
+    far = np.linalg.norm(points - center[:, None, :2], axis=2)
+    nearest = far == far.min(axis=1, keepdims=True)
+    return np.asarray(contact | (nearest & ~contact.any(axis=1, keepdims=True)))
 
 
 def _predicted(walk: Walk, twists: TwistModel) -> Prediction:

@@ -114,7 +114,7 @@ def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Ink:
     """Filled convex polygons with their frames; corners anticlockwise, (n, 2) [m]."""
     fans = []
     for outline, frame in zip(outlines, frames, strict=True):
-        n = len(outline) - 2
+        n = max(len(outline) - 2, 0)
         fan = np.stack(
             [np.repeat(outline[:1], n, 0), outline[1:-1], outline[2:]], axis=1
         )

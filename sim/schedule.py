@@ -1,8 +1,8 @@
 """From flows to smooth joint commands: when each group lifts, swings and lands.
 
-Time starts at 0 with a hold on all feet and ends with another. A group that leaves the
+Lays what it is told, one phase after another. A group that leaves the
 ground is raised before anything swings, and lands before another one lifts. Knows
-angles and steps; which actuator they drive is for `sim.channels`.
+angles and steps; which actuator they drive is for `sim.world`.
 """
 
 from __future__ import annotations
@@ -32,9 +32,7 @@ class Limits:
     timestep: float  # [s]
     groups: tuple[str, ...]  # names, in the order of every array
 
-    def swing_steps(
-        self, direction: Sequence[float], amount: float
-    ) -> tuple[int, int]:
+    def swing_steps(self, direction: Sequence[float], amount: float) -> tuple[int, int]:
         """Number of steps of a swing and of its acceleration."""
         farthest = amount * max(map(abs, direction))
         return ramp_steps(
@@ -182,7 +180,7 @@ class Scheduler:
     def hold(self, seconds: float) -> None:
         """Stand still."""
         still = (0.0,) * len(self._limits.groups)
-        self._lay("hold", still, 0.0, round(seconds / self._limits.timestep))
+        self._lay("hold", still, 0.0, max(round(seconds / self._limits.timestep), 1))
 
     def flow(self, flow: Flow, direction: tuple[float, ...]) -> None:
         """Go to the flow's stratum and swing its groups.

@@ -160,7 +160,9 @@ def segment_ends(
     ).reshape(-1, len(groups))
     begin = np.cumsum(changes, axis=0) - changes
     begin += np.zeros(len(groups)) if swing is None else np.array(swing)
-    standing = np.array([[g in f.stratum for g in groups] for f in planned.flows])
+    standing = np.array(
+        [[g in f.stratum for g in groups] for f in planned.flows], dtype=bool
+    )
     loaded = ((changes != 0) & standing.reshape(changes.shape)).any(axis=1)
     strokes = Strokes(
         strata=tuple(

@@ -133,6 +133,8 @@ class Walker:
     def _play(
         self, schedule: Schedule, share: tuple[float, float] = (0.0, 0.0)
     ) -> None:
+        if not schedule.phases:
+            return
         ctrl = self.setup.channels.ctrl(*schedule.angles())
         self._stretches.append(Stretch(schedule, self.pose))
         self._shape = schedule.end

@@ -13,7 +13,7 @@ import numpy as np
 
 from models.errors import ModelError
 from models.kinematics import Kinematics
-from models.robot import FOLDER, Robot, compile_model
+from models.robot import FOLDER, Robot, actuator_of, compile_model
 from sim.errors import UsageError
 from sim.scenario import Scenario
 from sim.walls import add_walls
@@ -100,7 +100,9 @@ def _ensure_servos(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> Non
 def _servo_of(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
     """The joint's position servo; actuators of other kinds are removed."""
     found = None
-    for actuator in [a for a in spec.actuators if a.target == joint]:
+    on_joints = mujoco.mjtTrn.mjTRN_JOINT
+    driving = [a for a in spec.actuators if a.trntype == on_joints]
+    for actuator in [a for a in driving if a.target == joint]:
         gain, bias = actuator.gainprm[0], actuator.biasprm[1]
         if gain > 0 and np.isclose(bias, -gain):
             found = actuator
@@ -204,9 +206,10 @@ class Channels:
         for i, leg in enumerate(robot.legs):
             card = robot.card.legs[leg]
             for joint, angle in ((card.swing, turned[:, i]), (card.lift, raised[:, i])):
-                rows[:, self._actuator(joint)] = robot.standing_angle(joint) + angle
+                place = actuator_of(model, joint)
+                rows[:, place] = robot.standing_angle(joint) + angle
             for joint in card.hold:
-                rows[:, self._actuator(joint)] = robot.standing_angle(joint)
+                rows[:, actuator_of(model, joint)] = robot.standing_angle(joint)
         return np.ascontiguousarray(rows)
 
     def swing(self, qpos: np.ndarray) -> np.ndarray:
@@ -226,10 +229,6 @@ class Channels:
         groups = range(len(robot.groups))
         means = [legs[:, robot.group_of_leg == g].mean(axis=1) for g in groups]
         return np.stack(means, axis=1)
-
-    def _actuator(self, joint: str) -> int:
-        address = self.model.joint(joint).id
-        return int(np.flatnonzero(self.model.actuator_trnid[:, 0] == address)[0])
 
 
 def lift_angle(robot: Robot, lift_height: float | None) -> float:
