@@ -139,7 +139,7 @@ def plan(
     try:
         return follow_path(extended, nominal, segments, execution, nodes)
     except RangeError as error:
-        enough = _enough(extended, nominal, segments, execution)
+        enough = enough_segments(extended, nominal, segments, execution)
         raise error.with_segments(enough) from None
 
 
@@ -196,10 +196,17 @@ def assemble(
     )
 
 
-def _enough(
+def enough_segments(
     extended: ExtendedSystem, path: Path, segments: int, execution: Execution
 ) -> int | None:
-    """The smallest number of segments found that keeps the limits."""
+    """The smallest number of segments found, open loop, that keeps the limits.
+
+    Args:
+        extended: System to steer.
+        path: Configurations on the bottom stratum for s in [0, 1].
+        segments: A number that does not do.
+        execution: How to carry them out.
+    """
     for end in (path(0.0), path(1.0)):
         try:
             extended.shape.require_within(execution.limits, (), end)

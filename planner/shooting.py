@@ -13,13 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import ConvergenceError
+from planner.errors import ConvergenceError, RangeError
 from planner.execution import CHOICES, Execution
 from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.nominal import fictitious_inputs, sample
 from planner.paths import Path, as_path, grid, line
-from planner.plan import Plan, assemble
+from planner.plan import Plan, assemble, enough_segments
 from planner.replan import FINEST, NODES
 from planner.rollout import play
 
@@ -69,6 +69,8 @@ def aim(
     Raises:
         ValueError: The execution leaves the choice of coordinates open.
         ConvergenceError: A segment is too long to be aimed at.
+        RangeError: The plan leaves the limits; about how many segments would do is
+            judged open loop.
     """
     nominal = as_path(path)
     targets = nominal.at(grid(nominal, segments))
@@ -82,7 +84,11 @@ def aim(
             )
         shots.append(shot)
         here = shot.end
-    return _assembled(extended, shots, (targets[0], targets[-1]), execution)
+    try:
+        return _assembled(extended, shots, (targets[0], targets[-1]), execution)
+    except RangeError as error:
+        enough = enough_segments(extended, nominal, segments, execution)
+        raise error.with_segments(enough) from None
 
 
 def _aimed(

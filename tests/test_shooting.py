@@ -1,9 +1,11 @@
 """Shots and aims: goals met to any accuracy on systems that are not nilpotent."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from planner.errors import ConvergenceError
+from planner.errors import ConvergenceError, RangeError
 from planner.execution import Execution
 from planner.extended import extend
 from planner.paths import ellipse, line
@@ -99,6 +101,16 @@ def test_aimed_plan_has_no_more_segments_than_asked_for(paper):
 def test_segment_that_cannot_be_aimed_is_refused(paper):
     with pytest.raises(ConvergenceError, match="segment 1 of 1 cannot be aimed"):
         aim(paper, line(AT_REST, [20, 20, 0, 0, 0]), 1, BACKWARD)
+
+
+def test_aimed_plan_out_of_range_names_more_segments_and_they_do(robot):
+    path = line(AT_REST, [0.15, 0.15, 0, 0, 0])
+    within = replace(SHORTEST, stance="centred", limits={"phi_1": (-0.45, 0.45)})
+    with pytest.raises(RangeError, match="plan at least") as refused:
+        aim(robot, path, 5, within)
+    enough = refused.value.segments
+    assert enough > 5
+    assert len(aim(robot, path, enough, within).segment_ends) == enough
 
 
 def test_shortest_words_reach_the_same_hall_coordinates(robot):

@@ -292,15 +292,8 @@ def _metres_table(made: Sequence[Walked]) -> Table:
                 float(walked.margin["achieved"].min()),
             )
         )
-    return Table(
-        header=(
-            "segments",
-            "least clearance, ideal [m]",
-            "quasi-static [m]",
-            "achieved [m]",
-            "wall contacts",
-            "contact switches",
-            "least margin [m]",
-        ),  # fmt: skip
-        rows=tuple(rows),
-    )
+    header = (
+        "segments", "least clearance, ideal [m]", "quasi-static [m]", "achieved [m]",
+        "wall contacts", "contact switches", "least margin [m]",
+    )  # fmt: skip
+    return Table(header=header, rows=tuple(rows))
