@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.errors import BoundError, RangeError
+from planner.errors import BoundError
 from planner.fields import Array
 
 MOST_SEGMENTS = 1000  # a walk of an hour and more
@@ -41,22 +41,14 @@ def subdivide(cuts: Array, leeways: Callable[[Array], Sequence[Leeway]]) -> Arra
 
     Raises:
         BoundError: More than `MOST_SEGMENTS` would be needed.
-        RangeError: No number of segments keeps the range of some shape coordinate.
     """
     while True:
-        try:
-            found = leeways(cuts)
-        except RangeError as error:
-            if error.segments is None:
-                raise
-            least = int(np.ceil(error.segments / (len(cuts) - 1)))
-            pieces = np.full(len(cuts) - 1, max(least, 2))
-        else:
-            pieces = np.max([needed(leeway) for leeway in found], axis=0)
-            if pieces.sum() > MOST_SEGMENTS:
-                raise _refusal(cuts, found)
+        found = leeways(cuts)
+        pieces = np.max([needed(leeway) for leeway in found], axis=0)
         if (pieces == 1).all():
             return cuts
+        if pieces.sum() > MOST_SEGMENTS:
+            raise _refusal(cuts, found)
         cuts = refined(cuts, pieces)
 
 

@@ -12,8 +12,9 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.errors import BoundError, point
+from planner.errors import BoundError, RangeError, point
 from planner.paths import grid
+from planner.plan import plan
 from planner.subdivide import Leeway, subdivide
 from sim.clearance import Surroundings, surroundings
 from sim.forecast import Stage, foresee
@@ -48,11 +49,38 @@ def within_bounds(setup: Setup) -> Setup:
 
     def leeways(cuts: Array) -> list[Leeway]:
         tried = setup.recut(cuts)
-        stages = foresee(tried)
+        try:
+            stages = foresee(tried)
+        except RangeError as error:
+            if error.segments is None:
+                raise
+            return [_reach(tried)]  # there is no motion to look at yet
         return [bound.leeway(tried, stages) for bound in bounds]
 
     cuts = grid(setup.scenario.path.curve, setup.scenario.segments)
     return setup.recut(subdivide(cuts, leeways))
+
+
+def _reach(setup: Setup) -> Leeway:
+    """What the strokes of each segment leave of the joint range [rad]."""
+    planned = plan(
+        setup.extended,
+        setup.nominal(),
+        setup.scenario.segments,
+        stance=setup.stance,
+        leans=setup.equations.leans,
+    )
+    shape, flows = setup.extended.shape, planned.flows
+    segment = np.repeat(
+        np.arange(len(planned.segment_ends)),
+        np.diff(planned.segment_ends, prepend=0),
+    )
+    standing, walking = np.inf, np.full(len(planned.segment_ends), np.inf)
+    for name, (low, high) in setup.swing_limits.items():
+        angle = shape.course(shape.names.index(name), flows, 0.0)[1:]
+        np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
+        standing = min(standing, high, -low)
+    return Leeway("joint range", 0.0, np.full(len(walking), standing), walking)
 
 
 def _bounds(setup: Setup) -> Iterable[Bound]:

@@ -1,4 +1,4 @@
-"""Nominal paths of the body that a scenario can name: line, ellipse, waypoints.
+"""Nominal paths of the body that a scenario can name: line, ellipse and others.
 
 A path is a callable of s in [0, 1] that returns the pose (x [m], y [m], yaw [rad]) in
 the frame of the start pose; yaw is continuous, not wrapped. The curves themselves are
@@ -98,10 +98,22 @@ def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
     return NominalPath("waypoints", poses, poses[-1], length, paths.waypoints(poses))
 
 
+def route(goal: Sequence[float]) -> NominalPath:
+    """Any way to a goal that keeps clear of obstacles; `sim.route` finds it.
+
+    Until then, and where nothing stands in the way, the straight line.
+
+    Raises:
+        UsageError: If the goal is not a pose.
+    """
+    return replace(line(goal), kind="route")
+
+
 KINDS: dict[str, tuple[str, Callable[[Any], NominalPath]]] = {
     "line": ("goal", line),
     "ellipse": ("semi_axes", ellipse),
     "waypoints": ("points", waypoints),
+    "route": ("goal", route),
 }
 """For each kind the key of its parameter, and what makes it."""
 
@@ -109,9 +121,13 @@ KINDS: dict[str, tuple[str, Callable[[Any], NominalPath]]] = {
 def decode(table: object) -> NominalPath:
     """The path that a table describes: `kind = ...` and the parameter of that kind.
 
+    A table with a goal and no kind is a route.
+
     Raises:
         UsageError: If a key is missing, unknown, or its value impossible.
     """
+    if isinstance(table, dict) and table.keys() == {"goal"}:
+        table = {"kind": "route", **table}
     if not isinstance(table, dict) or not isinstance(table.get("kind"), str):
         raise _refusal("path", table, f"a table with kind = {' or '.join(KINDS)}")
     kind = table["kind"]

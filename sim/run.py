@@ -15,6 +15,7 @@ from sim.folder import RunFolder
 from sim.phases import table
 from sim.planning import plan_open_loop
 from sim.progress import Progress, silent
+from sim.route import routed
 from sim.scenario import Scenario
 from sim.scenario_file import dumps
 from sim.setup import prepare
@@ -49,6 +50,8 @@ def run(
     with _timed(timing, "compile"):
         setup = prepare(scenario)
     with _timed(timing, "plan"):
+        setup = routed(setup)
+        scenario = setup.scenario
         setup = within_bounds(setup)
         planned = None if scenario.replan else plan_open_loop(setup)
     folder.write_text("scenario.toml", dumps(scenario))

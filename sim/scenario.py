@@ -45,7 +45,7 @@ class Scenario:
         "printed",
     )
     segments: int = setting(
-        Number(1, 100_000, whole=True), "pieces that the nominal path is planned in"
+        Number(1, 100_000, whole=True), "pieces that the nominal path is planned in", 20
     )
     replan: bool = setting(Flag(), "plan each segment from the pose reached", False)
     steer: Literal["ideal", "quasi-static", "identified"] = setting(

@@ -142,9 +142,8 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
     for key in table:
         if key not in _keys():
             raise UsageError(f"unknown key {key!r}", where, nearest(key, _keys()))
-    for key in ("segments", "path"):
-        if key not in table:
-            raise UsageError(f"{key} is missing", where, f"give {key}")
+    if "path" not in table:
+        raise UsageError("path is missing", where, "give path")
     standing = obstacles.decode(table.get("obstacles", ()))
     path = nominal.decode(table["path"])
     return Scenario(**{**table, "path": path, "obstacles": standing})

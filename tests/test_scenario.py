@@ -40,6 +40,7 @@ def test_shipped_scenarios_end_where_the_paper_goes():
         "ellipse": (0.0, 0.0, 0.0),
         "diagonal": (0.15, 0.15, math.pi / 2),
         "corridor": (0.35, 0.35, math.pi / 2),
+        "detour": (0.9, 0.0, 0.0),
     }
 
 
@@ -207,7 +208,7 @@ def test_setting_with_a_default_may_not_be_none():
         ('kind = "line"', "path.goal is missing: path of kind line"),
         ('kind = "lien"\ngoal = [0, 0, 0]', "unknown path kind 'lien'.*'line'"),
         ('kind = "line"\ngoal = [0, 0, 0]\nturn = 1', "unknown key 'path.turn'"),
-        ("goal = [0, 0, 0]", "give a table with kind = line or ellipse or waypoints"),
+        ("semi_axes = [1, 1]", "give a table with kind = line or ellipse or waypoints"),
         ('kind = "line"\ngoal = [0, 0]', r"path.goal = \[0, 0\] is not allowed"),
         ('kind = "line"\ngoal = "here"', "path.goal = 'here' is not allowed"),
         ('kind = "line"\ngoal = [nan, 0, 0]', r"path.goal = \[nan, 0, 0\] is not"),
@@ -239,15 +240,15 @@ def test_unknown_table_is_refused_in_an_override():
         load("line", {"paht.goal": [0, 0, 0]})
 
 
-@pytest.mark.parametrize("key", ["segments", "path"])
-def test_file_must_say_what_has_no_default(file, key):
-    lines = {
-        "segments": "segments = 3",
-        "path": 'path = {kind = "line", goal = [0, 0, 0]}',
-    }
-    del lines[key]
-    with pytest.raises(UsageError, match=f"{key} is missing: .*mine.toml; give {key}"):
-        load(file("\n".join(lines.values())))
+def test_file_must_say_what_has_no_default(file):
+    with pytest.raises(UsageError, match=r"path is missing: .*mine.toml; give path"):
+        load(file("segments = 3"))
+
+
+def test_a_goal_alone_is_a_route_to_be_found(file):
+    path = load(file("[path]\ngoal = [0.1, 0.2, 0.3]")).path
+    assert path.kind == "route"
+    assert path.goal == (0.1, 0.2, 0.3)
 
 
 def test_unknown_name_is_refused_with_the_nearest_shipped_one():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from planner import subdivide as module
-from planner.errors import BoundError, RangeError
+from planner.errors import BoundError
 from planner.paths import Path, grid, line, recut, waypoints
 from planner.subdivide import Leeway, needed, refined, subdivide
 
@@ -65,23 +65,6 @@ def test_too_many_segments_are_refused_with_what_can_be_kept(monkeypatch):
         r"s = 0 and 0\.\d+ of the path; -0\.\d+ is kept with 16: ask for less",
     ):
         subdivide(np.array([0.0, 1.0]), lambda cuts: tube(cuts, room=0.01))
-
-
-def test_a_range_that_asks_for_more_segments_gets_them():
-    def leeways(cuts):
-        if len(cuts) - 1 < 12:
-            raise RangeError("phi", 2.0, -1.0, 1.0, 12)
-        return tube(cuts, room=1.0)
-
-    assert len(subdivide(np.linspace(0, 1, 6), leeways)) - 1 == 15  # each into three
-
-
-def test_a_range_that_nothing_keeps_is_refused():
-    def leeways(cuts):
-        raise RangeError("phi", 2.0, -1.0, 1.0, None)
-
-    with pytest.raises(RangeError, match="no number of segments would do"):
-        subdivide(np.array([0.0, 1.0]), leeways)
 
 
 def test_dividing_a_recut_path_evenly_divides_the_path_at_the_cuts():

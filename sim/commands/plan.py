@@ -35,12 +35,13 @@ def execute(options: argparse.Namespace) -> None:
 
     from sim.bounds import within_bounds  # slow; a refused scenario does not wait
     from sim.planning import plan_open_loop
+    from sim.route import routed
     from sim.setup import prepare
 
     began = time.perf_counter()
     setup = prepare(scenario)
     compiled = time.perf_counter()
-    setup = within_bounds(setup)
+    setup = within_bounds(routed(setup))
     flows = _replanned(setup) if scenario.replan else plan_open_loop(setup).flows
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     facts = summarise(setup, flows) | {"timing": timing}

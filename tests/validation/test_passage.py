@@ -5,6 +5,7 @@ import pytest
 from sim.bounds import within_bounds
 from sim.evaluate import evaluate, summarise, trajectory
 from sim.planning import plan_open_loop
+from sim.route import routed
 from sim.scenario_file import load
 from sim.setup import prepare
 from sim.walk import walk
@@ -20,7 +21,7 @@ BESIDE = {
 
 
 def run(name, **changes):
-    setup = within_bounds(prepare(load(name, changes)))
+    setup = within_bounds(routed(prepare(load(name, changes))))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     evaluation = evaluate(walk(setup, planned))
     return summarise(evaluation, 0.0), trajectory(evaluation)
@@ -72,6 +73,14 @@ def test_the_corridor_is_walked_without_touching_its_walls(how):
     assert summary["achieved"]["min_clearance"] > 0.004
     assert arrays["achieved_clearance"].min() > 0.004
     assert summary["error"]["goal"]["position"] < 0.01 * summary["path_length"]
+
+
+@pytest.mark.full
+def test_a_way_that_was_found_is_walked_without_touching_anything():
+    summary, _ = run("detour")
+    assert summary["wall_contacts"] == 0
+    assert summary["achieved"]["min_clearance"] > 0.005
+    assert summary["error"]["goal"]["position"] < 1e-3  # replanned
 
 
 @pytest.mark.full

@@ -1,0 +1,172 @@
+"""A nominal path where none is given: around obstacles, along curves legs can walk.
+
+Found by OMPL's RRT* among the curves of Reeds and Shepp, arcs and straight lines with
+the heading along them, forward or backward. A robot that goes where it is heading needs
+no brackets, so its tube is narrow; room for what is left of it is kept on both sides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import shapely
+
+from planner.errors import BoundError, point
+from sim import nominal
+from sim.clearance import Surroundings, surroundings
+from sim.errors import UsageError
+from sim.nominal import NominalPath, Pose
+from sim.setup import Setup
+
+Array = np.ndarray
+
+ROOMS = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
+TRIALS = 2000  # samples for each; a few seconds
+TIGHTEST = 0.5  # arc, in radii of the robot's outline
+STEP = 0.005  # between poses checked, in parts of the largest distance
+
+
+def routed(setup: Setup) -> Setup:
+    """Find the nominal path of a scenario that names its goal alone.
+
+    Any other setup is left as it is. Without obstacles the path is the straight line.
+
+    Raises:
+        BoundError: If no way is found.
+        UsageError: If OMPL is not installed.
+    """
+    scenario = setup.scenario
+    if scenario.path.kind != "route":
+        return setup
+    if scenario.obstacles:
+        path = _around(surroundings(setup), setup)
+    else:
+        path = nominal.line(scenario.path.goal)
+    return replace(setup, scenario=replace(scenario, path=path))
+
+
+def _around(around: Surroundings, setup: Setup) -> NominalPath:
+    """The first way found, asking for as much room as there may be."""
+    scenario = setup.scenario
+    least = max(scenario.min_clearance, 0.0)
+    for room in ROOMS:
+        search = _Search(around, scenario.path.goal, least + room)
+        found = search.run(scenario.seed, scenario.segments)
+        if found is not None:
+            path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
+            return replace(path, goal=scenario.path.goal)
+    raise BoundError(
+        f"no way found to {point(scenario.path.goal)} that keeps "
+        f"{1e3 * (least + ROOMS[-1]):.1f} mm from all obstacles; make more room, or "
+        "give waypoints"
+    )
+
+
+class _Search:
+    """One search for a way that keeps a distance from obstacles."""
+
+    def __init__(self, around: Surroundings, goal: Pose, room: float) -> None:
+        self.goal = goal
+        outline = around.outline
+        angles = np.zeros((1, len(outline.robot.groups)))
+        rest = outline.configurations(np.zeros((1, 3)), angles, angles)
+        self.radius = outline.radius(rest[0])
+        self._area = around.area
+        self._body = shapely.get_coordinates(outline.area(rest[0]).buffer(room))
+        self._near = self._area.buffer(self.radius + room)
+        shapely.prepare(self._area)
+        shapely.prepare(self._near)
+
+    def run(self, seed: int, pieces: int) -> Array | None:
+        """Poses that end straight pieces of the way, or None if none is found.
+
+        Args:
+            seed: Of the samples.
+            pieces: Into how many to cut the way.
+
+        Returns:
+            Shape (pieces + 1, 3), yaw continuous.
+        """
+        base, geometric, util = _ompl()
+        util.setLogLevel(util.LOG_NONE)
+        util.RNG.setSeed(seed + 1)  # 0 would mean the time of day
+        space = base.ReedsSheppStateSpace(TIGHTEST * self.radius)
+        space.setBounds(self._bounds(base))
+        setup = geometric.SimpleSetup(space)
+        setup.setStateValidityChecker(lambda state: self.is_free(*_pose(state)))
+        information = setup.getSpaceInformation()
+        information.setStateValidityCheckingResolution(STEP)
+        ends = [_state(space, pose) for pose in (nominal.START, self.goal)]
+        if not all(self.is_free(*_pose(end)) for end in ends):
+            return None
+        setup.setStartAndGoalStates(*ends, 1e-9)
+        length = base.PathLengthOptimizationObjective(information)
+        setup.setOptimizationObjective(length)
+        setup.setPlanner(geometric.RRTstar(information))
+        setup.solve(base.PlannerTerminationCondition(_after(TRIALS)))
+        if not setup.haveExactSolutionPath():
+            return None
+        way = setup.getSolutionPath()
+        way.interpolate(pieces + 1)
+        return self._joined([_pose(state) for state in way.getStates()])
+
+    def is_free(self, x: float, y: float, yaw: float) -> bool:
+        """Whether the robot, standing there, keeps its distance."""
+        if not shapely.intersects_xy(self._near, x, y):
+            return True
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        placed = self._body @ np.array([(cos, sin), (-sin, cos)]) + (x, y)
+        return not shapely.intersects(self._area, shapely.polygons(placed))
+
+    def _bounds(self, base: Any) -> Any:
+        """A robot's width around start, goal and all obstacles."""
+        places = shapely.multipoints([nominal.START[:2], self.goal[:2]])
+        west, south, east, north = shapely.union(self._area, places).bounds
+        bounds = base.RealVectorBounds(2)
+        for axis, (low, high) in enumerate(((west, east), (south, north))):
+            bounds.setLow(axis, low - 2 * self.radius)
+            bounds.setHigh(axis, high + 2 * self.radius)
+        return bounds
+
+    def _joined(self, poses: list[Pose]) -> Array:
+        """Yaw made continuous, and the ends exactly start and goal."""
+        way = np.array(poses)
+        way[:, 2] = np.unwrap(way[:, 2])
+        way[:, 2] -= way[0, 2]
+        turns = np.round((way[-1, 2] - self.goal[2]) / math.tau)
+        way[0], way[-1] = nominal.START, self.goal
+        way[-1, 2] += math.tau * turns
+        return way
+
+
+def _ompl() -> tuple[Any, Any, Any]:
+    try:
+        from ompl import base, geometric, util
+    except ImportError as error:
+        raise UsageError(
+            "no path is given, and finding one needs OMPL",
+            "path",
+            "pip install ompl, or give a line or waypoints",
+        ) from error
+    return base, geometric, util
+
+
+def _pose(state: Any) -> Pose:
+    return state.getX(), state.getY(), state.getYaw()
+
+
+def _state(space: Any, pose: Pose) -> Any:
+    state = space.allocState()
+    state.setXY(*pose[:2])
+    state.setYaw(math.remainder(pose[2], math.tau))
+    return state
+
+
+def _after(trials: int) -> Callable[[], bool]:
+    """Ends a search after so many trials, not after a time, for the same way again."""
+    count = iter(range(trials))
+    return lambda: next(count, None) is None
