@@ -16,8 +16,8 @@ from planner.errors import BoundError, RangeError, point
 from planner.paths import grid
 from planner.plan import plan
 from planner.subdivide import Leeway, subdivide
-from sim.clearance import Surroundings, surroundings
 from sim.forecast import Stage, foresee
+from sim.obstacles.clearance import Surroundings, surroundings
 from sim.setup import Setup
 from sim.support import stability_margin
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from models.twists import TwistModel
 from sim.attribution import error_sources
-from sim.passage import clearances
+from sim.obstacles.passage import clearances
 from sim.phases import count_changes, phase_slips
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict

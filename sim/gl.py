@@ -3,7 +3,7 @@
 MuJoCo ties its driver at `import mujoco`, and fails there on a value of MUJOCO_GL that
 does not fit the machine. So physics imports it without any driver, and pictures are
 drawn by processes of their own that are started with the driver found here. Draws
-nothing but one small frame for a trial; the film is in `sim.film`.
+nothing but one small frame for a trial; the film is in `sim.film.direction`.
 """
 
 from __future__ import annotations

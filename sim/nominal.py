@@ -99,7 +99,7 @@ def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
 
 
 def route(goal: Sequence[float]) -> NominalPath:
-    """Any way to a goal that keeps clear of obstacles; `sim.route` finds it.
+    """Any way to a goal that keeps clear of obstacles; `sim.obstacles.route` finds it.
 
     Until then, and where nothing stands in the way, the straight line.
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.measure import FootLog, Sensors, last_touched, log_feet
+from sim.obstacles.walls import Touches
 from sim.physics import STRETCH, Engine
-from sim.walls import Touches
 
 Array = np.ndarray
 Samples = tuple[Array, ...]  # qpos, qvel, point, centre of mass

@@ -12,10 +12,10 @@ from sim.bounds import within_bounds
 from sim.creep import creep_floor
 from sim.evaluate import Summary, evaluate, summarise, trajectory
 from sim.folder import RunFolder
+from sim.obstacles.route import routed
 from sim.phases import table
 from sim.planning import plan_open_loop
 from sim.progress import Progress, silent
-from sim.route import routed
 from sim.scenario import Scenario
 from sim.scenario_file import dumps
 from sim.setup import prepare
@@ -69,7 +69,7 @@ def run(
     summary["timing"] = timing
     folder.write_json("summary.json", summary)
     if look is not None:
-        from sim.film import film
+        from sim.film.direction import film
 
         with _timed(timing, "render"):
             film(folder.path, look=look, progress=lambda f: progress("filming", f))

@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from sim.errors import UsageError
 from sim.nominal import NominalPath
-from sim.obstacles import Obstacle
+from sim.obstacles.shapes import Obstacle
 from sim.settings import Choice, Flag, Number, Text, setting
 
 

@@ -13,8 +13,9 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from sim import nominal, obstacles
+from sim import nominal
 from sim.errors import UsageError
+from sim.obstacles import shapes
 from sim.scenario import Scenario, settings
 from sim.settings import nearest
 
@@ -69,7 +70,7 @@ def to_table(scenario: Scenario) -> dict[str, Any]:
     """The scenario as a table of plain values, as a file would give it."""
     values = {item.name: getattr(scenario, item.name) for item in settings()}
     said = {key: value for key, value in values.items() if value is not None}
-    standing = [obstacles.encode(obstacle) for obstacle in scenario.obstacles]
+    standing = [shapes.encode(obstacle) for obstacle in scenario.obstacles]
     return {
         **said,
         "path": nominal.encode(scenario.path),
@@ -144,7 +145,7 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
             raise UsageError(f"unknown key {key!r}", where, nearest(key, _keys()))
     if "path" not in table:
         raise UsageError("path is missing", where, "give path")
-    standing = obstacles.decode(table.get("obstacles", ()))
+    standing = shapes.decode(table.get("obstacles", ()))
     path = nominal.decode(table["path"])
     return Scenario(**{**table, "path": path, "obstacles": standing})
 

@@ -15,8 +15,8 @@ from models.errors import ModelError
 from models.kinematics import Kinematics
 from models.robot import FOLDER, Robot, actuator_of, compile_model
 from sim.errors import UsageError
+from sim.obstacles.walls import add_walls
 from sim.scenario import Scenario
-from sim.walls import add_walls
 
 CONTACT_FIELDS = 10  # found 1, force 3, position 3, relative velocity 3
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}

@@ -6,7 +6,7 @@ import pytest
 
 from models.robot import load as load_robot
 from sim.errors import RenderError
-from sim.film import check
+from sim.film.direction import check
 from sim.folder import RunFolder
 from sim.nominal import line
 from sim.run import run

@@ -5,8 +5,8 @@ import subprocess
 import imageio_ffmpeg
 import numpy as np
 
-from sim.film_camera import FIELD_OF_VIEW
-from sim.film_style import HEIGHT, WIDTH
+from sim.film.camera import FIELD_OF_VIEW
+from sim.film.style import HEIGHT, WIDTH
 
 FFMPEG = imageio_ffmpeg.get_ffmpeg_exe()
 

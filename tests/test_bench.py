@@ -6,14 +6,15 @@ import pytest
 
 from models.robot import robots
 from models.systems.library import SYSTEMS
-from sim import bench, bench_planner, cli
-from sim.bench_row import Row, median, paired
+from sim import cli
+from sim.bench import planner_speed, speed
+from sim.bench.row import Row, median, paired
 
 ROWS = [Row("a thing takes", 0.25, "s", "< 0.5"), Row("another weighs", 3, "kg")]
 
 
 def test_every_row_says_what_is_wanted_where_something_is(monkeypatch, capsys):
-    monkeypatch.setattr(bench, "measure", lambda: iter(ROWS))
+    monkeypatch.setattr(speed, "measure", lambda: iter(ROWS))
     assert cli.main(["bench"]) == 0
     first, second = capsys.readouterr().out.splitlines()
     assert " ".join(first.split()) == "a thing takes 0.25 s wanted < 0.5"
@@ -21,7 +22,7 @@ def test_every_row_says_what_is_wanted_where_something_is(monkeypatch, capsys):
 
 
 def test_rows_are_also_json(monkeypatch, capsys):
-    monkeypatch.setattr(bench, "measure", lambda: iter(ROWS))
+    monkeypatch.setattr(speed, "measure", lambda: iter(ROWS))
     assert cli.main(["bench", "--json"]) == 0
     first, _ = json.loads(capsys.readouterr().out)
     assert first == {
@@ -33,13 +34,13 @@ def test_rows_are_also_json(monkeypatch, capsys):
 
 
 def test_everything_that_is_shipped_is_compiled():
-    measured = {row.what.split()[1] for row in bench_planner.compilation()}
+    measured = {row.what.split()[1] for row in planner_speed.compilation()}
     assert measured == {*SYSTEMS, *robots()}
 
 
-@pytest.mark.parametrize("scenario", bench_planner.SCENARIOS)
+@pytest.mark.parametrize("scenario", planner_speed.SCENARIOS)
 def test_shortest_words_sweep_less_than_the_printed_ones(scenario):
-    (row,) = bench_planner.travel(scenario)
+    (row,) = planner_speed.travel(scenario)
     assert row.value < 1
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from planner.flows import flow_map
-from sim import bench_peers, cli
-from sim.bench_arcs import Arcs, Task, joined, travel
-from sim.bench_peers import SIDES, measure, ours, tasks
+from sim import cli
+from sim.bench import peers
+from sim.bench.arcs import Arcs, Task, joined, travel
+from sim.bench.peers import SIDES, measure, ours, tasks
 
 TASKS = {task.name: (task, extended, segments) for task, extended, segments in tasks()}
 UNIT_FREE, ONE_SEGMENT, AT_ONCE = TASKS
@@ -49,38 +50,38 @@ def test_aimed_plans_meet_the_goal_as_others_see_it(name):
 
 @pytest.mark.parametrize("name", [UNIT_FREE, ONE_SEGMENT])
 def test_one_aimed_segment_in_shortest_words_is_a_shortest_path(name):
-    bench_ompl = pytest.importorskip("sim.bench_ompl", exc_type=ImportError)
+    ompl_peer = pytest.importorskip("sim.bench.ompl_peer", exc_type=ImportError)
     shortest = solved(name)[-1]
-    bound = bench_ompl.reeds_shepp(TASKS[name][0])
+    bound = ompl_peer.reeds_shepp(TASKS[name][0])
     # at a minimum, an aim off by 1e-9 costs as much and no more
     assert travel(shortest) == pytest.approx(bound, abs=1e-8)
 
 
 @pytest.mark.parametrize("name", TASKS)
 def test_no_plan_undercuts_the_bound(name):
-    bench_ompl = pytest.importorskip("sim.bench_ompl", exc_type=ImportError)
-    bound = bench_ompl.reeds_shepp(TASKS[name][0])
+    ompl_peer = pytest.importorskip("sim.bench.ompl_peer", exc_type=ImportError)
+    bound = ompl_peer.reeds_shepp(TASKS[name][0])
     assert min(map(travel, solved(name)[1:])) > bound - 1e-8
 
 
 def test_optimum_meets_the_goal_and_is_that_of_reeds_and_shepp():
-    bench_casadi = pytest.importorskip("sim.bench_casadi", exc_type=ImportError)
-    bench_ompl = pytest.importorskip("sim.bench_ompl", exc_type=ImportError)
+    casadi_peer = pytest.importorskip("sim.bench.casadi_peer", exc_type=ImportError)
+    ompl_peer = pytest.importorskip("sim.bench.ompl_peer", exc_type=ImportError)
     task, *_ = TASKS[UNIT_FREE]
-    sweeps = bench_casadi.MultipleShooting(task).once()
+    sweeps = casadi_peer.MultipleShooting(task).once()
     assert task.error(sweeps) < 1e-5  # sweeps left out as unused, IPOPT's tolerance
-    assert travel(sweeps) == pytest.approx(bench_ompl.reeds_shepp(task), abs=1e-5)
+    assert travel(sweeps) == pytest.approx(ompl_peer.reeds_shepp(task), abs=1e-5)
 
 
 def test_sampled_sweeps_come_closer_to_the_goal(monkeypatch):
-    bench_ompl = pytest.importorskip("sim.bench_ompl", exc_type=ImportError)
-    monkeypatch.setattr(bench_ompl, "PATIENCE", 0.2)
+    ompl_peer = pytest.importorskip("sim.bench.ompl_peer", exc_type=ImportError)
+    monkeypatch.setattr(ompl_peer, "PATIENCE", 0.2)
     task, *_ = TASKS[UNIT_FREE]
-    assert task.error(bench_ompl.sampled(task, "RRT")) < task.error([])
+    assert task.error(ompl_peer.sampled(task, "RRT")) < task.error([])
 
 
 def test_peers_that_are_not_installed_are_said_in_one_line_each(monkeypatch, capsys):
-    monkeypatch.setattr(bench_peers, "find_spec", lambda name: None)
+    monkeypatch.setattr(peers, "find_spec", lambda name: None)
     assert cli.main(["bench", "--peers"]) == 0
     casadi, ompl, *rows = capsys.readouterr().out.splitlines()
     left_out = "is not installed, its rows are left out: pip install"
@@ -90,7 +91,7 @@ def test_peers_that_are_not_installed_are_said_in_one_line_each(monkeypatch, cap
 
 
 def test_without_an_optimum_no_ratio_is_claimed(monkeypatch):
-    monkeypatch.setattr(bench_peers, "find_spec", lambda name: None)
+    monkeypatch.setattr(peers, "find_spec", lambda name: None)
     *_, last = measure()
     assert last.over_optimum is None
     assert str(last).endswith("- of the optimum")

@@ -8,11 +8,11 @@ import pytest
 
 from planner import subdivide
 from planner.errors import BoundError
-from sim import obstacles
 from sim.bounds import within_bounds
-from sim.clearance import surroundings
 from sim.errors import ExitCode, exit_code
 from sim.forecast import foresee
+from sim.obstacles import shapes
+from sim.obstacles.clearance import surroundings
 from sim.prediction import predict
 from sim.scenario_file import load
 from sim.setup import prepare
@@ -69,7 +69,7 @@ def passage():
             {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "min_clearance": 0.002}
             | changes,
         )
-        walls = obstacles.decode(
+        walls = shapes.decode(
             [
                 {"kind": "box", "center": [0, up + 0.05], "size": [1, 0.1]},
                 {"kind": "box", "center": [0, down - 0.05], "size": [1, 0.1]},

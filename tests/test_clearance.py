@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from models.robot import load as load_robot
-from sim import obstacles
-from sim.clearance import Surroundings
-from sim.outline import Outline
+from sim.obstacles import shapes
+from sim.obstacles.clearance import Surroundings
+from sim.obstacles.outline import Outline
 from sim.world import build, load
 
-WALLS = obstacles.decode(
+WALLS = shapes.decode(
     [
         {"kind": "wall", "points": [[-0.5, 0.4], [0.6, 0.4], [0.6, -0.5]]},
         {"kind": "box", "center": [-0.45, -0.1], "size": [0.1, 0.2], "yaw": 0.4},
@@ -66,7 +66,7 @@ def test_clearance_is_the_engine_s_distance_from_upright_walls(around):
 
 def test_overlap_is_as_deep_as_the_foot_has_gone_in(around):
     """The foot's centre 20 mm behind a wall's face, the wall being thick."""
-    thick = obstacles.decode([{"kind": "box", "center": [0.6, 0], "size": [0.88, 2]}])
+    thick = shapes.decode([{"kind": "box", "center": [0.6, 0], "size": [0.88, 2]}])
     inside = Surroundings(around.outline, thick)  # its face is at x = 0.16
     zero = np.zeros((1, 2))
     qpos = around.outline.configurations(np.array([[0.03, 0, 0]]), zero, zero)

@@ -6,14 +6,14 @@ import subprocess
 import numpy as np
 import pytest
 
-from sim import film_crew, gl
-from sim import film_style as style
-from sim.film import film
-from sim.film_camera import camera
-from sim.film_clock import clock
-from sim.film_crew import Piece
-from sim.film_file import count_pictures
-from sim.film_walk import read_walk
+from sim import gl
+from sim.film import crew, style
+from sim.film.camera import camera
+from sim.film.clock import clock
+from sim.film.crew import Piece
+from sim.film.direction import film
+from sim.film.file import count_pictures
+from sim.film.story import read_walk
 from tests.screen import FFMPEG, decode, on_screen
 
 CLOCK = np.s_[20:60, 1110:1260]  # where the time stands
@@ -36,7 +36,7 @@ def decoded(filmed):
 def draw(folder, frames, driver, look="draft"):
     """Some pictures of a film, without the rest."""
     path = folder / f"piece-{look}-{driver}.mp4"
-    film_crew.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
+    crew.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
     return decode(path)
 
 

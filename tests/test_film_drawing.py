@@ -5,13 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim import film_camera
-from sim.film_camera import camera
-from sim.film_clock import clock
-from sim.film_ink import CORNERS, dashes, discs, join, polygons, ribbon
-from sim.film_style import FRAME_RATE, HEIGHT, LONGEST, TAIL, WIDTH
-from sim.film_walk import FlowRow
-from sim.film_words import describe
+from sim.film.camera import FARTHEST, camera
+from sim.film.clock import clock
+from sim.film.ink import CORNERS, dashes, discs, join, polygons, ribbon
+from sim.film.story import FlowRow
+from sim.film.style import FRAME_RATE, HEIGHT, LONGEST, TAIL, WIDTH
+from sim.film.words import describe
 from tests.screen import on_screen
 
 AIR = "tripod 1 waits in the air"
@@ -146,7 +145,7 @@ def test_the_camera_follows_a_walk_much_longer_than_the_robot():
     walk = walk_along(np.hstack([s * (8.0, 0.0), 0 * s]))
     film = clock(np.linspace(0, 30, 400))
     view = camera(walk, film)
-    assert view.distance == pytest.approx(film_camera.FARTHEST * walk.reach)
+    assert view.distance == pytest.approx(FARTHEST * walk.reach)
     for frame in range(0, len(film.rows), 100):
         feet = np.insert(walk.contact_point[film.rows[frame]], 2, 0.0, axis=1)
         pixels = on_screen(view, frame, feet)

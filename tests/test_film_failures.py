@@ -5,12 +5,12 @@ import os
 import numpy as np
 import pytest
 
-from sim import film_crew
 from sim.errors import ExitCode, FilesError, RenderError, UsageError
-from sim.film import film
-from sim.film_crew import Piece
-from sim.film_file import check_encoder, count_pictures, encoding, join
-from sim.film_walk import read_walk
+from sim.film import crew
+from sim.film.crew import Piece
+from sim.film.direction import film
+from sim.film.file import check_encoder, count_pictures, encoding, join
+from sim.film.story import read_walk
 from tests.screen import FFMPEG, decode
 
 
@@ -88,10 +88,10 @@ def test_an_encoder_that_fails_leaves_no_film(
 )
 def test_a_process_that_fails_is_reported(walked, monkeypatch, command, message):
     monkeypatch.setattr(Piece, "command", command)
-    monkeypatch.setattr(film_crew, "PATIENCE", 0.3)
+    monkeypatch.setattr(crew, "PATIENCE", 0.3)
     piece = Piece(walked, "draft", range(2), walked / "none.mp4")
     with pytest.raises(RenderError, match=message) as error:
-        film_crew.draw([piece, piece], "egl", lambda drawn: None)
+        crew.draw([piece, piece], "egl", lambda drawn: None)
     assert error.value.exit_code is ExitCode.RENDER
 
 

@@ -6,12 +6,12 @@ import pytest
 import shapely
 
 from models.robot import load as load_robot
-from sim import obstacles
 from sim.errors import UsageError
+from sim.obstacles import shapes
+from sim.obstacles.walls import Touches
 from sim.physics import Engine
 from sim.scenario import Scenario
 from sim.scenario_file import dumps, load
-from sim.walls import Touches
 from sim.world import build
 from sim.world import load as load_world
 
@@ -28,23 +28,21 @@ ids = [f"{table['kind']}{i}" for i, table in enumerate(ALL)]
 
 
 def decoded(table):
-    return obstacles.decode([table])[0]
+    return shapes.decode([table])[0]
 
 
 def world(scenario, *tables):
-    text = build(
-        load_robot("hexapod"), scenario(obstacles=obstacles.decode(list(tables)))
-    )
+    text = build(load_robot("hexapod"), scenario(obstacles=shapes.decode(list(tables))))
     return load_world(text)
 
 
 @pytest.mark.parametrize("table", ALL, ids=ids)
 def test_an_obstacle_survives_encoding(table):
-    assert obstacles.decode([obstacles.encode(decoded(table))]) == (decoded(table),)
+    assert shapes.decode([shapes.encode(decoded(table))]) == (decoded(table),)
 
 
 def test_a_scenario_with_obstacles_survives_its_file(scenario, tmp_path):
-    before = scenario(obstacles=obstacles.decode(ALL), name="walled")
+    before = scenario(obstacles=shapes.decode(ALL), name="walled")
     file = tmp_path / "walled.toml"
     file.write_text(dumps(before))
     assert load(str(file)) == before
@@ -101,7 +99,7 @@ def test_the_engine_s_solids_are_the_planner_s(scenario, table):
 
 
 def test_a_world_with_obstacles_loads_in_bare_mujoco(scenario, tmp_path):
-    made = scenario(obstacles=obstacles.decode(ALL))
+    made = scenario(obstacles=shapes.decode(ALL))
     file = tmp_path / "model.xml"
     file.write_text(build(load_robot("hexapod"), made))
     model = mujoco.MjModel.from_xml_path(str(file))
@@ -167,12 +165,12 @@ def test_touches_are_counted_when_they_begin(scenario):
 )
 def test_impossible_obstacles_are_refused(table, message):
     with pytest.raises(UsageError, match=message):
-        obstacles.decode([table])
+        shapes.decode([table])
 
 
 def test_obstacles_are_a_list():
     with pytest.raises(UsageError, match="give a list of tables"):
-        obstacles.decode("walls")
+        shapes.decode("walls")
 
 
 def test_a_scenario_without_obstacles_has_none(scenario):

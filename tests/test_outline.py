@@ -7,7 +7,7 @@ import shapely
 
 from models.kinematics import Kinematics
 from models.robot import Robot, load
-from sim.outline import Outline, hulls
+from sim.obstacles.outline import Outline, hulls
 from sim.poses import rotate
 
 ROUNDING = 1e-12

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from planner.errors import BoundError
-from sim import nominal, obstacles, route
-from sim.clearance import surroundings
+from sim import nominal
 from sim.errors import UsageError
-from sim.route import routed
+from sim.obstacles import route, shapes
+from sim.obstacles.clearance import surroundings
+from sim.obstacles.route import routed
 from sim.scenario_file import dumps, load
 from sim.setup import prepare
 
@@ -78,7 +79,7 @@ def test_a_path_that_is_given_is_left_alone():
 
 def shut(*tables):
     scenario = load("detour", {"path.goal": [0.9, 0.0, 0.0]})
-    return prepare(dataclasses.replace(scenario, obstacles=obstacles.decode(tables)))
+    return prepare(dataclasses.replace(scenario, obstacles=shapes.decode(tables)))
 
 
 @pytest.mark.parametrize(

@@ -32,12 +32,12 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _peers() -> Iterator[Any]:
-    from sim.bench_peers import measure
+    from sim.bench.peers import measure
 
     return measure()
 
 
 def _measurements() -> Iterator[Any]:
-    from sim.bench import measure
+    from sim.bench.speed import measure
 
     return measure()

@@ -34,8 +34,8 @@ def execute(options: argparse.Namespace) -> None:
     scenario = scenario_of(options)
 
     from sim.bounds import within_bounds  # slow; a refused scenario does not wait
+    from sim.obstacles.route import routed
     from sim.planning import plan_open_loop
-    from sim.route import routed
     from sim.setup import prepare
 
     began = time.perf_counter()

@@ -57,7 +57,7 @@ def _can_film(wanted: bool | None) -> bool:
     """Whether to film; a film that was asked for and cannot be drawn is an error."""
     if wanted is False:
         return False
-    from sim.film import check
+    from sim.film.direction import check
 
     try:
         check()

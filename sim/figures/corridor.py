@@ -13,7 +13,6 @@ import shapely
 from models.shapes import KAPPA, PIVOT
 from planner.paths import Path, recut
 from planner.subdivide import Leeway, subdivide
-from sim.clearance import Surroundings, surroundings
 from sim.figures.paper import PaperWalk, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
@@ -30,6 +29,7 @@ from sim.figures.style import (
     letter,
     sheet_of,
 )
+from sim.obstacles.clearance import Surroundings, surroundings
 from sim.scenario_file import load
 from sim.setup import prepare
 

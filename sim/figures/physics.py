@@ -13,7 +13,7 @@ import numpy as np
 from planner.flows import Flow
 from sim.bounds import within_bounds
 from sim.evaluate import Evaluation, Summary, evaluate, summarise
-from sim.passage import commanded
+from sim.obstacles.passage import commanded
 from sim.planning import plan_open_loop
 from sim.poses import rotate
 from sim.progress import Progress, silent

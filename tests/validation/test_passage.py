@@ -4,8 +4,8 @@ import pytest
 
 from sim.bounds import within_bounds
 from sim.evaluate import evaluate, summarise, trajectory
+from sim.obstacles.route import routed
 from sim.planning import plan_open_loop
-from sim.route import routed
 from sim.scenario_file import load
 from sim.setup import prepare
 from sim.walk import walk

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from sim import film_style as style
-from sim.film_clock import Clock
-from sim.film_style import HEIGHT, WIDTH, Colour
-from sim.film_walk import Walk
-from sim.film_words import describe, noun
+from sim.film import style
+from sim.film.clock import Clock
+from sim.film.story import Walk
+from sim.film.style import HEIGHT, WIDTH, Colour
+from sim.film.words import describe, noun
 
 Array = np.ndarray
 Draw = ImageDraw.ImageDraw

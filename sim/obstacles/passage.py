@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sim.clearance import surroundings
+from sim.obstacles.clearance import surroundings
 from sim.prediction import Prediction
 from sim.walk import Walk
 

@@ -17,7 +17,7 @@ from typing import Any
 import imageio_ffmpeg
 
 from sim.errors import RenderError
-from sim.film_style import FRAME_RATE
+from sim.film.style import FRAME_RATE
 
 CODEC = "libx264"
 QUALITY = ("-preset", "veryfast", "-crf", "20", "-threads", "1")

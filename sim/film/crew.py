@@ -19,7 +19,7 @@ from typing import IO
 
 from sim import gl
 from sim.errors import FilesError, RenderError
-from sim.film_file import FULL
+from sim.film.file import FULL
 
 PATIENCE = 120.0  # [s] without a new picture
 SPARE = 2**20  # bytes; with less a disk is full
@@ -40,7 +40,7 @@ class Piece:
         """How to start the process that draws it."""
         frames = (str(self.frames.start), str(self.frames.stop))
         arguments = [str(self.folder), self.look, *frames, str(self.path)]
-        return [sys.executable, "-P", "-m", "sim.film_worker", *arguments]
+        return [sys.executable, "-P", "-m", "sim.film.worker", *arguments]
 
 
 @dataclass(frozen=True)

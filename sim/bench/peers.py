@@ -25,8 +25,8 @@ from planner.extended import ExtendedSystem, extend
 from planner.paths import line
 from planner.plan import Plan, plan
 from planner.shooting import aim
-from sim.bench_arcs import Arcs, Sweep, Task, joined, travel
-from sim.bench_row import REPEATS, timed
+from sim.bench.arcs import Arcs, Sweep, Task, joined, travel
+from sim.bench.row import REPEATS, timed
 
 SIDES = {"g1_1": 1, "g2_2": -1}  # fields that sweep a tripod under load
 ELEMENTS = (*SIDES, "g1_2", "g2_1", "[g1_1,g2_2]")
@@ -172,7 +172,7 @@ def _sweeps(planned: Plan) -> list[Sweep]:
 
 
 def _optimisers(task: Task) -> tuple[Solver, Solver]:
-    from sim.bench_casadi import GUESSES, MultipleShooting
+    from sim.bench.casadi_peer import GUESSES, MultipleShooting
 
     shooting = MultipleShooting(task)
     return (
@@ -182,7 +182,7 @@ def _optimisers(task: Task) -> tuple[Solver, Solver]:
 
 
 def _samplers(task: Task) -> Iterator[Solver]:
-    from sim.bench_ompl import PATIENCE, PLANNERS, sampled
+    from sim.bench.ompl_peer import PATIENCE, PLANNERS, sampled
 
     for planner in PLANNERS:
         name = f"OMPL {planner}, {PATIENCE:.0f} s at most"
@@ -190,7 +190,7 @@ def _samplers(task: Task) -> Iterator[Solver]:
 
 
 def _bound(task: Task, optimum: float | None) -> Peer:
-    from sim.bench_ompl import reeds_shepp
+    from sim.bench.ompl_peer import reeds_shepp
 
     name = "OMPL, closed form of Reeds and Shepp"
     swing_travel, took = timed(partial(reeds_shepp, task))

@@ -1,6 +1,6 @@
 """Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names.
 
-Never steps: every picture is a saved state. What is to be seen is for `sim.film_set`.
+Never steps: every picture is a saved state. What is seen is for `sim.film.scenery`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from typing import Self
 import mujoco
 import numpy as np
 
-from sim.film_camera import Camera
-from sim.film_marks import Mark
-from sim.film_set import SUN, build, mesh_name
-from sim.film_style import HEIGHT, WIDTH, Look
-from sim.film_walk import Walk
+from sim.film.camera import Camera
+from sim.film.marks import Mark
+from sim.film.scenery import SUN, build, mesh_name
+from sim.film.story import Walk
+from sim.film.style import HEIGHT, WIDTH, Look
 
 Array = np.ndarray
 

@@ -14,8 +14,8 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from sim.obstacles import Obstacle
-from sim.outline import Outline, hulls
+from sim.obstacles.outline import Outline, hulls
+from sim.obstacles.shapes import Obstacle
 from sim.setup import Setup
 
 Array = np.ndarray

@@ -8,7 +8,7 @@ from itertools import count
 
 import numpy as np
 
-from sim.film_style import FRAME_RATE, LONGEST, TAIL
+from sim.film.style import FRAME_RATE, LONGEST, TAIL
 
 Array = np.ndarray
 

@@ -11,11 +11,11 @@ import mujoco
 import numpy as np
 
 from models.robot import root_body
-from sim import film_style as style
-from sim.film_camera import FIELD_OF_VIEW
-from sim.film_marks import Mark
-from sim.film_style import HEIGHT, WIDTH, Look
-from sim.film_walk import Walk
+from sim.film import style
+from sim.film.camera import FIELD_OF_VIEW
+from sim.film.marks import Mark
+from sim.film.story import Walk
+from sim.film.style import HEIGHT, WIDTH, Look
 
 AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light

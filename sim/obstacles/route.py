@@ -17,9 +17,9 @@ import shapely
 
 from planner.errors import BoundError, point
 from sim import nominal
-from sim.clearance import Surroundings, surroundings
 from sim.errors import UsageError
 from sim.nominal import NominalPath, Pose
+from sim.obstacles.clearance import Surroundings, surroundings
 from sim.setup import Setup
 
 Array = np.ndarray

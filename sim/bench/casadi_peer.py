@@ -12,7 +12,7 @@ from typing import Any
 import casadi
 import numpy as np
 
-from sim.bench_arcs import START, Array, Sweep, Task, joined, travel
+from sim.bench.arcs import START, Array, Sweep, Task, joined, travel
 
 SWEEPS = 8  # of which optima use fewer, but for straight pieces
 GUESSES = 40

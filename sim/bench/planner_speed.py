@@ -22,7 +22,7 @@ from planner.hall import degree, hall_basis, rank
 from planner.paths import line
 from planner.plan import plan
 from planner.shooting import aim
-from sim.bench_row import Row, median, seconds
+from sim.bench.row import Row, median, seconds
 from sim.scenario_file import load as load_scenario
 from sim.setup import Setup, prepare
 

@@ -1,7 +1,7 @@
 """What a walk leaves on the floor: footprints, paths, support polygon, weight, goal.
 
 Turns a walk into coloured ink, frame by frame; where the camera stands and how the ink
-gets into a picture is for `sim.film_stage`.
+gets into a picture is for `sim.film.stage`.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from sim import film_style as style
-from sim.film_clock import Clock
-from sim.film_ink import Ink, dashes, discs, join, polygons, ribbon
-from sim.film_walk import Walk
+from sim.film import style
+from sim.film.clock import Clock
+from sim.film.ink import Ink, dashes, discs, join, polygons, ribbon
+from sim.film.story import Walk
 from sim.support import support_polygons
 
 Array = np.ndarray

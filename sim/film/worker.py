@@ -1,6 +1,6 @@
 """A process of its own that draws and encodes some pictures of a film.
 
-Started by `sim.film_crew` with the driver chosen in MUJOCO_GL, so that a driver that
+Started by `sim.film.crew` with the driver chosen in MUJOCO_GL, so that a driver that
 crashes, leaks or hangs does it here. Prints a dot for every picture.
 """
 
@@ -12,14 +12,14 @@ from pathlib import Path
 
 import mujoco
 
-from sim.film_camera import camera
-from sim.film_captions import Captions
-from sim.film_clock import clock
-from sim.film_file import encoding
-from sim.film_marks import marks
-from sim.film_stage import Stage
-from sim.film_style import LOOKS
-from sim.film_walk import read_walk
+from sim.film.camera import camera
+from sim.film.captions import Captions
+from sim.film.clock import clock
+from sim.film.file import encoding
+from sim.film.marks import marks
+from sim.film.stage import Stage
+from sim.film.story import read_walk
+from sim.film.style import LOOKS
 
 
 def draw(folder: Path, look: str, frames: range, piece: Path) -> None:
@@ -48,7 +48,7 @@ def draw(folder: Path, look: str, frames: range, piece: Path) -> None:
 
 
 def main() -> None:
-    """Read the command line that `sim.film` composes."""
+    """Read the command line that `sim.film.direction` composes."""
     folder, look, start, stop, piece = sys.argv[1:]
     log = mujoco.MjLogConfig.get()
     log.logto_file = False  # it would litter the current folder

@@ -14,7 +14,7 @@ from typing import Any
 
 from ompl import base, control, util
 
-from sim.bench_arcs import START, Pose, Sweep, Task
+from sim.bench.arcs import START, Pose, Sweep, Task
 
 PLANNERS = ("RRT", "EST", "KPIECE1")
 PATIENCE = 3.0  # [s] given to each

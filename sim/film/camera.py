@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from sim.film_clock import Clock
-from sim.film_style import FRAME_RATE, HEIGHT, WIDTH
-from sim.film_walk import Walk
+from sim.film.clock import Clock
+from sim.film.story import Walk
+from sim.film.style import FRAME_RATE, HEIGHT, WIDTH
 
 Array = np.ndarray
 

@@ -8,7 +8,7 @@ from math import cos, sin
 import mujoco
 import numpy as np
 
-from sim.obstacles import Box, Obstacle, Piece
+from sim.obstacles.shapes import Box, Obstacle, Piece
 
 Array = np.ndarray
 

@@ -1,7 +1,7 @@
 """The film of a finished walk, drawn from its run folder alone.
 
 Directs: finds a driver, has the pictures drawn, and puts the film under its name once
-it is complete. What is on the pictures is for the other `film_` modules.
+it is complete. What is on the pictures is for the other modules here.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from pathlib import Path
 
 from sim import gl
 from sim.errors import RenderError, UsageError
-from sim.film_clock import clock
-from sim.film_crew import KEPT, Piece, draw
-from sim.film_file import check_encoder, count_pictures, join
-from sim.film_style import LOOKS
-from sim.film_walk import read_walk
+from sim.film.clock import clock
+from sim.film.crew import KEPT, Piece, draw
+from sim.film.file import check_encoder, count_pictures, join
+from sim.film.story import read_walk
+from sim.film.style import LOOKS
 from sim.folder import whole
 
 NAME = "video.mp4"

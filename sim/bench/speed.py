@@ -14,8 +14,8 @@ from pathlib import Path
 
 import mujoco
 
-from sim import bench_planner
-from sim.bench_row import Row, median, paired, seconds
+from sim.bench import planner_speed
+from sim.bench.row import Row, median, paired, seconds
 from sim.measure import Sensors
 from sim.physics import Engine
 from sim.planning import plan_open_loop
@@ -30,7 +30,7 @@ STEPS = 20_000  # of physics in each measurement: a third of a second
 
 def measure() -> Iterator[Row]:
     """All measurements, one after another."""
-    yield from bench_planner.measure()
+    yield from planner_speed.measure()
     yield from simulation(prepare(load("line")))
     yield from command()
 

@@ -1,0 +1,1 @@
+"""Obstacles: their shapes, the robot's outline, the room between, the way around."""
