@@ -32,6 +32,11 @@ class LegCard:
         if self.swing == self.lift:
             raise ValueError(f"swing and lift are the same joint, {self.swing}")
 
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """All joints of the leg: swing, lift, and those that are held."""
+        return (self.swing, self.lift, *self.hold)
+
 
 @dataclass(frozen=True, slots=True)
 class GroupCard:

@@ -100,15 +100,16 @@ class Kinematics:
     def _data(self) -> mujoco.MjData:
         """The robot at `start`, its root at x = y = yaw = 0."""
         data = mujoco.MjData(self.robot.model)
-        data.qpos[:] = self.robot.start_qpos
-        address = int(self.robot.model.jnt_qposadr[self._free_joint])
-        data.qpos[address : address + 2] = 0.0
-        data.qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
+        data.qpos[:] = self.level_qpos
         return data
 
     @property
-    def _free_joint(self) -> int:
-        return int(self.robot.model.body_jntadr[self._root])
+    def level_qpos(self) -> Array:
+        """The robot at `start`, its root level and at x = y = yaw = 0, shape (nq,)."""
+        qpos, address = self.robot.start_qpos.copy(), self.robot.root_address
+        qpos[address : address + 2] = 0.0
+        qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
+        return qpos
 
     @cached_property
     def _root(self) -> int:

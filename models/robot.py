@@ -20,6 +20,7 @@ from models.card_file import read_card
 from models.errors import ModelError, UnknownRobotError
 
 FOLDER = Path(str(files("models")))
+ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,11 @@ class Robot:
             gains |= group.legs
         return np.array([gains[leg] for leg in self.legs])
 
+    @property
+    def lift_joints(self) -> tuple[str, ...]:
+        """Lift joint of each leg."""
+        return tuple(self.card.legs[leg].lift for leg in self.legs)
+
     @cached_property
     def raise_sign(self) -> np.ndarray:
         """Sign of each leg's lift joint that raises the foot, shape (F,)."""
@@ -98,14 +104,29 @@ class Robot:
     @cached_property
     def start_qpos(self) -> np.ndarray:
         """Configuration of keyframe `start`, or the initial one, with joints held."""
-        model = self.model
-        keys = {model.key(i).name: i for i in range(model.nkey)}
-        qpos = model.key_qpos[keys["start"]] if "start" in keys else model.qpos0
-        qpos = np.array(qpos)
+        key, model = self._start, self.model
+        qpos = np.array(model.qpos0 if key is None else model.key_qpos[key])
         for leg in self.card.legs.values():
             for joint, angle in leg.hold.items():
                 qpos[model.joint(joint).qposadr] = angle
         return qpos
+
+    @property
+    def start_ctrl(self) -> np.ndarray:
+        """Commands of keyframe `start`, or none, of the file's own actuators."""
+        key, model = self._start, self.model
+        return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
+
+    @property
+    def _start(self) -> int | None:
+        """Index of keyframe `start`, if there is one."""
+        names = [self.model.key(i).name for i in range(self.model.nkey)]
+        return names.index("start") if "start" in names else None
+
+    @property
+    def root_address(self) -> int:
+        """Where the free joint's seven numbers begin in qpos."""
+        return int(self.model.jnt_qposadr[self.model.body(self.root).jntadr[0]])
 
     def standing_angle(self, joint: str) -> float:
         """Angle of a hinge in the configuration `start_qpos` [rad]."""
@@ -116,13 +137,24 @@ class Robot:
         """Lowest and highest angle of each group that all its legs reach [rad]."""
         return {name: self._range_of(name) for name in self.groups}
 
+    def span(self, joint: str) -> tuple[float, float]:
+        """Lowest and highest angle that a hinge and its servos allow [rad]."""
+        model, index = self.model, self.model.joint(joint).id
+        spans = [model.jnt_range[index]] if model.jnt_limited[index] else []
+        for servo in actuators_of(model, joint):
+            gain, bias = model.actuator_gainprm[servo, 0], model.actuator_biasprm[servo]
+            if model.actuator_ctrllimited[servo] and bias[1] == -gain:
+                gear = model.actuator_gear[servo, 0]
+                spans.append(np.sort(model.actuator_ctrlrange[servo] / gear))
+        low = max((float(span[0]) for span in spans), default=-np.pi)
+        return low, min((float(span[1]) for span in spans), default=np.pi)
+
     def _range_of(self, group: str) -> tuple[float, float]:
         ends = []
         for leg, gain in self.card.groups[group].legs.items():
-            joint = self.model.joint(self.card.legs[leg].swing)
-            span = joint.range if self.model.jnt_limited[joint.id] else (-np.pi, np.pi)
-            start = self.standing_angle(joint.name)
-            ends.append(sorted(float((end - start) / gain) for end in span))
+            joint = self.card.legs[leg].swing
+            start = self.standing_angle(joint)
+            ends.append(sorted((end - start) / gain for end in self.span(joint)))
         return max(low for low, _ in ends), min(high for _, high in ends)
 
 
@@ -151,12 +183,17 @@ def actuator_of(model: mujoco.MjModel, joint: str) -> int:
     Raises:
         ModelError: If there is none.
     """
-    on_joints = model.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT
-    same = model.actuator_trnid[:, 0] == model.joint(joint).id
-    found = np.flatnonzero(on_joints & same)
-    if not len(found):
+    found = actuators_of(model, joint)
+    if not found:
         raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
-    return int(found[0])
+    return found[0]
+
+
+def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
+    """Indices of the actuators that drive a joint."""
+    on_joints = np.isin(model.actuator_trntype, ON_JOINT)
+    same = model.actuator_trnid[:, 0] == model.joint(joint).id
+    return [int(i) for i in np.flatnonzero(on_joints & same)]
 
 
 def robots() -> tuple[str, ...]:

@@ -33,7 +33,19 @@ class RunFolder:
         Raises:
             FilesError: If the disk is full or the folder cannot be written.
         """
-        self._write(name, text.encode())
+        self.write_bytes(name, text.encode())
+
+    def write_bytes(self, name: str, content: bytes) -> None:
+        """Write a file as it is, in a folder of its own if its name says so.
+
+        Raises:
+            FilesError: If the disk is full or the folder cannot be written.
+        """
+        path = self.path / name
+        if path.parent != self.path:
+            path.parent.mkdir(exist_ok=True)
+        with whole(path, len(content)) as part:
+            part.write_bytes(content)
 
     def write_json(self, name: str, value: Mapping[str, object]) -> None:
         """Write numbers unrounded; NaN and infinity have no JSON and are refused.
@@ -58,10 +70,6 @@ class RunFolder:
         """Remove the folder if nothing was written, so a refusal leaves no trace."""
         with suppress(OSError):
             self.path.rmdir()
-
-    def _write(self, name: str, content: bytes) -> None:
-        with whole(self.path / name, len(content)) as part:
-            part.write_bytes(content)
 
 
 def claim(folder: Path | None, scenario: str) -> RunFolder:

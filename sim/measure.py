@@ -16,7 +16,7 @@ import mujoco
 import numpy as np
 
 from models.robot import Robot
-from sim.world import CONTACT_FIELDS, contact_sensor
+from sim.world.sensors import CONTACT_FIELDS, contact_sensor
 
 Array = np.ndarray
 LOADED = 0.01  # of the weight

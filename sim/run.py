@@ -55,7 +55,8 @@ def run(
         setup = within_bounds(setup)
         planned = None if scenario.replan else plan_open_loop(setup)
     folder.write_text("scenario.toml", dumps(scenario))
-    folder.write_text("model.xml", setup.model_text)
+    for name, content in setup.world.files.items():
+        folder.write_bytes(name, content)
     folder.write_text("card.toml", setup.robot.card_path.read_text())
     walked = walk(setup, planned, lambda fraction: progress("walking", fraction))
     timing["plan"] += walked.seconds["plan"]

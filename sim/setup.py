@@ -9,15 +9,18 @@ import numpy as np
 
 from models.equations import Equations, equations
 from models.kinematics import Kinematics
+from models.lifting import Lifting
 from models.robot import Robot, load
 from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.paths import Path
+from sim.errors import UsageError
 from sim.poses import pose_of
 from sim.scenario import Scenario
 from sim.schedule import Limits, Shape
-from sim.world import Channels, build, lift_angle
-from sim.world import load as load_world
+from sim.world.channels import Channels
+from sim.world.model import World, build
+from sim.world.model import load as load_world
 
 Array = np.ndarray
 LIFT_TIME = 0.3  # [s]; slip while lifting and landing no longer falls with slower lifts
@@ -35,7 +38,7 @@ class Setup:
     equations: Equations
     extended: ExtendedSystem
     kinematics: Kinematics
-    model_text: str  # MJCF
+    world: World
     model: mujoco.MjModel
     limits: Limits
 
@@ -118,22 +121,37 @@ def prepare(scenario: Scenario) -> Setup:
     """
     robot = load(scenario.robot)
     described = equations(robot, scenario.fields)
-    text = build(robot, scenario)
+    world = build(robot, scenario)
+    kinematics = Kinematics(robot)
     return Setup(
         scenario=scenario,
         robot=robot,
         equations=described,
         extended=extend(described.system, described.elements),
-        kinematics=Kinematics(robot),
-        model_text=text,
-        model=load_world(text),
+        kinematics=kinematics,
+        world=world,
+        model=load_world(world),
         limits=Limits(
             swing_speed=scenario.swing_speed,
             swing_acceleration=scenario.swing_acceleration,
-            lift_angle=lift_angle(robot, scenario.lift_height),
+            lift_angle=_lift_angle(kinematics, scenario.lift_height),
             lift_time=LIFT_TIME,
             hold=scenario.hold,
             timestep=scenario.timestep,
             groups=robot.groups,
         ),
     )
+
+
+def _lift_angle(kinematics: Kinematics, height: float | None) -> float:
+    """Angle that raises every foot by a height; the card's own if none is asked for."""
+    robot, lifting = kinematics.robot, Lifting(kinematics)
+    if height is None:
+        return robot.card.lift_angle
+    if height > lifting.highest:
+        raise UsageError(
+            f"lift_height = {height} is out of reach of the lift joints",
+            str(robot),
+            f"give at most {lifting.highest:.4f} m",
+        )
+    return lifting.angle(height)

@@ -8,7 +8,7 @@ from models.robot import load as load_robot
 from sim.obstacles import shapes
 from sim.obstacles.clearance import Surroundings
 from sim.obstacles.outline import Outline
-from sim.world import build, load
+from sim.world.model import build, load
 
 WALLS = shapes.decode(
     [

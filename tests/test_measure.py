@@ -6,7 +6,8 @@ import pytest
 
 from sim.measure import Readings, Sensors, bridge, last_touched, log_feet
 from sim.physics import Engine
-from sim.world import Channels, build, load
+from sim.world.channels import Channels
+from sim.world.model import build, load
 
 
 def test_slip_counts_only_under_load():

@@ -12,8 +12,8 @@ from sim.obstacles.walls import Touches
 from sim.physics import Engine
 from sim.scenario import Scenario
 from sim.scenario_file import dumps, load
-from sim.world import build
-from sim.world import load as load_world
+from sim.world.model import build
+from sim.world.model import load as load_world
 
 WALL = {"kind": "wall", "points": [[0.4, -0.5], [0.4, 0.3], [0.9, 0.3]]}
 BOX = {"kind": "box", "center": [0.5, -0.4], "size": [0.2, 0.1], "yaw": 0.3}
@@ -101,7 +101,7 @@ def test_the_engine_s_solids_are_the_planner_s(scenario, table):
 def test_a_world_with_obstacles_loads_in_bare_mujoco(scenario, tmp_path):
     made = scenario(obstacles=shapes.decode(ALL))
     file = tmp_path / "model.xml"
-    file.write_text(build(load_robot("hexapod"), made))
+    file.write_text(build(load_robot("hexapod"), made).text)
     model = mujoco.MjModel.from_xml_path(str(file))
     names = {model.geom(i).name for i in range(model.ngeom)}
     assert {"obstacle_1_1", "obstacle_1_2", "obstacle_2_1", "obstacle_3_1"} <= names

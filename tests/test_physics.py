@@ -6,7 +6,7 @@ import pytest
 
 from sim.errors import SimulationError
 from sim.physics import STRETCH, Engine
-from sim.world import build, load
+from sim.world.model import build, load
 
 
 @pytest.fixture(scope="module")

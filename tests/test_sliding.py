@@ -16,7 +16,8 @@ from sim.measure import Sensors
 from sim.physics import STRETCH, Engine
 from sim.schedule import Limits, Scheduler, Shape
 from sim.setup import LIFT_TIME
-from sim.world import Channels, build, load
+from sim.world.channels import Channels
+from sim.world.model import build, load
 
 UNIT = ((1.0, 0.0), (0.0, 1.0))
 SWEEP = ((0, 0.2), (0, -0.4))  # group, amount: the second runs without a start-up

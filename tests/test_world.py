@@ -7,8 +7,9 @@ import pytest
 from models.errors import ModelError
 from models.robot import FOLDER
 from models.robot import load as load_robot
-from sim.errors import UsageError
-from sim.world import Channels, build, contact_sensor, lift_angle, load
+from sim.world.channels import Channels
+from sim.world.model import build, load
+from sim.world.sensors import contact_sensor
 
 BARE = """
 <mujoco model="tricycle">
@@ -67,7 +68,7 @@ def tricycle(tmp_path):
 
 
 def test_the_text_loads_in_bare_mujoco_and_stands(hexapod, scenario):
-    model = mujoco.MjModel.from_xml_string(build(hexapod, scenario()))
+    model = mujoco.MjModel.from_xml_string(build(hexapod, scenario()).text)
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     assert data.qpos[:2] == pytest.approx([0, 0])
@@ -157,22 +158,6 @@ def test_commands_turn_and_raise_every_leg_of_a_group(hexapod, scenario):
     for leg in (2, 3, 6):
         assert ctrl[model.actuator(f"swing_{leg}").id] == -0.2
         assert ctrl[model.actuator(f"lift_{leg}").id] == 0.0
-
-
-def test_a_lift_height_is_reached_by_every_foot(hexapod):
-    from models.kinematics import Kinematics
-
-    angle = lift_angle(hexapod, 0.02)
-    height = Kinematics(hexapod).stance(np.zeros(2), np.full(2, angle)).height
-    assert height.min() == pytest.approx(0.02, abs=1e-5)  # a table of 0.1 degrees
-    assert lift_angle(hexapod, None) == hexapod.card.lift_angle
-
-
-def test_a_height_out_of_reach_is_refused_with_the_reachable_one(hexapod):
-    with pytest.raises(
-        UsageError, match=r"lift_height = 0.5 .*: hexapod; give at most 0\.1"
-    ):
-        lift_angle(hexapod, 0.5)
 
 
 def test_the_shipped_scene_has_no_robot_in_it():

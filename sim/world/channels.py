@@ -1,0 +1,59 @@
+"""Which actuator turns which leg: from angles of groups to commands, and back."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from models.robot import Robot, actuator_of
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Where a model takes commands: its leg joints' places in ctrl."""
+
+    robot: Robot
+    model: mujoco.MjModel
+
+    def ctrl(self, swing: np.ndarray, lift: np.ndarray) -> np.ndarray:
+        """Commands of every actuator.
+
+        Args:
+            swing: Angle of each group, shape (T, G) [rad].
+            lift: How far each group is raised, shape (T, G) [rad].
+
+        Returns:
+            Shape (T, nu); actuators that are no leg joint's keep the keyframe's value.
+        """
+        robot, model = self.robot, self.model
+        rows = np.tile(model.key("start").ctrl, (len(swing), 1))
+        turned = robot.swing_gain * swing[:, robot.group_of_leg]  # (T, F)
+        raised = robot.raise_sign * lift[:, robot.group_of_leg]
+        for i, leg in enumerate(robot.legs):
+            card = robot.card.legs[leg]
+            for joint, angle in ((card.swing, turned[:, i]), (card.lift, raised[:, i])):
+                place = actuator_of(model, joint)
+                rows[:, place] = robot.standing_angle(joint) + angle
+            for joint in card.hold:
+                rows[:, actuator_of(model, joint)] = robot.standing_angle(joint)
+        return np.ascontiguousarray(rows)
+
+    def swing(self, qpos: np.ndarray) -> np.ndarray:
+        """Where the legs are, not where they are told to be: servos lag.
+
+        Args:
+            qpos: Shape (T, nq).
+
+        Returns:
+            Mean angle of each group's legs, shape (T, G) [rad].
+        """
+        robot = self.robot
+        joints = [robot.card.legs[leg].swing for leg in robot.legs]
+        places = [int(self.model.joint(joint).qposadr[0]) for joint in joints]
+        standing = np.array([robot.standing_angle(joint) for joint in joints])
+        legs = (qpos[:, places] - standing) / robot.swing_gain  # (T, F)
+        groups = range(len(robot.groups))
+        means = [legs[:, robot.group_of_leg == g].mean(axis=1) for g in groups]
+        return np.stack(means, axis=1)

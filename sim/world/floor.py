@@ -1,0 +1,135 @@
+"""The floor: a horizontal plane that every foot can touch; the scene's where none is.
+
+Other planes stay what they are: upright ones walls, untouchable ones pictures.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from models.errors import ModelError
+from models.robot import FOLDER, Robot, compile_model
+
+LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
+WALL = np.deg2rad(45)  # a plane tilted more is a wall, and no attempt at a floor
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """What the robot stands on."""
+
+    name: str  # of the plane
+    height: float  # [m]
+
+
+@dataclass(frozen=True)
+class _Plane:
+    geom: mujoco.MjsGeom
+    height: float  # [m]
+    tilt: float  # of its normal from the vertical [rad]
+    out_of_reach: list[str]  # feet that can never touch it
+
+    def __str__(self) -> str:
+        return f"plane {self.geom.name!r}" if self.geom.name else "its unnamed plane"
+
+
+def scene() -> mujoco.MjSpec:
+    """A copy of the shipped scene: solver settings, floor, light."""
+    return mujoco.MjSpec.from_file(str(FOLDER / "scene.xml"))
+
+
+def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
+    """The plane to stand on, with the contact of the shipped scene's floor.
+
+    The highest horizontal plane that all feet can touch; the shipped scene joins a
+    robot that has none.
+
+    Raises:
+        ModelError: If a foot touches nothing, or a plane is neither floor nor wall.
+    """
+    _check_feet(spec, robot)
+    planes = _planes(spec, robot)
+    level = [p for p in planes if p.tilt < LEVEL]
+    floors = [p for p in level if not p.out_of_reach]
+    if floors:
+        return _adopt(max(floors, key=lambda p: p.height), spec, robot)
+    for plane in planes:
+        _refuse_half_a_floor(plane, robot)
+    return _join_scene(spec, robot)
+
+
+def _feet(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsGeom]:
+    return [spec.geom(name) for leg in robot.card.legs.values() for name in leg.foot]
+
+
+def _check_feet(spec: mujoco.MjSpec, robot: Robot) -> None:
+    for foot in _feet(spec, robot):
+        if not (foot.contype or foot.conaffinity):
+            raise ModelError(
+                f"foot {foot.name!r} never touches anything: {robot.path}; its contype "
+                "and conaffinity are 0, give it contype or name another geom"
+            )
+
+
+def _planes(spec: mujoco.MjSpec, robot: Robot) -> list[_Plane]:
+    """Planes that do not move, where they are at the start."""
+    model = compile_model(spec, str(robot.path))  # numbers the geoms
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    planes = []
+    for geom in spec.geoms:
+        fixed = model.body_weldid[model.geom_bodyid[geom.id]] == 0
+        if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and fixed:
+            up = np.clip(data.geom_xmat[geom.id, 8], -1, 1)
+            apart = [f.name for f in _feet(spec, robot) if not _meet(geom, f)]
+            height = float(data.geom_xpos[geom.id, 2])
+            planes.append(_Plane(geom, height, float(np.arccos(up)), apart))
+    return planes
+
+
+def _meet(geom: mujoco.MjsGeom, other: mujoco.MjsGeom) -> bool:
+    """Whether the engine looks for contacts of two geoms."""
+    return bool(geom.contype & other.conaffinity or other.contype & geom.conaffinity)
+
+
+def _adopt(plane: _Plane, spec: mujoco.MjSpec, robot: Robot) -> Floor:
+    floor, own = plane.geom, scene().geom("floor")
+    floor.name = floor.name or "floor"
+    floor.solref, floor.solimp = own.solref, own.solimp
+    floor.priority = 1 + max(0, *(foot.priority for foot in _feet(spec, robot)))
+    return Floor(str(floor.name), plane.height)
+
+
+def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
+    touched = len(plane.out_of_reach) < sum(map(len, _foot_names(robot)))
+    if not touched or plane.tilt >= WALL:
+        return
+    if plane.tilt >= LEVEL:
+        raise ModelError(
+            f"{plane} is tilted by {np.rad2deg(plane.tilt):.3g} degrees: {robot.path}; "
+            "a floor is horizontal, level it or leave it out"
+        )
+    raise ModelError(
+        f"{plane} cannot be touched by {', '.join(map(repr, plane.out_of_reach))}: "
+        f"{robot.path}; a floor is for all feet, correct contype or conaffinity"
+    )
+
+
+def _foot_names(robot: Robot) -> list[tuple[str, ...]]:
+    return [leg.foot for leg in robot.card.legs.values()]
+
+
+def _join_scene(spec: mujoco.MjSpec, robot: Robot) -> Floor:
+    joined = scene()
+    joined.option.timestep = spec.option.timestep  # else the two would conflict
+    floor = joined.geom("floor")
+    for foot in _feet(spec, robot):
+        floor.contype |= foot.conaffinity
+        floor.conaffinity |= foot.contype
+        floor.priority = max(floor.priority, foot.priority + 1)
+    spec.visual.map.znear = joined.visual.map.znear
+    spec.attach(joined, frame=spec.worldbody.add_frame(), prefix="scene_")
+    return Floor("scene_floor", 0.0)

@@ -1,0 +1,81 @@
+"""The model that a run simulates: a robot on the floor, with the run's settings.
+
+Adds to the robot's file what walking and measurement need and is not there yet. The run
+simulates the model compiled from the text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import mujoco
+
+from models.robot import Robot, compile_model
+from sim.obstacles.walls import add_walls
+from sim.scenario import Scenario
+from sim.world.assets import gather
+from sim.world.floor import ensure_floor, scene
+from sim.world.sensors import ensure_sensors
+from sim.world.servos import ensure_servos
+from sim.world.start import ensure_start
+
+MODEL = "model.xml"
+
+
+@dataclass(frozen=True)
+class World:
+    """MJCF of robot and world, with the files that it names."""
+
+    text: str
+    assets: Mapping[str, bytes]  # by path relative to the text's file
+
+    @property
+    def files(self) -> dict[str, bytes]:
+        """What to write into a folder, so that bare MuJoCo loads it from there."""
+        return {MODEL: self.text.encode(), **self.assets}
+
+
+def build(robot: Robot, scenario: Scenario) -> World:
+    """Robot and world, self-contained.
+
+    Args:
+        robot: Robot to put on the floor.
+        scenario: Settings of solver, friction and servos.
+
+    Raises:
+        ModelError: If the robot cannot be given floor or servos.
+    """
+    spec = robot.read()
+    _set_options(spec, scenario.timestep)
+    floor = ensure_floor(spec, robot)
+    _set_friction(spec, robot, floor.name, scenario.friction)
+    ensure_servos(spec, robot, scenario)
+    ensure_sensors(spec, robot, floor.name)
+    ensure_start(spec, robot, floor)
+    add_walls(spec, robot.root, scenario.obstacles)
+    assets = gather(spec, robot)
+    compile_model(spec, str(robot.path))
+    return World(str(spec.to_xml()), assets)
+
+
+def load(world: World) -> mujoco.MjModel:
+    """Compile what `build` made."""
+    spec = mujoco.MjSpec.from_string(world.text, assets=dict(world.assets))
+    return compile_model(spec, MODEL)
+
+
+def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
+    """The solver settings of `scene.xml` for every robot, with the run's timestep."""
+    own = scene().option
+    for name in ("integrator", "cone", "impratio", "jacobian"):
+        setattr(spec.option, name, getattr(own, name))
+    spec.option.timestep = timestep
+
+
+def _set_friction(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
+    """Sliding friction of floor and feet; the engine takes the floor's."""
+    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
+    for name in (floor, *feet):
+        geom = spec.geom(name)
+        geom.friction = (value, *geom.friction[1:])

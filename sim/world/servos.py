@@ -1,0 +1,83 @@
+"""Position servos of the leg joints: a robot's own, or those that its card asks for.
+
+Motors and other actuators of a leg joint give way to its servo. A servo behind a gear
+is replaced by the same servo on the joint itself, so that commands are angles.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from models.errors import ModelError
+from models.robot import ON_JOINT, Robot
+from sim.scenario import Scenario
+
+
+def ensure_servos(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None:
+    """Leave one position servo on every leg joint, tuned as the scenario asks.
+
+    Raises:
+        ModelError: If a joint has no servo and the card gives none.
+    """
+    for leg in robot.card.legs.values():
+        for joint in leg.joints:
+            servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
+            _gear_down(servo)
+            _tune(servo, scenario.servo_stiffness, scenario.servo_damping)
+
+
+def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
+    """The joint's position servo, after its other actuators have been taken off."""
+    found = None
+    driving = [a for a in spec.actuators if a.trntype in ON_JOINT and a.target == joint]
+    for actuator in driving:
+        if found is None and _is_servo(actuator):
+            found = actuator
+        else:
+            spec.delete(actuator)
+    return found
+
+
+def _is_servo(actuator: mujoco.MjsActuator) -> bool:
+    gain, bias = actuator.gainprm[0], actuator.biasprm[1]
+    return bool(gain > 0 and np.isclose(bias, -gain))
+
+
+def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActuator:
+    servo = robot.card.servo
+    if servo is None:
+        raise ModelError(
+            f"joint {joint!r} has no position servo: {robot.path}; "
+            "give stiffness and damping under [servo] in the card"
+        )
+    actuator = spec.add_actuator(
+        name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
+    )
+    actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
+    return actuator
+
+
+def _gear_down(servo: mujoco.MjsActuator) -> None:
+    """Replace a servo behind a gear by its equal on the joint itself."""
+    gear = servo.gear[0]
+    if gear == 1:
+        return
+    servo.gear[0] = 1
+    servo.gainprm[0] *= gear**2
+    servo.biasprm[1] *= gear**2
+    if servo.biasprm[2] < 0:  # else a damping ratio, which no gear changes
+        servo.biasprm[2] *= gear**2
+    servo.armature *= gear**2
+    servo.ctrlrange = sorted(servo.ctrlrange / gear)
+    servo.forcerange = sorted(servo.forcerange * gear)
+
+
+def _tune(
+    servo: mujoco.MjsActuator, stiffness: float | None, damping: float | None
+) -> None:
+    """Set stiffness, damping or both; what is not given stays."""
+    if stiffness is not None:
+        servo.gainprm[0], servo.biasprm[1] = stiffness, -stiffness
+    if damping is not None:
+        servo.biasprm[2] = -damping

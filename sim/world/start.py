@@ -1,0 +1,49 @@
+"""Keyframe `start`: the pose in which a robot begins, its feet on the floor."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from models.kinematics import Kinematics
+from models.robot import ON_JOINT, Robot
+from sim.world.floor import Floor
+
+START = "start"
+AJAR = 1e-3  # [m]; feet of a robot's own keyframe that are off the floor by less stay
+
+
+def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> None:
+    """Write keyframe `start`: the robot's own, at x = y = yaw = 0, feet on the floor.
+
+    Other keyframes go, since their commands may no longer fit.
+
+    Args:
+        spec: World with the robot in it and its servos in place.
+        robot: Who starts.
+        floor: What its feet are put on.
+    """
+    for key in list(spec.keys):
+        spec.delete(key)
+    spec.add_key(name=START, qpos=_qpos(robot, floor), ctrl=_ctrl(spec, robot))
+
+
+def _qpos(robot: Robot, floor: Floor) -> np.ndarray:
+    kinematics = Kinematics(robot)
+    qpos = kinematics.level_qpos
+    sole = kinematics.stance(np.zeros(len(robot.groups))).height.min()
+    if abs(sole - floor.height) > AJAR:
+        qpos[robot.root_address + 2] += floor.height - sole
+    return qpos
+
+
+def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
+    """Leg joints hold their angles; other actuators keep what the robot's file says."""
+    own = {robot.model.actuator(i).name: c for i, c in enumerate(robot.start_ctrl)}
+    legs = {joint for leg in robot.card.legs.values() for joint in leg.joints}
+    return [
+        robot.standing_angle(actuator.target)
+        if actuator.trntype in ON_JOINT and actuator.target in legs
+        else own.get(actuator.name, 0.0)
+        for actuator in spec.actuators
+    ]
