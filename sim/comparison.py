@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 HEADER = (
-    f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics is off by':31}"
-    f"{'least margin':>12}{'slip':>13}"
+    f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics ends off by':28}"
+    f"{'at most':>9}{'margin':>10}{'slip':>11}"
 )
 PREDICTIONS = {
     "ideal": "ideal",
@@ -78,13 +78,15 @@ def _row(
     x, y, yaw = pose
     end = f"{x:z8.4f} {y:z8.4f} {yaw:z8.4f}"
     way = "" if along is None else _way(along)
-    return f"{name:13}{end:29}{off:31}{way}".rstrip()
+    return f"{name:13}{end:29}{off:37}{way}".rstrip()
 
 
 def _off(error: Mapping[str, float], path_length: float) -> str:
-    share = f"{error['position'] / path_length:7.2%}" if path_length else f"{'':7}"
-    return f"{1e3 * error['position']:7.2f} mm {share} {error['yaw']:8.4f} rad"
+    share = f"{error['position'] / path_length:6.2%}" if path_length else f"{'':6}"
+    farthest = f"{1e3 * error['farthest']:6.2f} mm" if "farthest" in error else ""
+    end = f"{1e3 * error['position']:6.2f} mm {share} {error['yaw']:7.4f} rad"
+    return f"{end:28}{farthest}"
 
 
 def _way(along: Mapping[str, float]) -> str:
-    return f"{1e3 * along['min_margin']:9.1f} mm{1e3 * along['slip']:10.1f} mm"
+    return f"{1e3 * along['min_margin']:7.1f} mm{1e3 * along['slip']:8.1f} mm"

@@ -156,7 +156,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         for name, prediction in evaluation.predicted.items()
     }
     errors = {
-        name: _error(pose, prediction.pose[-1], length, walked)
+        name: _error(achieved.pose, prediction.pose, length, walked)
         for name, prediction in evaluation.predicted.items()
     }
     return {
@@ -244,10 +244,12 @@ def _departure(pose: Array, other: Array) -> Summary:
     }
 
 
-def _error(pose: Array, other: Array, length: float, walked: float) -> Summary:
-    departure = _departure(pose, other)
-    position = float(np.hypot(*(pose - other)[:2]))
+def _error(poses: Array, others: Array, length: float, walked: float) -> Summary:
+    """How far the end is off, and the farthest that any row is."""
+    departure = _departure(poses[-1], others[-1])
+    position = departure["position"]
     return departure | {
         "position_per_path": position / length if length else None,
         "position_per_walked": position / walked if walked else None,
+        "farthest": float(np.hypot(*(poses - others)[:, :2].T).max()),
     }

@@ -1,5 +1,7 @@
 """The evaluation, computed again from what was recorded."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -84,6 +86,10 @@ def test_errors_are_distances_between_last_rows(judged):
         error = summary["error"][name]
         assert error["position"] == pytest.approx(np.hypot(*off[:2]))
         assert error["yaw"] == pytest.approx(abs(float(wrap(off[2]))))
+        rows = zip(evaluation.achieved.pose, prediction.pose, strict=True)
+        assert error["farthest"] == pytest.approx(
+            max(math.dist(a[:2], b[:2]) for a, b in rows)
+        )
         assert error["position_per_path"] == pytest.approx(
             error["position"] / summary["path_length"]
         )

@@ -154,31 +154,42 @@ def test_the_parallel_hexapod_walks_straight_but_cannot_turn():
     assert turned["error"]["ideal"]["yaw"] == pytest.approx(0.2094, abs=0.01)
 
 
+SCENARIOS = ["line", "ellipse", "diagonal"]
+
+
 @pytest.mark.full
-@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
-def test_whole_walks_end_near_the_ideal_prediction(scenario):
+@pytest.mark.parametrize("scenario", SCENARIOS)
+def test_whole_walks_obey_the_predictions(scenario):
+    """Open loop, with the defaults."""
     summary = run(scenario).summary
-    error = summary["error"]["ideal"]
-    assert error["position_per_path"] < 0.02  # 0.0018, 0.0042, 0.0081 measured
-    assert error["position_per_walked"] < 0.004  # 0.0002, 0.0007, 0.0014 measured
-    assert summary["achieved"]["min_margin"] > 0  # 46 mm measured
+    off, walked = summary["error"]["quasi_static"], summary["predicted"]["quasi_static"]
+    assert off["position_per_path"] < 0.01  # 0.0006, 0.0001, 0.0007 measured
+    assert off["position_per_walked"] < 0.002  # at most 0.0002 measured
+    assert off["farthest"] < 0.01 * summary["path_length"]  # at most 0.0011 measured
+    achieved = summary["achieved"]
+    assert walked["slip"] == pytest.approx(achieved["slip_swing"], rel=0.2)  # 0.01
+    # what feet and servos give under load: 7 micrometres measured
+    assert achieved["min_margin"] == pytest.approx(walked["min_margin"], abs=3e-3)
+    assert achieved["min_margin"] > 0  # 46 mm measured
+    assert summary["error"]["ideal"]["position_per_path"] < 0.01  # 0.0011 measured
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
-def test_whole_walks_obey_the_quasi_static_prediction(scenario):
-    summary = run(scenario).summary
-    error = summary["error"]["quasi_static"]
-    assert error["position_per_path"] < 0.01  # 0.0003, 0.0013, 0.0025 measured
-    assert error["position_per_walked"] < 0.002  # 0.00004, 0.0002, 0.0004 measured
-    slip = summary["predicted"]["quasi_static"]["slip"]
-    assert slip == pytest.approx(summary["achieved"]["slip_swing"], rel=0.2)
-    margins = [summary["achieved"], summary["predicted"]["quasi_static"]]
-    assert margins[0]["min_margin"] == pytest.approx(margins[1]["min_margin"], abs=3e-3)
+@pytest.mark.parametrize("scenario", SCENARIOS)
+@pytest.mark.parametrize(
+    "changes",
+    [{"fields": "paper"}, {"robot": "hexapod-parallel"}],
+    ids=["paper", "parallel"],
+)
+def test_where_the_ideal_model_fails_the_quasi_static_one_holds(scenario, changes):
+    """All along: a body that cannot leave comes home by whatever model is wrong."""
+    error = run(scenario, **changes).summary["error"]
+    ideal, quasi_static = error["ideal"]["farthest"], error["quasi_static"]["farthest"]
+    assert ideal > 3 * quasi_static  # 233, 13, 56, and 15, 11, 40 times measured
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
+@pytest.mark.parametrize("scenario", SCENARIOS)
 def test_whole_walks_steered_on_the_quasi_static_prediction_arrive(scenario):
     summary = run(scenario, steer="quasi-static").summary
     goal = summary["error"]["goal"]
@@ -187,18 +198,18 @@ def test_whole_walks_steered_on_the_quasi_static_prediction_arrive(scenario):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
+@pytest.mark.parametrize("scenario", SCENARIOS)
 def test_whole_replanned_walks_end_at_the_goal(scenario):
     summary = run(scenario, replan=True).summary
     goal = summary["error"]["goal"]
-    assert goal["position"] < 1e-3  # at most 1.4e-4 measured
-    assert goal["yaw"] < 0.01  # at most 4e-5 measured
+    assert goal["position"] < 3e-4  # at most 1.4e-4 measured
+    assert goal["yaw"] < 3e-3  # at most 2e-5 measured
     assert summary["achieved"]["min_margin"] > 0
     assert summary["saturated_segments"] == 0
 
 
 @pytest.mark.full
-@pytest.mark.parametrize("scenario", ["line", "ellipse", "diagonal"])
+@pytest.mark.parametrize("scenario", SCENARIOS)
 @pytest.mark.parametrize("robot", ["hexapod", "hexapod-parallel"])
 @pytest.mark.parametrize("fields", ["lifted", "paper"])
 @pytest.mark.parametrize("replan", [False, True])
