@@ -1,4 +1,4 @@
-"""Read a robot card from the TOML file beside a robot's MJCF."""
+"""Read a robot card from TOML, be it a file or part of one."""
 
 from __future__ import annotations
 
@@ -16,24 +16,40 @@ OPTIONAL = ("pattern", "lean", "servo", "description")
 
 
 def read_card(path: Path) -> Card:
-    """Read a robot card.
-
-    Args:
-        path: TOML file in the format of the README's section on robots.
+    """Read the card in a TOML file.
 
     Raises:
         ModelError: If the file is not TOML, or says something impossible.
     """
+    return parse_card(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """Text of a card's file.
+
+    Raises:
+        ModelError: If it is no text.
+    """
     try:
-        table = tomllib.loads(path.read_text())
-        return _decode(table)
-    except (
-        tomllib.TOMLDecodeError,
-        UnicodeDecodeError,
-        ValueError,
-        TypeError,
-    ) as error:
-        raise ModelError(f"bad robot card: {path}; {error}") from error
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ModelError(f"bad robot card: {path}; not text, {error}") from error
+
+
+def parse_card(text: str, source: str) -> Card:
+    """Read a robot card.
+
+    Args:
+        text: TOML in the format of the README's section on robots.
+        source: Where it stands, for refusals.
+
+    Raises:
+        ModelError: If it is not TOML, or says something impossible.
+    """
+    try:
+        return _decode(tomllib.loads(text))
+    except (ValueError, TypeError) as error:
+        raise ModelError(f"bad robot card: {source}; {error}") from error
 
 
 def _decode(table: dict[str, Any]) -> Card:

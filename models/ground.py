@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
+from models.compiled import actuator_of
 from models.kinematics import Kinematics
-from models.robot import Robot, actuator_of
+from models.robot import Robot
 
 Array = np.ndarray
 

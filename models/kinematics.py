@@ -15,7 +15,9 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from models.robot import Robot, root_body
+from models.card import LegCard
+from models.robot import Robot
+from models.soles import Sole, find_sole
 
 Array = np.ndarray
 
@@ -28,10 +30,8 @@ class Stance:
     """Feet and weight for one or many sets of leg angles, in the body frame."""
 
     feet: Array  # where they touch, (..., F, 2) [m]
-    rates: (
-        Array  # of the sole by the swing of the foot's own group, (..., F, 2) [m/rad]
-    )
-    gives: Array  # of the sole by the lift of its own group, (..., F, 3) [m/rad]
+    rates: Array  # of the soles, by the swing of their groups, (..., F, 2) [m/rad]
+    gives: Array  # of the soles, by the lift of their groups, (..., F, 3) [m/rad]
     height: Array  # lowest point of the foot, (..., F) [m]
     center_of_mass: Array  # (..., 2) [m]
 
@@ -65,13 +65,13 @@ class Kinematics:
             rates=swung[..., :2] * robot.swing_gain[:, None],
             gives=lifted * robot.raise_sign[:, None],
             height=feet[..., 2],
-            center_of_mass=self._middle[:2] + weight.sum(axis=-2)[..., :2],
+            center_of_mass=self.center_of_mass[:2] + weight.sum(axis=-2)[..., :2],
         )
 
     @cached_property
-    def _middle(self) -> Array:
+    def center_of_mass(self) -> Array:
         """Centre of mass with all legs at angle 0, shape (3,)."""
-        return self._center_of_mass()
+        return self._find_center_of_mass()
 
     @cached_property
     def _coefficients(self) -> tuple[Array, ...]:
@@ -80,9 +80,10 @@ class Kinematics:
         Every leg is sampled on a 3 x 3 grid of its two angles.
         """
         robot, data = self.robot, self._data
-        middle, samples = self._middle, np.empty((4, len(robot.legs), 3, 3, 3))
-        for i, leg in enumerate(robot.legs):
-            card = robot.card.legs[leg]
+        middle, samples = self.center_of_mass, np.empty((4, len(robot.legs), 3, 3, 3))
+        cards = [robot.card.legs[leg] for leg in robot.legs]
+        soles = [find_sole(robot.model, data, card.foot) for card in cards]
+        for i, (card, sole) in enumerate(zip(cards, soles, strict=True)):
             swing, lift = data.joint(card.swing), data.joint(card.lift)
             start = float(swing.qpos[0]), float(lift.qpos[0])
             for a, b in np.ndindex(3, 3):
@@ -90,17 +91,18 @@ class Kinematics:
                     start[0] + _ANGLES[a],
                     start[1] + _ANGLES[b],
                 )
-                shift = self._center_of_mass() - middle
-                samples[:, i, a, b] = (*self._sole(leg), shift)
+                shift = self._find_center_of_mass() - middle
+                samples[:, i, a, b] = (*self._touch(card, sole), shift)
             swing.qpos[0], lift.qpos[0] = start
         fit = "pa,qb,kfabi->kfpqi"
         return tuple(np.einsum(fit, _FIT, _FIT, samples))
 
     @cached_property
     def _data(self) -> mujoco.MjData:
-        """The robot at `start`, its root at x = y = yaw = 0."""
+        """The robot at `level_qpos`; legs are turned only to be sampled."""
         data = mujoco.MjData(self.robot.model)
         data.qpos[:] = self.level_qpos
+        mujoco.mj_kinematics(self.robot.model, data)
         return data
 
     @property
@@ -113,27 +115,27 @@ class Kinematics:
 
     @cached_property
     def _root(self) -> int:
-        return root_body(self.robot.model, self.robot.path)
+        return int(self.robot.model.body(self.robot.root).id)
 
-    def _center_of_mass(self) -> Array:
+    def axis(self, joint: str) -> Array:
+        """Direction of a hinge's axis as the robot stands, shape (3,)."""
+        mujoco.mj_kinematics(self.robot.model, self._data)
+        return np.array(self._data.joint(joint).xaxis)
+
+    def _find_center_of_mass(self) -> Array:
         """Bring positions up to date and return the centre of mass, shape (3,)."""
         mujoco.mj_kinematics(self.robot.model, self._data)
         mujoco.mj_comPos(self.robot.model, self._data)
         origin = np.append(self._data.xpos[self._root][:2], 0.0)
         return np.array(self._data.subtree_com[self._root] - origin)
 
-    def _sole(self, leg: int) -> tuple[Array, Array, Array]:
-        """Where a foot touches, and its velocity there by swing and by lift, (3,) each.
-
-        The middle of the foot's geoms, lowered to the ground at angle 0.
-        """
-        model, data, card = self.robot.model, self._data, self.robot.card.legs[leg]
-        geoms = [model.geom(name).id for name in card.foot]
-        center = np.mean([data.geom_xpos[geom] for geom in geoms], axis=0)
-        depth = np.mean([_depth(model, geom) for geom in geoms])
-        point = center - (0.0, 0.0, depth)
+    def _touch(self, card: LegCard, sole: Sole) -> tuple[Array, Array, Array]:
+        """Where a foot touches, and its velocity by swing and by lift, (3,) each."""
+        model, data = self.robot.model, self._data
+        point = sole.touch(data)
         jacobian = np.empty((3, model.nv))
-        mujoco.mj_jac(model, data, jacobian, None, point, model.geom_bodyid[geoms[0]])
+        body = model.geom_bodyid[sole.geoms[0]]
+        mujoco.mj_jac(model, data, jacobian, None, point, body)
         swing, lift = (
             jacobian[:, model.joint(joint).dofadr[0]]
             for joint in (card.swing, card.lift)
@@ -143,12 +145,3 @@ class Kinematics:
 
 def _basis(angle: Array) -> Array:
     return np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def _depth(model: mujoco.MjModel, geom: int) -> float:
-    """How far below its centre a foot geom touches [m]; exact for spheres."""
-    round_ones = (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_CAPSULE)
-    size = model.geom_size[geom]
-    return float(
-        size[0] if model.geom_type[geom] in round_ones else min(size[size > 0])
-    )

@@ -15,12 +15,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from models.card import Card, LegCard
-from models.card_file import read_card
-from models.errors import ModelError, UnknownRobotError
+from models.card import Card
+from models.compiled import actuators_of, compile_model, read_spec, root_body
 
 FOLDER = Path(str(files("models")))
-ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
 @dataclass(frozen=True)
@@ -29,7 +27,7 @@ class Robot:
 
     name: str
     path: Path  # MJCF file
-    card_path: Path  # TOML file
+    card_text: str  # TOML
     card: Card
 
     def __str__(self) -> str:
@@ -76,25 +74,13 @@ class Robot:
         return np.array([self.groups[g] in stratum for g in self.group_of_leg])
 
     def read(self) -> mujoco.MjSpec:
-        """A fresh, editable copy of the MJCF file.
-
-        Raises:
-            ModelError: If the file is not MJCF.
-        """
-        try:
-            return mujoco.MjSpec.from_file(str(self.path))
-        except (ValueError, RuntimeError) as error:
-            reason = " ".join(str(error).split())
-            raise ModelError(
-                f"not a usable MJCF file: {self.path}; {reason}"
-            ) from error
+        """A fresh, editable copy of the MJCF file."""
+        return read_spec(self.path)
 
     @cached_property
     def model(self) -> mujoco.MjModel:
         """The file compiled as it stands: for kinematics, masses and joint ranges."""
-        model = compile_model(self.read(), str(self.path))
-        check_parts(model, self.card, self.path)
-        return model
+        return compile_model(self.read(), str(self.path))
 
     @property
     def root(self) -> str:
@@ -156,138 +142,3 @@ class Robot:
             start = self.standing_angle(joint)
             ends.append(sorted((end - start) / gain for end in self.span(joint)))
         return max(low for low, _ in ends), min(high for _, high in ends)
-
-
-def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
-    """Compile, turning every refusal of the compiler into one line.
-
-    Raises:
-        ModelError: If the compiler refuses, or a number in the model is not finite.
-    """
-    try:
-        model = spec.compile()
-    except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"MJCF does not compile: {source}; {reason}") from error
-    for name in ("body_mass", "body_inertia", "body_pos", "geom_size", "geom_friction"):
-        if not np.isfinite(getattr(model, name)).all():
-            raise ModelError(
-                f"{name} is not finite: {source}; the compiler lets it pass"
-            )
-    return model
-
-
-def actuator_of(model: mujoco.MjModel, joint: str) -> int:
-    """Index of the first actuator that drives a joint.
-
-    Raises:
-        ModelError: If there is none.
-    """
-    found = actuators_of(model, joint)
-    if not found:
-        raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
-    return found[0]
-
-
-def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
-    """Indices of the actuators that drive a joint."""
-    on_joints = np.isin(model.actuator_trntype, ON_JOINT)
-    same = model.actuator_trnid[:, 0] == model.joint(joint).id
-    return [int(i) for i in np.flatnonzero(on_joints & same)]
-
-
-def robots() -> tuple[str, ...]:
-    """Names of the shipped robots."""
-    return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
-
-
-def load(name: str) -> Robot:
-    """A shipped robot by name, or a user's own by the path of its MJCF file.
-
-    A file without a card beside it is given the card of the shipped robot whose model
-    name it carries.
-
-    Raises:
-        UnknownRobotError: If there is no such robot or file.
-        ModelError: If file or card cannot be used.
-    """
-    path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
-    if not name.endswith(".xml") and name not in robots():
-        raise UnknownRobotError(
-            f"unknown robot: {name!r}; shipped are {', '.join(robots())}, "
-            "or give a .xml file"
-        )
-    if not path.is_file():
-        raise UnknownRobotError(
-            f"no such robot file: {path}; give the path of an MJCF file"
-        )
-    card_path = _card_path(path)
-    robot = Robot(path.stem, path, card_path, read_card(card_path))
-    check_parts(robot.model, robot.card, path)
-    return robot
-
-
-def _card_path(path: Path) -> Path:
-    beside = path.with_suffix(".toml")
-    if beside.is_file():
-        return beside
-    try:
-        name = mujoco.MjSpec.from_file(str(path)).modelname
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
-    if name in robots():
-        return FOLDER / f"{name}.toml"
-    raise ModelError(
-        f"no robot card: {beside} is missing; "
-        "write one that names legs, groups and gait"
-    )
-
-
-def check_parts(model: mujoco.MjModel, card: Card, path: Path) -> None:
-    """Refuse a card that names parts the model does not have.
-
-    Raises:
-        ModelError: Naming the missing parts.
-    """
-    root_body(model, path)
-    missing = [
-        f"{kind} {name!r}"
-        for leg in card.legs.values()
-        for kind, name in _parts(leg)
-        if name not in _names(model, kind)
-    ]
-    if missing:
-        raise ModelError(
-            f"the card names what the model lacks: {path}; {', '.join(missing)}"
-        )
-    for number, leg in card.legs.items():
-        for joint in (leg.swing, leg.lift):
-            if model.joint(joint).type != mujoco.mjtJoint.mjJNT_HINGE:
-                raise ModelError(
-                    f"leg {number}: {path}; joint {joint!r} is not a hinge"
-                )
-
-
-def _parts(leg: LegCard) -> list[tuple[str, str]]:
-    joints = [leg.swing, leg.lift, *leg.hold]
-    return [("joint", name) for name in joints] + [("geom", name) for name in leg.foot]
-
-
-def _names(model: mujoco.MjModel, kind: str) -> set[str]:
-    count = {"joint": model.njnt, "geom": model.ngeom}[kind]
-    return {getattr(model, kind)(i).name for i in range(count)}
-
-
-def root_body(model: mujoco.MjModel, path: Path) -> int:
-    """Index of the body that carries the free joint.
-
-    Raises:
-        ModelError: If there is not exactly one free joint.
-    """
-    free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
-    if len(free) != 1:
-        raise ModelError(
-            f"{len(free)} free joints: {path}; a walking robot has exactly one"
-        )
-    return int(model.jnt_bodyid[free[0]])

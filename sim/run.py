@@ -57,7 +57,7 @@ def run(
     folder.write_text("scenario.toml", dumps(scenario))
     for name, content in setup.world.files.items():
         folder.write_bytes(name, content)
-    folder.write_text("card.toml", setup.robot.card_path.read_text())
+    folder.write_text("card.toml", setup.robot.card_text)
     walked = walk(setup, planned, lambda fraction: progress("walking", fraction))
     timing["plan"] += walked.seconds["plan"]
     timing["simulate"] = walked.seconds["simulate"]

@@ -9,8 +9,9 @@ import numpy as np
 
 from models.equations import Equations, equations
 from models.kinematics import Kinematics
+from models.library import load
 from models.lifting import Lifting
-from models.robot import Robot, load
+from models.robot import Robot
 from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.paths import Path

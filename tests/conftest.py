@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from models.robot import load as load_robot
+from models.library import load as load_robot
 from sim.errors import RenderError
 from sim.film.direction import check
 from sim.folder import RunFolder

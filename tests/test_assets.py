@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.robot import FOLDER, load
+from models.library import load
+from models.robot import FOLDER
 from sim.folder import RunFolder
 from sim.nominal import line
 from sim.run import run

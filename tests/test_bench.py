@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from models.robot import robots
+from models.library import robots
 from models.systems.library import SYSTEMS
 from sim import cli
 from sim.bench import planner_speed, speed

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.robot import load as load_robot
+from models.library import load as load_robot
 from sim.obstacles import shapes
 from sim.obstacles.clearance import Surroundings
 from sim.obstacles.outline import Outline

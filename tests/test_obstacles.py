@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import shapely
 
-from models.robot import load as load_robot
+from models.library import load as load_robot
 from sim.errors import UsageError
 from sim.obstacles import shapes
 from sim.obstacles.walls import Touches

@@ -6,7 +6,8 @@ import pytest
 import shapely
 
 from models.kinematics import Kinematics
-from models.robot import Robot, load
+from models.library import load
+from models.robot import Robot
 from sim.obstacles.outline import Outline, hulls
 from sim.poses import rotate
 
@@ -69,7 +70,7 @@ def test_what_cannot_collide_has_no_outline(outline):
 
 def test_the_outline_at_rest_reaches_to_the_outer_feet(outline):
     rest = outline.configurations(*(np.zeros((1, n)) for n in (3, 2, 2)))[0]
-    x, y, *_ = outline.area(rest).bounds
+    x, y, *_ = outline.swept(rest[None]).bounds
     # feet at 0.15 and 0.18 m, 8 mm thick
     assert (x, y) == pytest.approx((-0.158, -0.188), abs=1e-6)
     assert outline.radius(rest) == pytest.approx(np.hypot(0.15, 0.18) + 0.008)

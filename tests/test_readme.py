@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from models.robot import robots
+from models.library import robots
 from models.systems.library import SYSTEMS
 from sim.cli import COMMANDS, main, parser
 from sim.comparison import HEADER, PREDICTIONS

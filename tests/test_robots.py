@@ -9,8 +9,9 @@ import pytest
 from models.card_file import read_card
 from models.errors import ModelError, UnknownRobotError
 from models.kinematics import Kinematics
+from models.library import load, robots
 from models.mjcf import write
-from models.robot import FOLDER, load, robots
+from models.robot import FOLDER
 from models.shapes import SHAPES
 
 

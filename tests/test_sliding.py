@@ -9,7 +9,7 @@ import pytest
 from models.dissipation import foot_jacobians, foot_velocities, least_dissipation_twist
 from models.ground import ground_of
 from models.kinematics import Kinematics
-from models.robot import load as load_robot
+from models.library import load as load_robot
 from models.sliding import sliding_twist
 from planner.flows import Flow
 from sim.measure import Sensors

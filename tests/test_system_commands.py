@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from models.robot import robots
+from models.library import robots
 from models.systems.library import SYSTEMS
 from sim import cli
 

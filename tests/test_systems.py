@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 from models.errors import ProblemError
-from models.robot import robots
+from models.library import robots
 from models.systems.library import SYSTEMS, shipped
 from planner.choice import choose_elements
 from planner.controllability import gait_controllability

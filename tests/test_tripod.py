@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from models.kinematics import Kinematics
-from models.robot import load
+from models.library import load
 from models.tripod import PaperStance
 from sim.support import stability_margin, support_polygons
 

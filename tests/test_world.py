@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 from models.errors import ModelError
+from models.library import load as load_robot
 from models.robot import FOLDER
-from models.robot import load as load_robot
 from sim.world.channels import Channels
 from sim.world.model import build, load
 from sim.world.sensors import contact_sensor

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from models.equations import equations
-from models.robot import load
+from models.library import load
 from models.systems.library import shipped
 from planner.errors import ConvergenceError
 from planner.execution import Coordinates, Execution

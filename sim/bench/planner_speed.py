@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 
 from models.equations import equations
-from models.robot import load, robots
+from models.library import load, robots
 from models.systems.library import SYSTEMS, shipped
 from planner.execution import Coordinates, Execution
 from planner.extended import ExtendedSystem, extend

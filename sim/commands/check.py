@@ -77,14 +77,14 @@ def _subject(
     if settings:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
     from models.equations import equations
-    from models.robot import load
+    from models.library import load
 
     robot = load(source)
     return equations(robot).system, robot.card.gait, None
 
 
 def _robots() -> Sequence[str]:
-    from models.robot import robots
+    from models.library import robots
 
     return robots()
 

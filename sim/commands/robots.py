@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print names and descriptions."""
-    from models.robot import load, robots
+    from models.library import load, robots
 
     cards = {name: load(name).card for name in robots()}
     if options.json:

@@ -37,7 +37,7 @@ def execute(options: argparse.Namespace) -> None:
     """Walk the scenario and print how it went."""
     scenario = scenario_of(options)
 
-    from models.robot import load  # the slow part; a refused scenario does not wait
+    from models.library import load  # the slow part; a refused scenario does not wait
     from sim.folder import claim
     from sim.progress import bar
     from sim.run import run

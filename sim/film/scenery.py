@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from models.robot import root_body
+from models.compiled import root_body
 from sim.film import style
 from sim.film.camera import FIELD_OF_VIEW
 from sim.film.marks import Mark

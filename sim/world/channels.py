@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.robot import Robot, actuator_of
+from models.compiled import actuator_of
+from models.robot import Robot
 
 
 @dataclass(frozen=True)

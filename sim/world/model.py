@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import mujoco
 
-from models.robot import Robot, compile_model
+from models.compiled import compile_model
+from models.robot import Robot
 from sim.obstacles.walls import add_walls
 from sim.scenario import Scenario
 from sim.world.assets import gather

@@ -9,8 +9,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from models.compiled import ON_JOINT
 from models.errors import ModelError
-from models.robot import ON_JOINT, Robot
+from models.robot import Robot
 from sim.scenario import Scenario
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
+from models.compiled import ON_JOINT
 from models.kinematics import Kinematics
-from models.robot import ON_JOINT, Robot
+from models.robot import Robot
 from sim.world.floor import Floor
 
 START = "start"

@@ -1,0 +1,89 @@
+"""Looking things up in a compiled model by name, and compiling with clear refusals."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from models.errors import ModelError
+
+ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+FINITE = ("body_mass", "body_inertia", "body_pos", "geom_size", "geom_friction")
+
+
+def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
+    """Compile, turning every refusal of the compiler into one line.
+
+    Raises:
+        ModelError: If the compiler refuses, or a number in the model is not finite.
+    """
+    try:
+        model = spec.compile()
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"MJCF does not compile: {source}; {reason}") from error
+    for name in FINITE:
+        if not np.isfinite(getattr(model, name)).all():
+            raise ModelError(
+                f"{name} is not finite: {source}; the compiler lets it pass"
+            )
+    return model
+
+
+def read_spec(path: Path) -> mujoco.MjSpec:
+    """A fresh, editable copy of an MJCF file.
+
+    Raises:
+        ModelError: If the file is not MJCF.
+    """
+    try:
+        return mujoco.MjSpec.from_file(str(path))
+    except (ValueError, RuntimeError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
+
+
+def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
+    """Indices of the actuators that drive a joint."""
+    on_joints = np.isin(model.actuator_trntype, ON_JOINT)
+    same = model.actuator_trnid[:, 0] == model.joint(joint).id
+    return [int(i) for i in np.flatnonzero(on_joints & same)]
+
+
+def actuator_of(model: mujoco.MjModel, joint: str) -> int:
+    """Index of the first actuator that drives a joint.
+
+    Raises:
+        ModelError: If there is none.
+    """
+    found = actuators_of(model, joint)
+    if not found:
+        raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
+    return found[0]
+
+
+def root_body(model: mujoco.MjModel, path: Path) -> int:
+    """Index of the body that carries the free joint.
+
+    Raises:
+        ModelError: If there is not exactly one free joint.
+    """
+    free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
+    if len(free) != 1:
+        raise ModelError(
+            f"{len(free)} free joints: {path}; a walking robot has exactly one, "
+            "on its body (<freejoint/>)"
+        )
+    return int(model.jnt_bodyid[free[0]])
+
+
+def joints_above(model: mujoco.MjModel, body: int) -> list[int]:
+    """Joints between a body and the world, from the body upward; free ones left out."""
+    found = []
+    while body:
+        begin, count = model.body_jntadr[body], model.body_jntnum[body]
+        found += [int(j) for j in range(begin, begin + count)]
+        body = int(model.body_parentid[body])
+    return [j for j in found if model.jnt_type[j] != mujoco.mjtJoint.mjJNT_FREE]

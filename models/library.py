@@ -1,0 +1,73 @@
+"""Where robots come from: shipped ones by name, anybody's own by their MJCF file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from models.card_file import parse_card, read_text
+from models.compiled import read_spec
+from models.errors import ModelError, UnknownRobotError
+from models.parts import check_parts
+from models.posture import check_posture
+from models.robot import FOLDER, Robot
+
+EMBEDDED = "card"  # name of the custom text that may hold the card
+
+
+def robots() -> tuple[str, ...]:
+    """Names of the shipped robots."""
+    return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
+
+
+def load(name: str) -> Robot:
+    """A shipped robot by name, or a user's own by the path of its MJCF file.
+
+    The card is the TOML file beside it, or its custom text `card`. A file with neither
+    is given the card of the shipped robot whose model name it carries.
+
+    Raises:
+        UnknownRobotError: If there is no such robot or file.
+        ModelError: If file or card cannot be used.
+    """
+    path = _find(name)
+    text, source = _card(path)
+    robot = Robot(path.stem, path, text, parse_card(text, source))
+    check_parts(robot)
+    check_posture(robot)
+    return robot
+
+
+def _find(name: str) -> Path:
+    path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
+    if not name.endswith(".xml") and name not in robots():
+        raise UnknownRobotError(
+            f"unknown robot: {name!r}; shipped are {', '.join(robots())}, "
+            "or give a .xml file"
+        )
+    if not path.is_file():
+        raise UnknownRobotError(
+            f"no such robot file: {path}; give the path of an MJCF file"
+        )
+    return path
+
+
+def _card(path: Path) -> tuple[str, str]:
+    """Text of a robot's card, and where it stands."""
+    beside, spec = path.with_suffix(".toml"), read_spec(path)
+    inside = [text.data for text in spec.texts if text.name == EMBEDDED]
+    if inside and beside.is_file():
+        raise ModelError(
+            f"two robot cards: {beside}, and the custom text {EMBEDDED!r} in {path}; "
+            "keep one of them"
+        )
+    if inside:
+        return inside[0], f"custom text {EMBEDDED!r} in {path}"
+    if beside.is_file():
+        return read_text(beside), str(beside)
+    if spec.modelname in robots():
+        shipped = FOLDER / f"{spec.modelname}.toml"
+        return read_text(shipped), str(shipped)
+    raise ModelError(
+        f"no robot card: {beside} is missing; write one that names legs, groups and "
+        f"gait, or put it into the MJCF as custom text {EMBEDDED!r}"
+    )
