@@ -88,7 +88,7 @@ def judged(setting: str, value: float) -> Result:
         path=setup.scenario.path.length,
         slip=float(result.achieved.slip[-1].sum()),
         predicted_slip=float(predicted.slip[-1].sum()),
-        bounces=result.walk.recording.feet.bounces,
+        bounces=result.walk.recording.bounces,
         sources=error_sources(result.walk, result.achieved.pose, predicted),
     )
 

@@ -38,25 +38,18 @@ def error_sources(
 
     Args:
         walk: An open-loop walk.
-        achieved: Achieved pose at every row, shape (T', 3).
-        prediction: Prediction at the same rows.
+        achieved: Achieved pose at every moment recorded, shape (T, 3).
+        prediction: Prediction at the same moments.
 
     Returns:
         For each source its part in x, y [m] and yaw [rad].
     """
     phases = [phase for phase in walk.phases if phase.start >= walk.starts]
     edges = np.array([phases[0].start, *(phase.stop for phase in phases)])
-    rows = walk.recording.rows
-    both = (_at(edges, rows, poses) for poses in (achieved, prediction.pose))
+    at = walk.recording.moments.step.searchsorted(edges)  # phases' ends are looked at
+    both = (poses[at] for poses in (achieved, prediction.pose))
     sources: dict[str, Array] = {}
     for phase, part in zip(phases, contributions(*both), strict=True):
         name = f"{phase.kind} S{phase.stratum}"
         sources[name] = sources.get(name, np.zeros(3)) + part
     return {name: [float(v) for v in part] for name, part in sources.items()}
-
-
-def _at(steps: Array, rows: Array, poses: Array) -> Array:
-    """Poses at given steps, between rows by interpolation; phases begin at rest."""
-    yaw = np.unwrap(poses[:, 2])
-    columns = (poses[:, 0], poses[:, 1], yaw)
-    return np.stack([np.interp(steps, rows, column) for column in columns], axis=1)

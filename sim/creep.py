@@ -12,6 +12,7 @@ import numpy as np
 from sim.measure import Sensors
 from sim.physics import Engine
 from sim.recording import Recorder
+from sim.schedule import Scheduler
 from sim.setup import Setup
 
 LONGEST_STAND = 10.0  # [s]
@@ -27,14 +28,20 @@ def creep_floor(setup: Setup, duration: float) -> float:
             rather than too little.
     """
     stand = min(duration, LONGEST_STAND)
-    dt, hold = setup.limits.timestep, setup.limits.hold
-    recorder = Recorder(
-        Engine(setup.model), Sensors(setup.model, setup.robot), 1_000_000
-    )
-    still = np.zeros((round((hold + stand) / dt), len(setup.robot.groups)))
-    for _ in recorder.play(setup.channels.ctrl(still, still)):
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.hold(setup.limits.hold)
+    scheduler.hold(stand)
+    schedule = scheduler.finish()
+    held, end = (phase.stop for phase in schedule.phases)
+    last = min(round(1.0 / setup.limits.timestep), end)
+    sensors = Sensors(setup.model, setup.robot)
+    recorder = Recorder(Engine(setup.model), sensors, end)
+    looks = np.unique([held, end - last, end])
+    for _ in recorder.play(setup.commands(schedule), looks):
         pass
-    slip = recorder.finish().feet.slip.sum(axis=1)
-    last = min(round(1.0 / dt), len(slip) - 1)
-    rate = (slip[-1] - slip[-1 - last]) / (last * dt)
-    return float(slip[-1] - slip[round(hold / dt) - 1] + rate * (duration - stand))
+    recording = recorder.finish()
+    begin, before, after = (
+        float(recording.slip_after(step).sum()) for step in (held, end - last, end)
+    )
+    rate = (after - before) / (last * setup.limits.timestep)
+    return after - begin + rate * (duration - stand)

@@ -13,11 +13,11 @@ import numpy as np
 from models.twists import TwistModel
 from sim.attribution import error_sources
 from sim.obstacles.passage import clearances
-from sim.phases import count_changes, phase_slips
+from sim.phases import count_changes, swing_slip
 from sim.poses import rotate, seen_from, wrap
 from sim.prediction import Prediction, predict
 from sim.schedule import Phase
-from sim.support import stability_margin
+from sim.support import carrying, stability_margin
 from sim.twist_models import MODELS, twist_model
 from sim.walk import Walk
 
@@ -27,25 +27,33 @@ Summary = dict[str, object]
 
 @dataclass(frozen=True)
 class Achieved:
-    """What the physics did at every row, in the frame of the start pose."""
+    """What the physics did at every moment recorded, in the frame of the start pose."""
 
-    pose: Array  # (T', 3)
-    margin: Array  # (T',) [m]
-    slip: Array  # since the walk's start, (T', F) [m]
-    contact: Array  # (T', F), bool
-    point: Array  # where each foot touches, (T', F, 2) [m]
-    center_of_mass: Array  # (T', 3) [m]
+    pose: Array  # (T, 3)
+    margin: Array  # (T,) [m]
+    slip: Array  # since the walk's start, (T, F) [m]
+    contact: Array  # (T, F), bool
+    point: Array  # where each foot touches, (T, F, 2) [m]
+    center_of_mass: Array  # (T, 3) [m]
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A walk and everything said about it."""
+    """A walk and everything said about it, at every moment recorded."""
 
     walk: Walk
     achieved: Achieved
     predicted: Mapping[str, Prediction]
     clearance: Mapping[str, Array]  # achieved and predicted, if anything is in the way
-    walking: Array  # rows from the start of the walk on, (T',), bool
+    walking: Array  # moments from the start of the walk on, (T,), bool
+
+    @property
+    def judged(self) -> Array:
+        """Moments that the summary's extremes are taken over, (T,), bool.
+
+        They depend on what was commanded alone, not on which rows are written.
+        """
+        return np.asarray(self.walking & self.walk.recording.looked)
 
 
 def evaluate(walk: Walk) -> Evaluation:
@@ -53,51 +61,42 @@ def evaluate(walk: Walk) -> Evaluation:
     predicted = {
         name: _predicted(walk, twist_model(walk.setup, name)) for name in MODELS
     }
-    walking = walk.recording.rows >= walk.starts
+    walking = walk.recording.moments.step >= walk.starts
     near = clearances(walk, predicted)
     return Evaluation(walk, _achieved(walk), predicted, near, walking)
 
 
 def _achieved(walk: Walk) -> Achieved:
-    recording, feet = walk.recording, walk.recording.feet
-    at = recording.at_rows
-    contact, points = feet.contact[at], recording.point
-    center = recording.center_of_mass.copy()
-    margin = stability_margin(points, _carrying(points, contact, center), center[:, :2])
-    before = feet.slip[walk.starts - 1]
-    x, y, yaw = walk.origin
-    center[:, :2] = rotate(center[:, :2] - (x, y), -yaw)
+    recording, moments = walk.recording, walk.recording.moments
+    contact, points, center = moments.contact, moments.point, moments.center_of_mass
+    margin = stability_margin(points, carrying(points, contact, center), center[:, :2])
+    (x, y, yaw), before = walk.origin, recording.slip_after(walk.starts)
+    on_floor = rotate(center[:, :2] - (x, y), -yaw)
     return Achieved(
-        pose=seen_from(walk.origin, walk.setup.pose(recording.qpos)),
+        pose=seen_from(walk.origin, walk.setup.pose(moments.qpos)),
         margin=margin,
-        slip=np.maximum(feet.slip[at] - before, 0.0),
+        slip=np.maximum(moments.slip - before, 0.0),
         contact=contact,
         point=rotate(points - (x, y), -yaw),
-        center_of_mass=center,
+        center_of_mass=np.concatenate([on_floor, center[:, 2:]], axis=1),
     )
-
-
-def _carrying(points: Array, contact: Array, center: Array) -> Array:
-    """Feet in contact; with none, the one that last touched closest to the weight."""
-    far = np.linalg.norm(points - center[:, None, :2], axis=2)
-    nearest = far == far.min(axis=1, keepdims=True)
-    return np.asarray(contact | (nearest & ~contact.any(axis=1, keepdims=True)))
 
 
 def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
     """One prediction over all stretches, each from the pose it was planned from."""
     pieces: list[Prediction] = []
-    slipped = np.zeros(len(walk.setup.robot.legs))
+    slipped, during = np.zeros(len(walk.setup.robot.legs)), walk.recording.during
     for stretch in walk.stretches:
-        schedule, rows = stretch.schedule, walk.recording.rows
-        inside = rows[(rows > schedule.start) & (rows <= schedule.stop)]
-        local = np.append(inside, schedule.stop) - schedule.start - 1
+        schedule = stretch.schedule
+        inside = during[(during >= schedule.start) & (during < schedule.stop)]
+        local = inside - schedule.start  # a stretch's last step is always among them
         piece = predict(
             schedule, local, twists, walk.setup.kinematics, tuple(stretch.pose)
         )
-        slip, slipped = piece.slip[:-1] + slipped, piece.slip[-1] + slipped
-        pose = np.concatenate([piece.pose[:-1, :2], wrap(piece.pose[:-1, 2:])], axis=1)
-        pieces.append(Prediction(pose, slip, piece.margin[:-1], piece.contact[:-1]))
+        pose = np.concatenate([piece.pose[:, :2], wrap(piece.pose[:, 2:])], axis=1)
+        slip = piece.slip + slipped
+        slipped = slip[-1]
+        pieces.append(Prediction(pose, slip, piece.margin, piece.contact))
     names = ("pose", "slip", "margin", "contact")
     return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
 
@@ -106,13 +105,12 @@ def trajectory(evaluation: Evaluation) -> dict[str, Array]:
     """The arrays of trajectory.npz."""
     walk, achieved = evaluation.walk, evaluation.achieved
     recording, predicted = walk.recording, evaluation.predicted
-    phases = walk.phases
-    ideal = predicted["ideal"]
-    starts = np.array([phase.start for phase in phases])
+    moments, ideal = recording.moments, predicted["ideal"]
+    starts = np.array([phase.start for phase in walk.phases])
     arrays = {
-        "time": recording.rows * recording.timestep,
-        "qpos": recording.qpos,
-        "qvel": recording.qvel,
+        "time": moments.step * recording.timestep,
+        "qpos": moments.qpos,
+        "qvel": moments.qvel,
         "achieved_pose": achieved.pose,
         "predicted_pose": ideal.pose,
         "contact": achieved.contact,
@@ -123,8 +121,7 @@ def trajectory(evaluation: Evaluation) -> dict[str, Array]:
         "predicted_margin": ideal.margin,
         "contact_point": achieved.point,
         "center_of_mass": achieved.center_of_mass,
-        "world_start_pose": walk.origin,
-        "phase": np.searchsorted(starts, recording.at_rows, side="right") - 1,
+        "phase": np.searchsorted(starts, recording.during, side="right") - 1,
     }
     for name, prediction in predicted.items():
         if name != "ideal":
@@ -133,7 +130,8 @@ def trajectory(evaluation: Evaluation) -> dict[str, Array]:
             arrays[f"{name}_margin"] = prediction.margin
     for name, clearance in evaluation.clearance.items():
         arrays[f"{'predicted' if name == 'ideal' else name}_clearance"] = clearance
-    return arrays
+    rows = {name: array[recording.sampled] for name, array in arrays.items()}
+    return rows | {"world_start_pose": walk.origin}
 
 
 def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
@@ -149,14 +147,14 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     swings = [p for p in walk.phases if p.kind == "swing"]
     walked = float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
     length = scenario.path.length
-    slips = phase_slips(walk)
+    in_swings, judged = swing_slip(walk), evaluation.judged
     predicted = {
-        name: _of_prediction(prediction, evaluation.walking)
+        name: _of_prediction(prediction, judged)
         | {"min_clearance": _least(evaluation, name)}
         for name, prediction in evaluation.predicted.items()
     }
     errors = {
-        name: _error(achieved.pose, prediction.pose, length, walked)
+        name: _error(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
     }
     return {
@@ -174,18 +172,18 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "contact_switches_achieved": count_changes(walk),
         "swing_travel": _travel(swings, setup.robot.groups, loaded=True),
         "air_travel": _travel(swings, setup.robot.groups, loaded=False),
-        "bounces": walk.recording.feet.bounces,
+        "bounces": walk.recording.bounces,
         "wall_contacts": walk.recording.wall_contacts,
         "saturated_segments": walk.saturated_segments,
         "walk_starts": walk.starts * setup.limits.timestep,
         "predicted": predicted,
         "achieved": {
             "pose": [float(p) for p in pose],
-            "min_margin": float(achieved.margin[evaluation.walking].min()),
+            "min_margin": walk.recording.least_margin,
             "min_clearance": _least(evaluation, "achieved"),
             "slip": float(achieved.slip[-1].sum()),
-            "slip_swing": float(slips["swing"]),
-            "slip_transition": float(achieved.slip[-1].sum() - slips["swing"]),
+            "slip_swing": in_swings,
+            "slip_transition": float(achieved.slip[-1].sum()) - in_swings,
             "slip_per_foot": {
                 str(leg): float(s)
                 for leg, s in zip(setup.robot.legs, achieved.slip[-1], strict=True)
@@ -197,7 +195,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
             "goal": _departure(pose, goal),
         },
         "error_sources": _sources(evaluation),
-        "simulated_time": walk.recording.rows[-1] * setup.limits.timestep,
+        "simulated_time": walk.recording.steps * setup.limits.timestep,
         "timestep": setup.limits.timestep,
     }
 
@@ -215,13 +213,13 @@ def _travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> flo
 def _least(evaluation: Evaluation, name: str) -> float | None:
     """Least clearance [m]; None where there are no obstacles."""
     clearance = evaluation.clearance.get(name)
-    return None if clearance is None else float(clearance[evaluation.walking].min())
+    return None if clearance is None else float(clearance[evaluation.judged].min())
 
 
-def _of_prediction(prediction: Prediction, walking: Array) -> Summary:
+def _of_prediction(prediction: Prediction, judged: Array) -> Summary:
     return {
         "pose": [float(p) for p in prediction.pose[-1]],
-        "min_margin": float(prediction.margin[walking].min()),
+        "min_margin": float(prediction.margin[judged].min()),
         "slip": float(prediction.slip[-1].sum()),
     }
 
@@ -237,7 +235,7 @@ def _sources(evaluation: Evaluation) -> Summary | None:
     }
 
 
-def _departure(pose: Array, other: Array) -> Summary:
+def _departure(pose: Array, other: Array) -> dict[str, float]:
     return {
         "position": float(np.hypot(*(pose - other)[:2])),
         "yaw": float(abs(wrap(pose[2] - other[2]))),
@@ -245,7 +243,7 @@ def _departure(pose: Array, other: Array) -> Summary:
 
 
 def _error(poses: Array, others: Array, length: float, walked: float) -> Summary:
-    """How far the end is off, and the farthest that any row is."""
+    """How far the end is off, and the farthest that the walk ever is."""
     departure = _departure(poses[-1], others[-1])
     position = departure["position"]
     return departure | {

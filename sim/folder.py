@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import errno
 import json
+import math
 import os
 import re
 import shutil
-from collections.abc import Iterator, Mapping
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -56,20 +59,50 @@ class RunFolder:
         """
         self.write_text(name, json.dumps(value, indent=1, allow_nan=False) + "\n")
 
-    def write_arrays(self, name: str, **arrays: np.ndarray) -> None:
+    def write_arrays(self, name: str, **arrays: np.ndarray | Pieces) -> None:
         """Write named arrays as compressed .npz; equal arrays give equal bytes.
 
         Raises:
             FilesError: If the disk is full or the folder cannot be written.
         """
         size = sum(array.nbytes for array in arrays.values())
-        with whole(self.path / name, size) as part, part.open("wb") as file:
-            np.savez_compressed(file, allow_pickle=False, **arrays)
+        with (
+            whole(self.path / name, size) as part,
+            zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive,
+        ):
+            for key, array in arrays.items():
+                member = zipfile.ZipInfo(f"{key}.npy")  # of no date, for equal bytes
+                member.compress_type = zipfile.ZIP_DEFLATED
+                with archive.open(member, "w", force_zip64=True) as file:
+                    _write_array(file, array)
 
     def discard_if_empty(self) -> None:
         """Remove the folder if nothing was written, so a refusal leaves no trace."""
         with suppress(OSError):
             self.path.rmdir()
+
+
+@dataclass(frozen=True, slots=True)
+class Pieces:
+    """An array of floats too long to hold, cut along its first axis."""
+
+    shape: tuple[int, ...]
+    pieces: Iterable[np.ndarray]
+
+    @property
+    def nbytes(self) -> int:
+        """Size of the whole array [bytes]."""
+        return 8 * math.prod(self.shape)
+
+
+def _write_array(file: IO[bytes], array: np.ndarray | Pieces) -> None:
+    if isinstance(array, np.ndarray):
+        np.lib.format.write_array(file, array, allow_pickle=False)
+        return
+    described = {"descr": "<f8", "fortran_order": False, "shape": array.shape}
+    np.lib.format.write_array_header_1_0(file, described)
+    for piece in array.pieces:
+        file.write(piece.astype("<f8").tobytes())
 
 
 def claim(folder: Path | None, scenario: str) -> RunFolder:

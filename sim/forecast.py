@@ -13,17 +13,15 @@ from functools import cached_property
 import numpy as np
 
 from models.twists import TwistModel
+from sim.looks import looks
 from sim.planning import plan_open_loop, plan_segment
 from sim.prediction import Predictor
-from sim.schedule import Phase, Schedule, Scheduler
+from sim.schedule import Schedule, Scheduler
 from sim.setup import Setup
 from sim.twist_models import twist_model
 from sim.walk import lay
 
 Array = np.ndarray
-
-STEP = 0.02  # [rad] that the legs swing at most from one sample to the next
-LIFTS = 4  # samples of a lift or a landing
 
 
 @dataclass(frozen=True)
@@ -40,28 +38,16 @@ class Stage:
     @cached_property
     def rows(self) -> Array:
         """Steps at which to look: the end of every phase, and evenly on the way."""
-        phases = self.schedule.phases
-        rows = [_rows(phase) - self.schedule.start for phase in phases]
-        return np.concatenate(rows) if rows else np.zeros(0, dtype=int)
+        return looks(self.schedule) - 1 - self.schedule.start
 
     def segment(self, rows: Array) -> Array:
         """Segment that each step belongs to, shape (T,)."""
-        starts = [phase.start - self.schedule.start for phase in self.schedule.phases]
         of = np.array([phase.segment for phase in self.schedule.phases])
-        return of[np.searchsorted(starts, rows, side="right") - 1]
+        return np.asarray(of[self.schedule.phase_of(rows)])
 
     def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
         """Pose (T, 3), swing and lift (T, G) at steps."""
         return (self.predictor(rows).pose, *self.predictor.angles(rows))
-
-
-def _rows(phase: Phase) -> Array:
-    samples = LIFTS
-    if phase.kind == "swing":
-        farthest = abs(phase.amount) * max(map(abs, phase.direction))
-        samples = 1 + int(np.ceil(farthest / STEP))
-    ends = np.linspace(0, phase.steps - 1, min(samples, phase.steps) + 1)[1:]
-    return phase.start + np.unique(ends.round().astype(int))
 
 
 def foresee(setup: Setup) -> list[Stage]:

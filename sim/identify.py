@@ -12,6 +12,7 @@ from numpy.polynomial import Polynomial
 
 from models.identified import IdentifiedTwists, MeasuredField
 from planner.flows import Flow
+from sim.effort import check_effort
 from sim.measure import Sensors
 from sim.physics import Engine
 from sim.recording import Recorder, Recording
@@ -56,18 +57,18 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
         scheduler.flow(flow, setup.equations.swings[flow.field])
     scheduler.flow(Flow(stratum, field, 2 * span), direction)
     schedule = scheduler.finish()
-    recording = _record(setup, schedule)
     begin = schedule.phases[-1].start
-    qpos = recording.qpos[recording.rows > begin]
+    recording = _record(setup, schedule, begin)
+    moments = recording.moments
+    qpos = moments.qpos[recording.sampled & (moments.step > begin)]
     d = np.array(direction)
     way = setup.channels.swing(qpos) @ d / (d @ d)
-    slip = recording.feet.slip
     return MeasuredField(
         stratum=stratum,
         direction=direction,
         span=span,
         twist=_fit(way, setup.pose(qpos), span),
-        slip=float((slip[-1] - slip[begin - 1]).sum()),
+        slip=float((moments.slip[-1] - recording.slip_after(begin)).sum()),
     )
 
 
@@ -96,11 +97,12 @@ def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list
     return flows
 
 
-def _record(setup: Setup, schedule: Schedule) -> Recording:
+def _record(setup: Setup, schedule: Schedule, begin: int) -> Recording:
+    check_effort(setup, schedule.stop)
     engine, sensors = Engine(setup.model), Sensors(setup.model, setup.robot)
     every = max(schedule.phases[-1].steps // ROWS, 1)
     recorder = Recorder(engine, sensors, every)
-    for _ in recorder.play(setup.channels.ctrl(*schedule.angles())):
+    for _ in recorder.play(setup.commands(schedule), np.array([begin])):
         pass
     return recorder.finish()
 

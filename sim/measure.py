@@ -37,13 +37,13 @@ class Sensors:
     """Reads the contact sensors of a robot's feet out of sensordata."""
 
     def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
-        self.weight = float(
-            model.body_subtreemass[0] * np.linalg.norm(model.opt.gravity)
-        )
+        mass = model.body(robot.root).subtreemass[0]
+        self.weight = float(mass * np.linalg.norm(model.opt.gravity))
         self._feet = [
             [model.sensor(contact_sensor(geom)) for geom in robot.card.legs[leg].foot]
             for leg in robot.legs
         ]
+        self.feet = len(robot.legs)
         self._center_of_mass = model.sensor("center_of_mass").adr[0]
 
     def read(self, sensordata: Array) -> Readings:
@@ -81,27 +81,17 @@ class Sensors:
         return total, (share * speed).sum(axis=1), point
 
 
-@dataclass(frozen=True)
-class FootLog:
-    """Contact and slip of every foot at every step of a run."""
+@dataclass(frozen=True, slots=True)
+class ContactLog:
+    """Which feet were in contact, as a list of changes."""
 
-    contact: Array  # (n, F), bool
-    slip: Array  # cumulative, (n, F) [m]
-    bounces: int
+    step: Array  # from the state after these many steps on, ascending, (n,)
+    flags: Array  # these feet, (n, F), bool
 
-
-def log_feet(loaded: Array, speed: Array, timestep: float) -> FootLog:
-    """Decide contacts, and integrate the slip of the feet that are in contact.
-
-    Args:
-        loaded: Whether a foot carries load, shape (n, F), bool.
-        speed: Tangential speed at the contact, shape (n, F) [m/s].
-        timestep: [s].
-    """
-    contact, bounces = bridge(loaded, round(BOUNCE / timestep))
-    slip = np.cumsum(np.where(contact, speed, 0.0), axis=0, dtype=float)
-    slip *= timestep
-    return FootLog(contact, slip, bounces)
+    def between(self, first: int, last: int) -> Array:
+        """Flags of the states after `first` to `last` steps, each change one row."""
+        begin = self.step.searchsorted(first, side="right") - 1
+        return self.flags[begin : self.step.searchsorted(last, side="right")]
 
 
 def last_touched(point: Array, touching: Array, before: Array | None = None) -> Array:
@@ -118,23 +108,48 @@ def last_touched(point: Array, touching: Array, before: Array | None = None) -> 
     return np.take_along_axis(np.concatenate([first, point]), last[:, :, None], axis=0)
 
 
-def bridge(loaded: Array, shortest: int) -> tuple[Array, int]:
-    """Close interruptions of contact shorter than `shortest` steps.
+def bridge(loaded: Array, shortest: int, before: Array | None = None) -> Array:
+    """Contact: load, with interruptions shorter than `shortest` steps closed.
 
     Args:
         loaded: Shape (n, F), bool.
         shortest: Number of steps that make an interruption.
-
-    Returns:
-        The closed flags, shape (n, F), and how many interruptions were closed.
+        before: Contact before the first of them, shape (1, F); none if not given.
     """
-    contact, bounces = loaded.copy(), 0
-    for foot in range(loaded.shape[1]):
-        edges = np.flatnonzero(np.diff(loaded[:, foot].astype(np.int8)))
-        falls = edges[loaded[edges, foot]]
+    known = _after(before, loaded)
+    contact = known.copy()
+    for foot in range(known.shape[1]):
+        edges = np.flatnonzero(np.diff(known[:, foot].astype(np.int8)))
+        falls = edges[known[edges, foot]]
         for fall in falls:
             rise = edges[np.searchsorted(edges, fall) + 1 :][:1]
             if len(rise) and rise[0] - fall < shortest:
                 contact[fall + 1 : rise[0] + 1, foot] = True
-                bounces += 1
-    return contact, bounces
+    return contact[1:]
+
+
+def count_bounces(loaded: Array, contact: Array) -> int:
+    """Interruptions that were closed and end before the last of some steps, (n, F)."""
+    closed = contact & ~loaded
+    return int((closed[:-1] & ~closed[1:]).sum())
+
+
+def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:
+    """Number of leading steps whose contacts no later step can change.
+
+    Arguments are those of `bridge`. An interruption that is still open at the end and
+    shorter than `shortest` may turn out to be a bounce.
+    """
+    known = _after(before, loaded)
+    count = len(loaded)
+    for foot in np.flatnonzero(~known[-1]):
+        last = np.flatnonzero(known[:, foot])[-1:]  # row in `known` is step + 1
+        if len(last) and len(loaded) - last[0] < shortest:
+            count = min(count, int(last[0]))
+    return count
+
+
+def _after(before: Array | None, loaded: Array) -> Array:
+    """Flags with one row more, for what was before."""
+    none = np.zeros((1, loaded.shape[1]), dtype=bool)
+    return np.concatenate([none if before is None else before, loaded])

@@ -19,34 +19,30 @@ COLUMNS = (
 
 def phase_slip(walk: Walk, phase: Phase) -> Array:
     """Slip of every foot during a phase, shape (F,) [m]."""
-    slip = walk.recording.feet.slip
-    before = slip[phase.start - 1] if phase.start else np.zeros(slip.shape[1])
-    return np.asarray(slip[phase.stop - 1] - before)
+    recording = walk.recording
+    after = recording.slip_after(phase.stop)
+    return after - recording.slip_after(phase.start) if phase.start else after
 
 
-def phase_slips(walk: Walk) -> dict[str, float]:
-    """Slip of all feet in each kind of phase, from the start of the walk on [m]."""
-    total = dict.fromkeys(("hold", "lift", "swing", "land"), 0.0)
-    for phase in walk.phases:
-        if phase.start >= walk.starts:
-            total[phase.kind] += float(phase_slip(walk, phase).sum())
-    return total
+def swing_slip(walk: Walk) -> float:
+    """Slip of all feet in all swings [m]."""
+    swings = [phase for phase in walk.phases if phase.kind == "swing"]
+    return float(sum(phase_slip(walk, phase).sum() for phase in swings))
 
 
 def as_planned(walk: Walk, phase: Phase) -> bool:
     """Whether every foot that should stand stood, and every other stayed in the air.
 
-    Feet that are being lifted or landed during the phase are not asked.
+    Asked after each of the phase's steps. Feet that are being lifted or landed during
+    the phase are not asked.
     """
     robot = walk.setup.robot
     planned = robot.planted(phase.stratum)
     asked = np.ones(len(planned), dtype=bool)
     if phase.kind in ("lift", "land"):
         asked = ~np.isin(robot.group_of_leg, phase.moving)
-    contact = walk.recording.feet.contact[phase.start : phase.stop]
-    return bool(
-        np.array_equal(contact[:, asked], np.tile(planned[asked], (phase.steps, 1)))
-    )
+    contact = walk.recording.contacts.between(phase.start + 1, phase.stop)
+    return bool((contact[:, asked] == planned[asked]).all())
 
 
 def count_changes(walk: Walk) -> int:
@@ -55,7 +51,8 @@ def count_changes(walk: Walk) -> int:
     A group has lifted when its last foot has left the ground, and landed when its last
     foot has touched it.
     """
-    contact = walk.recording.feet.contact[walk.starts - 1 :]
+    recording = walk.recording
+    contact = recording.contacts.between(walk.starts, recording.steps)
     changes = 0
     for group in range(len(walk.setup.robot.groups)):
         feet = contact[:, walk.setup.robot.group_of_leg == group]

@@ -24,7 +24,7 @@ class Record:
 
     qpos: Array  # (n, nq), after each step
     qvel: Array  # (n, nv), after each step
-    sensordata: Array  # (n, nsensordata), during each step
+    sensordata: Array  # (n, nsensordata), of the state before each step
 
 
 class Engine:
@@ -43,7 +43,19 @@ class Engine:
     @property
     def qpos(self) -> Array:
         """Position after the last step, shape (nq,)."""
-        return np.array(self._batch.bind("qpos")[0])
+        return self.state[0]
+
+    @property
+    def state(self) -> tuple[Array, Array]:
+        """Position (nq,) and velocity (nv,) after the last step."""
+        qpos, qvel = (np.array(self._batch.bind(name)[0]) for name in ("qpos", "qvel"))
+        return qpos, qvel
+
+    def sense(self) -> Array:
+        """What sensors say of the state now, under the last command, (nsensordata,)."""
+        data = self._batch.get_data(0)
+        mujoco.mj_forward(self.model, data)
+        return np.array(data.sensordata)
 
     def advance(self, ctrl: Array) -> Record:
         """Apply one row of commands a step.
@@ -83,7 +95,9 @@ class Engine:
             moved = np.flatnonzero((np.diff(record.qpos, axis=0) != 0).any(axis=1))
             step = int(moved[-1]) + 1 if len(moved) else 0
             name = mujoco.mjtWarning(int(risen[0])).name.removeprefix("mjWARN_")
-            raise self._failure(f"simulation diverged, warning {name}", step)
+            failure = self._failure(f"simulation diverged, warning {name}", step)
+            self.steps += step + 1  # the engine made this one and no more
+            raise failure
 
     def _failure(self, what: str, step: int) -> SimulationError:
         time = (self.steps + step) * self.model.opt.timestep

@@ -68,7 +68,6 @@ class Predictor:
             kinematics,
             start_pose,
         )
-        self._angles = schedule.angles()
         self._begins = _begins(schedule)
         self._loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
         strokes = _strokes(schedule, self._begins, self._loaded)
@@ -76,13 +75,12 @@ class Predictor:
 
     def angles(self, rows: Array) -> tuple[Array, Array]:
         """Commanded swing and lift of every group, shape (T, G) each [rad]."""
-        swing, lift = self._angles
-        return swing[rows], lift[rows]
+        return self.schedule.angles(rows)
 
     def __call__(self, rows: Array) -> Prediction:
         """Predict the motion at steps of the schedule, shape (T,)."""
         swing, lift = self.angles(rows)
-        phase = _phase_of(self.schedule, rows)
+        phase = self.schedule.phase_of(rows)
         clock = _clock(self.schedule, self._begins, self._loaded, phase, swing)
         contact = _contact(self.schedule, phase, self.kinematics)
         stance = self.kinematics.stance(swing, lift)
@@ -131,12 +129,6 @@ def _strokes(schedule: Schedule, begins: Array, loaded: list[bool]) -> Strokes:
         begin=begins[:-1][loaded],
         change=np.diff(begins, axis=0)[loaded],
     )
-
-
-def _phase_of(schedule: Schedule, rows: Array) -> Array:
-    """Index of the phase each row lies in, shape (T,)."""
-    starts = np.array([phase.start - schedule.start for phase in schedule.phases])
-    return np.searchsorted(starts, rows, side="right") - 1
 
 
 def _clock(

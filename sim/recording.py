@@ -1,42 +1,79 @@
 """Play commands on the engine and keep what evaluation needs, and no more.
 
-Sensors are reduced stretch by stretch to contact, slip speed and positions, so a walk
-of minutes at half a millisecond a step stays within a few hundred megabytes.
+The engine senses a state in the step that leaves it, so what is known of the state
+after n steps comes with step n + 1; the last state is sensed by itself. Contacts are
+decided once no later step can make a gap in one a bounce. What is kept grows with the
+moments asked for and with changes of contact, not with steps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from sim.measure import FootLog, Sensors, last_touched, log_feet
+from sim.measure import (
+    BOUNCE,
+    ContactLog,
+    Sensors,
+    bridge,
+    count_bounces,
+    decided,
+    last_touched,
+)
 from sim.obstacles.walls import Touches
-from sim.physics import STRETCH, Engine
+from sim.physics import Engine
+from sim.support import LeastMargin, carrying
 
 Array = np.ndarray
-Samples = tuple[Array, ...]  # qpos, qvel, point, centre of mass
+NEVER = np.iinfo(np.int64).max
+NONE = np.zeros(0, dtype=int)
+
+
+class Moments(NamedTuple):
+    """The robot after some numbers of steps, in world coordinates; shapes (T, ...)."""
+
+    step: Array  # (T,)
+    qpos: Array  # (T, nq)
+    qvel: Array  # (T, nv)
+    point: Array  # where each foot touches the ground, or last did, (T, F, 2) [m]
+    center_of_mass: Array  # (T, 3) [m]
+    contact: Array  # as the engine says; once decided, bounces bridged, (T, F), bool
+    slip: Array  # speed at the contact [m/s]; once decided, slip so far [m]; (T, F)
+
+    def at(self, which: slice | Array) -> Moments:
+        """Some of them."""
+        return Moments(*(column[which] for column in self))
+
+
+def _joined(parts: Iterable[Moments]) -> Moments:
+    return Moments(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A finished simulation: commands and feet at every step, states at every row."""
+    """A finished simulation."""
 
     timestep: float  # [s]
-    ctrl: Array  # (T, nu)
-    rows: Array  # steps after which a row was taken, (T',)
-    qpos: Array  # (T', nq)
-    qvel: Array  # (T', nv)
-    point: Array  # where each foot touches the ground, or last did, (T', F, 2) [m]
-    center_of_mass: Array  # (T', 3) [m]
-    feet: FootLog  # (T, F)
+    steps: int
+    moments: Moments
+    sampled: Array  # which moments are rows of the trajectory, (T,), bool
+    looked: Array  # which moments were asked for, (T,), bool
+    contacts: ContactLog
+    bounces: int
+    least_margin: float  # over every step from the walk's start on [m]
     wall_contacts: int  # times that the robot came to touch an obstacle
 
     @property
-    def at_rows(self) -> Array:
-        """Index of the step that each row closes, shape (T',)."""
-        return self.rows - 1
+    def during(self) -> Array:
+        """Index of the step that leads to each moment, shape (T,)."""
+        return self.moments.step - 1
+
+    def slip_after(self, step: int) -> Array:
+        """Slip of every foot up to a moment that was kept, shape (F,) [m]."""
+        return np.asarray(self.moments.slip[self.moments.step == step][0])
 
 
 class Recorder:
@@ -44,59 +81,126 @@ class Recorder:
 
     def __init__(self, engine: Engine, sensors: Sensors, sample_every: int) -> None:
         self.engine = engine
+        self.walk_starts = NEVER  # step from which on margins count
         self._sensors, self._every = sensors, sample_every
+        self._timestep = float(engine.model.opt.timestep)
+        self._shortest = round(BOUNCE / self._timestep)
         self._touches = Touches(engine.model)
-        self._ctrl: list[Array] = []
-        self._rows: list[Array] = []
-        self._samples: list[Samples] = []
-        self._feet: list[tuple[Array, Array]] = []  # loaded, speed
-        self._last: Samples | None = None
+        self._margin = LeastMargin()
+        self._looks = NONE
+        self._state = engine.state
+        self._touched: Array | None = None
+        self._pending: list[Moments] = []
+        self._kept: list[Moments] = []
+        self._marks: list[tuple[Array, Array]] = []  # sampled, looked at
+        self._contacts: list[tuple[Array, Array]] = []  # step, flags
+        self._contact: Array | None = None
+        self._slip = np.zeros(sensors.feet)
+        self._bounces = 0
 
-    def play(self, ctrl: Array) -> Iterator[float]:
-        """Apply one row of commands a step, shape (n, nu), stretch by stretch.
+    def play(self, pieces: Iterable[Array], looks: Array = NONE) -> Iterator[int]:
+        """Apply one row of commands a step.
+
+        Args:
+            pieces: Commands, shape (n, nu) each, n at most `STRETCH`.
+            looks: Steps after which the state is kept, in ascending order.
 
         Yields:
-            How much of it is done, from 0 to 1.
+            Steps made since the beginning, after each piece.
         """
-        self._ctrl.append(ctrl)
-        for begin in range(0, len(ctrl), STRETCH):
-            stretch = ctrl[begin : begin + STRETCH]
-            self._record(stretch)
-            yield (begin + len(stretch)) / len(ctrl)
-
-    def _record(self, ctrl: Array) -> None:
-        before = self.engine.steps
-        record = self.engine.advance(ctrl)
-        self._touches.read(record.sensordata)
-        readings = self._sensors.read(record.sensordata)
-        touched = None if self._last is None else self._last[2]
-        point = last_touched(readings.point, readings.force > 0, touched)
-        states = (record.qpos, record.qvel, point, readings.center_of_mass)
-        due = np.arange(self._every - before % self._every, len(ctrl) + 1, self._every)
-        self._rows.append(before + due)
-        self._samples.append(tuple(s[due - 1] for s in states))
-        self._last = tuple(s[-1:].copy() for s in states)
-        self._feet.append((self._sensors.loaded(readings), readings.speed.astype("f4")))
+        self._looks = np.concatenate([self._looks, looks])
+        for ctrl in pieces:
+            before, (qpos, qvel) = self.engine.steps, self._state
+            record = self.engine.advance(ctrl)
+            self._state = record.qpos[-1].copy(), record.qvel[-1].copy()
+            self._sense(
+                before,
+                np.concatenate([qpos[None], record.qpos[:-1]]),
+                np.concatenate([qvel[None], record.qvel[:-1]]),
+                record.sensordata,
+            )
+            self._decide()
+            yield self.engine.steps
 
     def finish(self) -> Recording:
-        """Everything recorded; the last state is always a row."""
-        timestep = float(self.engine.model.opt.timestep)
-        rows, samples = np.concatenate(self._rows), list(self._samples)
-        if self._last is not None and (not len(rows) or rows[-1] != self.engine.steps):
-            rows = np.append(rows, self.engine.steps)
-            samples.append(self._last)
-        qpos, qvel, point, center = (
-            np.concatenate(column) for column in zip(*samples, strict=True)
-        )
-        loaded, speed = (np.concatenate(c) for c in zip(*self._feet, strict=True))
+        """Everything recorded; the last state is always kept."""
+        qpos, qvel = self._state
+        sensed = self.engine.sense()
+        self._sense(self.engine.steps, qpos[None], qvel[None], sensed[None])
+        self._decide(last=True)
+        sampled, looked = map(np.concatenate, zip(*self._marks, strict=True))
+        step, flags = map(np.concatenate, zip(*self._contacts, strict=True))
         return Recording(
-            timestep=timestep,
-            ctrl=np.concatenate(self._ctrl),
-            rows=rows,
-            qpos=qpos,
-            qvel=qvel,
-            point=point,
-            center_of_mass=center,
-            feet=log_feet(loaded, speed, timestep),
+            timestep=self._timestep,
+            steps=self.engine.steps,
+            moments=_joined(self._kept),
+            sampled=sampled,
+            looked=looked,
+            contacts=ContactLog(step, flags),
+            bounces=self._bounces,
+            least_margin=self._margin.value,
             wall_contacts=self._touches.count,
         )
+
+    def _sense(self, first: int, qpos: Array, qvel: Array, sensordata: Array) -> None:
+        """Take in consecutive states, and what the engine sensed of them."""
+        self._touches.read(sensordata)
+        readings = self._sensors.read(sensordata)
+        touching = readings.force > 0
+        point = last_touched(readings.point, touching, self._touched)
+        self._touched = point[-1:].copy()
+        self._pending.append(
+            Moments(
+                step=first + np.arange(len(qpos)),
+                qpos=qpos,
+                qvel=qvel,
+                point=point,
+                center_of_mass=readings.center_of_mass,
+                contact=self._sensors.loaded(readings),
+                slip=readings.speed,
+            )
+        )
+
+    def _decide(self, last: bool = False) -> None:
+        """Judge the states whose contacts no later step can change."""
+        states = _joined(self._pending)
+        loaded, before = states.contact, self._contact
+        contact = bridge(loaded, self._shortest, before)
+        count = len(contact) if last else decided(loaded, self._shortest, before)
+        self._bounces += count_bounces(loaded[: count + 1], contact[: count + 1])
+        self._pending = [states.at(slice(count, None))]
+        if count:
+            judged = states._replace(contact=contact).at(slice(count))
+            self._note_changes(judged)
+            self._keep(self._slipped(judged), last)
+
+    def _slipped(self, states: Moments) -> Moments:
+        """Speeds integrated over the steps in contact."""
+        steps = np.where(states.contact, states.slip, 0.0) * self._timestep
+        slip = self._slip + np.cumsum(steps, axis=0)
+        self._slip = slip[-1]
+        return states._replace(slip=slip - steps)  # a state's own speed is yet to come
+
+    def _note_changes(self, states: Moments) -> None:
+        contact = states.contact
+        before = ~contact[:1] if self._contact is None else self._contact
+        changed = np.diff(np.vstack([before, contact]), axis=0).any(axis=1)
+        self._contacts.append((states.step[changed], contact[changed]))
+        self._contact = contact[-1:].copy()
+
+    def _keep(self, states: Moments, last: bool) -> None:
+        step = states.step
+        walking = states.at(step >= self.walk_starts)
+        if len(walking.step):
+            feet = carrying(walking.point, walking.contact, walking.center_of_mass)
+            self._margin.see(walking.point, feet, walking.center_of_mass[:, :2])
+        sampled = (step > 0) & (step % self._every == 0)
+        ahead = self._looks.searchsorted([step[0], step[-1] + 1])
+        looked = np.zeros(len(step), dtype=bool)
+        looked[self._looks[slice(*ahead)] - step[0]] = True
+        self._looks = self._looks[ahead[1] :]
+        if last:
+            sampled[-1] = looked[-1] = True
+        kept = sampled | looked
+        self._kept.append(states.at(kept))
+        self._marks.append((sampled[kept], looked[kept]))

@@ -10,16 +10,18 @@ import numpy as np
 
 from sim.bounds import within_bounds
 from sim.creep import creep_floor
+from sim.effort import check_effort
 from sim.evaluate import Summary, evaluate, summarise, trajectory
-from sim.folder import RunFolder
+from sim.folder import Pieces, RunFolder
 from sim.obstacles.route import routed
 from sim.phases import table
+from sim.physics import STRETCH
 from sim.planning import plan_open_loop
 from sim.progress import Progress, silent
 from sim.scenario import Scenario
 from sim.scenario_file import dumps
 from sim.setup import prepare
-from sim.walk import Walk, walk
+from sim.walk import Walker, carry_out, expected_steps
 
 
 def run(
@@ -42,6 +44,7 @@ def run(
 
     Raises:
         PlannerError: If there is no plan.
+        UsageError: If the walk takes more steps or memory than there can be.
         SimulationError: If the physics diverges.
         FilesError: If the folder cannot be written.
         RenderError: If a film is wanted and cannot be made.
@@ -54,18 +57,24 @@ def run(
         scenario = setup.scenario
         setup = within_bounds(setup)
         planned = None if scenario.replan else plan_open_loop(setup)
+        check_effort(setup, expected_steps(setup, planned))
     folder.write_text("scenario.toml", dumps(scenario))
     for name, content in setup.world.files.items():
         folder.write_bytes(name, content)
     folder.write_text("card.toml", setup.robot.card_text)
-    walked = walk(setup, planned, lambda fraction: progress("walking", fraction))
+    walker = Walker(setup, progress)
+    try:
+        walked = carry_out(walker, planned)
+    finally:
+        _write_commands(folder, walker)  # what a failed walk is replayed from
     timing["plan"] += walked.seconds["plan"]
     timing["simulate"] = walked.seconds["simulate"]
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walked)
         seconds = evaluation.walk.duration
         summary = summarise(evaluation, creep_floor(setup, seconds))
-        _write_walk(folder, walked, trajectory(evaluation))
+        folder.write_arrays("trajectory.npz", **trajectory(evaluation))
+        folder.write_text("flows.csv", table(walked))
     timing["render"] = 0.0
     summary["timing"] = timing
     folder.write_json("summary.json", summary)
@@ -78,12 +87,16 @@ def run(
     return summary
 
 
-def _write_walk(folder: RunFolder, walked: Walk, arrays: dict[str, np.ndarray]) -> None:
-    recording = walked.recording
-    clock = (np.arange(len(recording.ctrl))) * recording.timestep
-    folder.write_arrays("commands.npz", time=clock, ctrl=recording.ctrl)
-    folder.write_arrays("trajectory.npz", **arrays)
-    folder.write_text("flows.csv", table(walked))
+def _write_commands(folder: RunFolder, walker: Walker) -> None:
+    steps, timestep = walker.steps, walker.setup.limits.timestep
+    if not steps:
+        return
+    rows = np.split(np.arange(steps), range(STRETCH, steps, STRETCH))
+    folder.write_arrays(
+        "commands.npz",
+        time=Pieces((steps,), (row * timestep for row in rows)),
+        ctrl=Pieces((steps, walker.setup.model.nu), walker.commands()),
+    )
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil, sqrt
 from typing import Literal
 
@@ -72,25 +73,26 @@ class Shape:
     stratum: str
 
 
-def ramp(steps: int, rise: int) -> Array:
+def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
     """A smooth way from 0 to 1 in `steps` steps, at constant speed but for the ends.
 
     The speed rises and falls along a cubic over `rise` steps each, so the acceleration
-    is continuous. Shape (steps,), the last entry being exactly 1.
+    is continuous.
+
+    Args:
+        done: Steps made, from 1; after the last one the way is exactly 1.
+        steps: Of the whole way.
+        rise: Of each end, at most half of them; 0 for none.
     """
-    u = np.arange(1, steps + 1, dtype=float)
 
     def covered(t: Array) -> Array:  # integral of the cubic smoothstep, t in [0, 1]
-        return t**3 - t**4 / 2
+        t = np.clip(t, 0, 1)
+        return np.asarray(t**3 - t**4 / 2)
 
-    full = np.clip(u - rise, 0, steps - 2 * rise)
-    ends = (
-        covered(np.clip(u / rise, 0, 1))
-        + 0.5
-        - covered(np.clip((steps - u) / rise, 0, 1))
-    )
-    way = full + rise * ends
-    return np.asarray(way / way[-1])
+    full = np.clip(done - rise, 0, np.subtract(steps, np.multiply(2, rise)))
+    end = np.maximum(rise, 1)
+    ends = covered(done / end) + 0.5 - covered((steps - done) / end)
+    return np.asarray((full + rise * ends) / np.subtract(steps, rise))
 
 
 def ramp_steps(
@@ -130,24 +132,50 @@ class Schedule:
         """First timestep after the last phase."""
         return self.phases[-1].stop if self.phases else 0
 
-    def angles(self) -> tuple[Array, Array]:
-        """Commanded swing and lift of every group, shape (steps, G) each [rad]."""
-        swing = np.empty((self.stop - self.start, len(self.begin.swing)))
-        lift = np.empty_like(swing)
-        now_swing = np.array(self.begin.swing)
-        now_lift = self._lifted(self.begin.stratum)
-        for phase in self.phases:
-            rows = slice(phase.start - self.start, phase.stop - self.start)
-            swing[rows], lift[rows] = now_swing, now_lift
-            if phase.kind == "hold":
-                continue
-            moving, now = (
-                (swing, now_swing) if phase.kind == "swing" else (lift, now_lift)
-            )
-            change = np.multiply(phase.direction, phase.amount)
-            moving[rows] += self._way(phase)[:, None] * change
-            now += change
+    def angles(self, rows: Array | None = None) -> tuple[Array, Array]:
+        """Commanded swing and lift of every group, shape (T, G) each [rad].
+
+        Args:
+            rows: Steps, by the command applied during them, shape (T,); row 0 is the
+                schedule's own first step. All of them if not given.
+        """
+        if rows is None:
+            rows = np.arange(self.stop - self.start)
+        phase = self.phase_of(rows)
+        starts, steps, rise = self._timing[:, phase]
+        way = ramp(rows + self.start - starts + 1.0, steps, rise)[:, None]
+        swing, lift = (
+            begin[phase] + way * change[phase] for begin, change in self._courses
+        )
         return swing, lift
+
+    def phase_of(self, rows: Array) -> Array:
+        """Index of the phase that each of the schedule's steps lies in, shape (T,)."""
+        return np.searchsorted(self._timing[0] - self.start, rows, side="right") - 1
+
+    @cached_property
+    def _timing(self) -> Array:
+        """First step, number of steps and rise of every phase, shape (3, phases)."""
+        timing = [(p.start, p.steps, self._rise(p)) for p in self.phases]
+        return np.array(timing, dtype=int).reshape(-1, 3).T
+
+    def _rise(self, phase: Phase) -> int:
+        if phase.kind == "swing":
+            return self.limits.swing_steps(phase.direction, phase.amount)[1]
+        return 0 if phase.kind == "hold" else phase.steps // 2
+
+    @cached_property
+    def _courses(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Swing, and lift, of every group as each phase begins, and its change then."""
+        moved = np.array(
+            [np.multiply(p.direction, p.amount) for p in self.phases]
+        ).reshape(-1, len(self.begin.swing))
+        swings = np.array([[p.kind == "swing"] for p in self.phases], dtype=bool)
+        swings = swings.reshape(-1, 1)
+        return (
+            _course(np.array(self.begin.swing), np.where(swings, moved, 0.0)),
+            _course(self._lifted(self.begin.stratum), np.where(swings, 0.0, moved)),
+        )
 
     def _lifted(self, stratum: str) -> Array:
         groups = self.limits.groups
@@ -155,10 +183,10 @@ class Schedule:
             [0.0 if g in stratum else self.limits.lift_angle for g in groups]
         )
 
-    def _way(self, phase: Phase) -> Array:
-        if phase.kind != "swing":
-            return ramp(phase.steps, phase.steps // 2)
-        return ramp(*self.limits.swing_steps(phase.direction, phase.amount))
+
+def _course(begin: Array, changes: Array) -> tuple[Array, Array]:
+    """Angles before each of some changes, and the changes, shape (phases, G) each."""
+    return np.cumsum(np.vstack([begin, changes]), axis=0)[:-1], changes
 
 
 class Scheduler:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -16,9 +17,10 @@ from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.paths import Path
 from sim.errors import UsageError
+from sim.physics import STRETCH
 from sim.poses import pose_of
 from sim.scenario import Scenario
-from sim.schedule import Limits, Shape
+from sim.schedule import Limits, Schedule, Shape
 from sim.world.channels import Channels
 from sim.world.model import World, build
 from sim.world.model import load as load_world
@@ -31,10 +33,11 @@ LIFT_TIME = 0.3  # [s]; slip while lifting and landing no longer falls with slow
 class Setup:
     """A scenario made concrete.
 
-    Setups are equal that walk the same robot in the same world, whatever the path.
+    Setups are equal that walk the same robot in the same world, whatever the path: what
+    was measured in one holds for the other.
     """
 
-    scenario: Scenario = field(compare=False)
+    scenario: Scenario
     robot: Robot
     equations: Equations
     extended: ExtendedSystem
@@ -42,6 +45,12 @@ class Setup:
     world: World
     model: mujoco.MjModel
     limits: Limits
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Setup) and self.model is other.model
+
+    def __hash__(self) -> int:
+        return id(self.model)
 
     @property
     def stance(self) -> Stance:
@@ -88,6 +97,19 @@ class Setup:
     def channels(self) -> Channels:
         """Where the model takes commands."""
         return Channels(self.robot, self.model)
+
+    def commands(self, schedule: Schedule, steps: int | None = None) -> Iterator[Array]:
+        """The rows of ctrl that carry out a schedule, shape (n, nu), n to `STRETCH`.
+
+        Args:
+            schedule: What to carry out.
+            steps: How many of its steps; all if not given.
+        """
+        count = schedule.stop - schedule.start if steps is None else steps
+        channels = self.channels
+        for begin in range(0, count, STRETCH):
+            rows = np.arange(begin, min(begin + STRETCH, count))
+            yield channels.ctrl(*schedule.angles(rows))
 
     def pose(self, qpos: Array) -> Array:
         """Planar pose of the robot's root in the world, shape (..., 3)."""

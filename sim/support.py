@@ -50,3 +50,48 @@ def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Ar
     inside = ~flat & shapely.covers(hulls, weight)
     margin = np.where(inside, distance, -distance)
     return np.where(shapely.is_empty(hulls), -np.inf, margin)
+
+
+def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
+    """Feet in contact; with none, the one that last touched closest to the weight.
+
+    Args:
+        points: Where each foot touches, or last did, shape (T, F, 2) [m].
+        contact: Shape (T, F), bool.
+        center_of_mass: Shape (T, 3) [m].
+    """
+    far = np.linalg.norm(points - center_of_mass[:, None, :2], axis=2)
+    nearest = far == far.min(axis=1, keepdims=True)
+    return np.asarray(contact | (nearest & ~contact.any(axis=1, keepdims=True)))
+
+
+class LeastMargin:
+    """The least stability margin of states, looking closely where it may be.
+
+    While the same feet stand, the margin changes by no more than the centre of mass and
+    the farthest moved foot have come since: states that cannot be the least so far are
+    passed over. The result is that of looking at them all.
+    """
+
+    STRIDE = 64  # states passed over at most, to begin with
+
+    def __init__(self) -> None:
+        self.value = np.inf  # [m]
+
+    def see(self, points: Array, contact: Array, center_of_mass: Array) -> None:
+        """Take in further states; arguments are those of `stability_margin`."""
+        count = np.arange(len(points))
+        changed = (contact[1:] != contact[:-1]).any(axis=1)
+        anchors = (count % self.STRIDE == 0) | np.append(False, changed)
+        known = stability_margin(
+            points[anchors], contact[anchors], center_of_mass[anchors]
+        )
+        self.value = min(self.value, float(known.min()))
+        of = np.cumsum(anchors) - 1  # the anchor before each state
+        at = count[anchors][of]
+        moved = np.linalg.norm(points - points[at], axis=2).max(axis=1)
+        moved += np.linalg.norm(center_of_mass - center_of_mass[at], axis=1)
+        near = ~anchors & (known[of] - moved < self.value)
+        if near.any():
+            margin = stability_margin(points[near], contact[near], center_of_mass[near])
+            self.value = min(self.value, float(margin.min()))

@@ -6,7 +6,7 @@ Produces a `Walk`, the raw material of `sim.evaluate`; plans and judges nothing 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,20 +14,18 @@ import numpy as np
 
 from planner.flows import Flow
 from planner.plan import Plan
+from sim.effort import check_effort
+from sim.looks import looks
 from sim.measure import Sensors
 from sim.physics import Engine
 from sim.planning import plan_segment
 from sim.poses import seen_from
+from sim.progress import Progress, silent
 from sim.recording import Recorder, Recording
 from sim.schedule import Phase, Schedule, Scheduler
 from sim.setup import Setup
 
 Array = np.ndarray
-Progress = Callable[[float], None]
-
-
-def nothing(fraction: float) -> None:
-    """Show no progress."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,7 @@ class Walk:
 class Walker:
     """Executes flows and keeps track of where the robot is."""
 
-    def __init__(self, setup: Setup, progress: Progress = nothing) -> None:
+    def __init__(self, setup: Setup, progress: Progress = silent) -> None:
         self.setup = setup
         engine = Engine(setup.model)
         sensors = Sensors(setup.model, setup.robot)
@@ -90,6 +88,18 @@ class Walker:
         world = self.setup.pose(self._recorder.engine.qpos)
         return world * 0.0 if self._origin is None else seen_from(self._origin, world)
 
+    @property
+    def steps(self) -> int:
+        """Number of commands carried out."""
+        return self._recorder.engine.steps
+
+    def commands(self) -> Iterator[Array]:
+        """Commands carried out, made again from what was laid, shape (n, nu) each."""
+        for stretch in self._stretches:
+            schedule = stretch.schedule
+            steps = min(schedule.stop, self.steps) - schedule.start
+            yield from self.setup.commands(schedule, steps)
+
     def stand(self) -> None:
         """Hold still on all feet; the walk starts when the first hold ends."""
         scheduler = self._scheduler()
@@ -97,6 +107,7 @@ class Walker:
         self._play(scheduler.finish())
         if self._origin is None:
             self._origin = self.setup.pose(self._recorder.engine.qpos)
+            self._recorder.walk_starts = self.steps
 
     def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:
         """Carry out the flows of consecutive segments and put all feet down.
@@ -128,19 +139,21 @@ class Walker:
         )
 
     def _scheduler(self) -> Scheduler:
-        return Scheduler(self.setup.limits, self._shape, self._recorder.engine.steps)
+        return Scheduler(self.setup.limits, self._shape, self.steps)
 
     def _play(
         self, schedule: Schedule, share: tuple[float, float] = (0.0, 0.0)
     ) -> None:
         if not schedule.phases:
             return
-        ctrl = self.setup.channels.ctrl(*schedule.angles())
+        check_effort(self.setup, schedule.stop)
         self._stretches.append(Stretch(schedule, self.pose))
         self._shape = schedule.end
-        began = time.perf_counter()
-        for done in self._recorder.play(ctrl):
-            self._progress(share[0] + (share[1] - share[0]) * done)
+        began, length = time.perf_counter(), schedule.stop - schedule.start
+        pieces = self.setup.commands(schedule)
+        for steps in self._recorder.play(pieces, looks(schedule)):
+            done = (steps - schedule.start) / length
+            self._progress("walking", share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began
 
 
@@ -171,24 +184,46 @@ def joined(
     return done
 
 
-def walk(setup: Setup, planned: Plan | None, progress: Progress = nothing) -> Walk:
+def walk(setup: Setup, planned: Plan | None, progress: Progress = silent) -> Walk:
+    """Walk once; arguments and errors are those of `carry_out`."""
+    return carry_out(Walker(setup, progress), planned)
+
+
+def carry_out(walker: Walker, planned: Plan | None) -> Walk:
     """Carry a plan out blindly; without one, plan each segment from the pose reached.
 
     Args:
-        setup: What to walk.
+        walker: Who has not walked yet; it knows what was done if this fails.
         planned: Plan of the whole path; None to replan.
-        progress: Told how much of the walk is done, from 0 to 1.
 
     Raises:
         PlannerError: If a segment cannot be planned from where the robot has come to.
         SimulationError: If the physics diverges.
+        UsageError: If the walk takes more steps or memory than there can be.
     """
-    walker = Walker(setup, progress)
     walker.stand()
     if planned is None:
         return walker.finish(_replanned(walker))
     walker.go(list(planned.segments()))
     return walker.finish()
+
+
+def expected_steps(setup: Setup, planned: Plan | None) -> int:
+    """Physics steps that a walk will take; arguments are those of `walk`.
+
+    A replanned walk is taken to go on as its first segment does.
+
+    Raises:
+        PlannerError: If that segment cannot be planned.
+    """
+    segments = 1 if planned is None else setup.scenario.segments
+    if planned is None:
+        swing = setup.at_rest.swing
+        planned = plan_segment(setup, 0, np.zeros(3), swing).plan
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    lay(setup, scheduler, planned.segments())
+    holds = 2 * round(setup.limits.hold / setup.limits.timestep)
+    return holds + scheduler.finish().stop * setup.scenario.segments // segments
 
 
 def _replanned(walker: Walker) -> int:

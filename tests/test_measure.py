@@ -1,21 +1,22 @@
 """Contact and slip from sensors, against independent computations."""
 
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
-from sim.measure import Readings, Sensors, bridge, last_touched, log_feet
+from sim.measure import (
+    Readings,
+    Sensors,
+    bridge,
+    count_bounces,
+    decided,
+    last_touched,
+)
 from sim.physics import Engine
 from sim.world.channels import Channels
 from sim.world.model import build, load
-
-
-def test_slip_counts_only_under_load():
-    loaded = np.array([0, 1, 1, 0, 0], bool)[:, None]
-    speed = np.array([9.0, 1.0, 2.0, 9.0, 9.0])[:, None]
-    log = log_feet(loaded, speed, timestep=0.1)
-    assert log.contact[:, 0].tolist() == [False, True, True, False, False]
-    assert log.slip[:, 0] == pytest.approx([0, 0.1, 0.3, 0.3, 0.3])
 
 
 def test_less_than_one_per_cent_of_the_weight_is_no_contact(hexapod, scenario):
@@ -25,11 +26,26 @@ def test_less_than_one_per_cent_of_the_weight_is_no_contact(hexapod, scenario):
     assert sensors.loaded(still).tolist() == [[False, True]]
 
 
+def test_the_weight_is_the_robots_whatever_else_is_in_the_world(hexapod, scenario):
+    world = build(hexapod, scenario())
+    alone = Sensors(load(world), hexapod).weight
+    rock = '<worldbody><body><geom size="1" mass="50"/></body>'
+    more = replace(world, text=world.text.replace("<worldbody>", rock))
+    assert Sensors(load(more), hexapod).weight == alone
+
+
+FLAGS = np.array([1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0], bool)[:, None]
+
+
 def test_short_interruptions_are_bridged_and_counted():
-    loaded = np.array([1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0], bool)[:, None]
-    contact, bounces = bridge(loaded, shortest=3)
+    contact = bridge(FLAGS, shortest=3)
     assert contact[:, 0].astype(int).tolist() == [1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 0]
-    assert bounces == 1
+    assert count_bounces(FLAGS, contact) == 1
+
+
+def test_a_contact_is_decided_when_no_later_step_can_make_a_bounce_of_its_end():
+    decisions = [decided(FLAGS[:count], shortest=3) for count in range(1, 12)]
+    assert decisions == [1, 2, 2, 2, 5, 5, 5, 8, 9, 10, 10]
 
 
 def test_a_foot_in_the_air_keeps_the_point_it_last_touched():

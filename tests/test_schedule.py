@@ -35,7 +35,8 @@ WALK = lay(("1", 0, 0.2), ("1", 1, -0.1), ("2", 1, 0.003), ("2", 0, -0.4))
 @pytest.mark.parametrize("timestep", [0.002, 0.0005])
 def test_a_swing_keeps_its_speed_and_acceleration_bounds(amount, timestep):
     steps, rise = ramp_steps(amount, 0.5, 5.0, timestep)
-    angle = np.concatenate([[0, 0], amount * ramp(steps, rise), [amount]])
+    way = ramp(np.arange(1, steps + 1), steps, rise)
+    angle = np.concatenate([[0, 0], amount * way, [amount]])
     speed = np.diff(angle) / timestep
     assert angle[-1] == amount
     assert np.abs(speed).max() <= 0.5 * (1 + 1e-9)

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from sim.support import stability_margin
+from sim.support import LeastMargin, stability_margin
 
 TRIPOD = np.array([(0.15, 0.18), (0.0, -0.12), (-0.15, 0.18)])
 
@@ -77,3 +79,17 @@ def test_rows_are_judged_independently():
     together = stability_margin(points, contact, weights)
     alone = [margin(p, w, c) for p, w, c in zip(points, weights, contact, strict=True)]
     assert np.array_equal(together, alone)
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_the_least_margin_is_that_of_looking_at_every_state(seed):
+    random = np.random.default_rng(seed)
+    steps = random.normal(size=(1000, 5, 2)) * 1e-3
+    points = np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 1.5]]) + steps.cumsum(0)
+    center = [0.5, 0.5] + (random.normal(size=(1000, 2)) * 1e-3).cumsum(0)
+    contact = np.repeat(random.random((10, 5)) < 0.8, 100, axis=0)
+    contact[~contact.any(axis=1)] = True
+    least = LeastMargin()
+    for part in np.split(np.arange(1000), [1, 130, 640]):
+        least.see(points[part], contact[part], center[part])
+    assert least.value == stability_margin(points, contact, center).min()

@@ -13,11 +13,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import mujoco
+import numpy as np
 
 from sim.bench import planner_speed
 from sim.bench.row import Row, median, paired, seconds
 from sim.measure import Sensors
-from sim.physics import Engine
+from sim.physics import STRETCH, Engine
 from sim.planning import plan_open_loop
 from sim.recording import Recorder
 from sim.scenario_file import load
@@ -39,7 +40,7 @@ def simulation(setup: Setup) -> Iterator[Row]:
     """The simulate stage against a bare Python loop over the same commands."""
     scheduler = Scheduler(setup.limits, setup.at_rest)
     lay(setup, scheduler, plan_open_loop(setup).segments())
-    ctrl = setup.channels.ctrl(*scheduler.finish().angles())[:STEPS]
+    ctrl = np.concatenate(list(setup.commands(scheduler.finish(), STEPS)))
 
     def staged() -> None:
         recorder = Recorder(
@@ -47,7 +48,8 @@ def simulation(setup: Setup) -> Iterator[Row]:
             Sensors(setup.model, setup.robot),
             setup.scenario.sample_every,
         )
-        for _ in recorder.play(ctrl):
+        recorder.walk_starts = 0
+        for _ in recorder.play(np.split(ctrl, range(STRETCH, STEPS, STRETCH))):
             pass
         recorder.finish()
 

@@ -138,7 +138,7 @@ def _gathered(evaluation: Evaluation) -> Walked:
     setup, on = made.setup, evaluation.walking
     phases = made.phases
     starts = np.array([phase.start for phase in phases])
-    at = np.searchsorted(starts, made.recording.at_rows, side="right") - 1
+    at = np.searchsorted(starts, made.recording.during, side="right") - 1
     swing, lift = commanded(made)
     predicted = {name: evaluation.predicted[name] for name in PREDICTED}
     stance = setup.kinematics.stance(swing, lift)
@@ -153,7 +153,7 @@ def _gathered(evaluation: Evaluation) -> Walked:
         margin={n: m[on] for n, m in {**margins, "achieved": achieved.margin}.items()},
         clearance=near,
         swing=swing[on],
-        qpos=made.recording.qpos[on],
+        qpos=made.recording.moments.qpos[on],
         segment=np.array([phase.segment for phase in phases])[at][on],
         moving=np.array([_swept(setup, phase) for phase in phases])[at][on],
         feet={"planned": planned[on], "achieved": achieved.point[on]},

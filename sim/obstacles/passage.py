@@ -14,7 +14,7 @@ Array = np.ndarray
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:
-    """Clearance of the robot's outline at every row, shape (T',) each [m].
+    """Clearance of the robot's outline at every moment, shape (T,) each [m].
 
     Args:
         walk: A finished walk.
@@ -27,7 +27,7 @@ def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Arr
         return {}
     around = surroundings(walk.setup)
     angles = commanded(walk)
-    found = {"achieved": around.sweep(walk.recording.qpos).least}
+    found = {"achieved": around.sweep(walk.recording.moments.qpos).least}
     for name, prediction in predicted.items():
         qpos = around.outline.configurations(prediction.pose, *angles)
         found[name] = around.sweep(qpos).least
@@ -35,8 +35,12 @@ def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Arr
 
 
 def commanded(walk: Walk) -> tuple[Array, Array]:
-    """Commanded swing and lift of every group at every row, shape (T', G) each."""
-    pieces = [stretch.schedule.angles() for stretch in walk.stretches]
-    at = walk.recording.at_rows
-    swing, lift = (np.concatenate(piece)[at] for piece in zip(*pieces, strict=True))
+    """Commanded swing and lift of every group at every moment, shape (T, G) each."""
+    step = walk.recording.during
+    angles = []
+    for stretch in walk.stretches:
+        schedule = stretch.schedule
+        inside = step[(step >= schedule.start) & (step < schedule.stop)]
+        angles.append(schedule.angles(inside - schedule.start))
+    swing, lift = map(np.concatenate, zip(*angles, strict=True))
     return swing, lift

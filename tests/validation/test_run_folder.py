@@ -7,9 +7,12 @@ import mujoco
 import numpy as np
 import pytest
 
+from sim.errors import SimulationError
 from sim.folder import RunFolder
+from sim.poses import rotate
 from sim.run import run
 from sim.scenario_file import load
+from sim.support import stability_margin
 
 pytestmark = pytest.mark.physics
 
@@ -63,6 +66,34 @@ def test_commands_replay_bit_for_bit_in_bare_mujoco(folders, arrays):
     assert np.array_equal(recorded, replayed)
 
 
+def test_every_row_is_of_one_instant(folders, arrays):
+    """What bare MuJoCo says of a row's qpos and qvel is what the row says."""
+    model = mujoco.MjModel.from_xml_path(str(folders[0] / "model.xml"))
+    data = mujoco.MjData(model)
+    with np.load(folders[0] / "commands.npz") as commands:
+        ctrl = np.append(commands["ctrl"], commands["ctrl"][-1:], axis=0)
+    feet = [model.sensor(f"contact_foot_{leg}").adr[0] for leg in range(1, 7)]
+    weight = -model.opt.gravity[2] * model.body("torso").subtreemass[0]
+    step = np.rint(arrays["time"] / model.opt.timestep).astype(int)
+    chosen = np.append(np.arange(0, len(step), 11), len(step) - 1)
+    found = {"contact": [], "center_of_mass": [], "point": []}
+    for row in chosen:
+        data.qpos, data.qvel = arrays["qpos"][row], arrays["qvel"][row]
+        data.ctrl = ctrl[step[row]]  # the command that moves it on
+        mujoco.mj_forward(model, data)
+        found["contact"].append(data.sensordata[np.add(feet, 1)] > 0.01 * weight)
+        found["center_of_mass"].append(data.sensor("center_of_mass").data.copy())
+        found["point"].append(data.sensordata[np.add.outer(feet, [4, 5])])
+    contact, center, point = map(np.array, found.values())
+    x, y, yaw = arrays["world_start_pose"]
+    assert np.array_equal(arrays["contact"][chosen], contact)
+    expected = rotate(center[:, :2] - (x, y), -yaw)
+    # positions do not depend on the solver: rounding
+    assert arrays["center_of_mass"][chosen, :2] == pytest.approx(expected, abs=1e-12)
+    margin = stability_margin(point, contact, center[:, :2])
+    assert arrays["achieved_margin"][chosen] == pytest.approx(margin, abs=1e-12)
+
+
 def test_a_rerun_from_the_folders_scenario_gives_the_same_numbers(folders):
     for name in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
         assert (folders[0] / name).read_bytes() == (folders[1] / name).read_bytes()
@@ -109,8 +140,7 @@ def test_flows_are_told_one_a_line_in_time_order(folders):
         lines = list(csv.DictReader(file))
     assert [line["end"] for line in lines[:-1]] == [line["start"] for line in lines[1:]]
     assert lines[0]["kind"] == lines[-1]["kind"] == "hold"
-    swings = [line for line in lines if line["kind"] == "swing"]
-    assert all(line["as_planned"] == "1" for line in swings)
+    assert all(line["as_planned"] == "1" for line in lines)
 
 
 def test_achieved_and_predicted_start_together_in_the_start_frame(arrays):
@@ -127,3 +157,29 @@ def test_a_path_of_no_length_walks_nowhere_and_divides_by_nothing(tmp_path):
     assert summary["error"]["ideal"]["position_per_path"] is None
     assert summary["error"]["ideal"]["position_per_walked"] is None
     assert summary["simulated_time"] == pytest.approx(1.0)
+
+
+def test_a_walk_that_diverges_leaves_what_it_is_replayed_from(tmp_path):
+    wild = SHORT | {"timestep": 0.01, "servo_stiffness": 1e6, "servo_damping": 0.0}
+    with pytest.raises(SimulationError, match="diverged"):
+        run(load("line", wild), RunFolder(tmp_path))
+    assert {path.name for path in tmp_path.iterdir()} >= {"scenario.toml", "model.xml"}
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    with np.load(tmp_path / "commands.npz") as commands:
+        assert len(commands["time"]) == len(commands["ctrl"])
+        warned = []
+        for row in commands["ctrl"]:
+            data.ctrl = row
+            mujoco.mj_step(model, data)
+            warned.append(any(data.warning.number))
+    assert warned == [False] * (len(warned) - 1) + [True]
+
+
+def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch):
+    monkeypatch.setattr("sim.run.evaluate", lambda walk: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        run(load("line", SHORT), RunFolder(tmp_path))
+    with np.load(tmp_path / "commands.npz") as commands:
+        assert np.array_equal(commands["time"], np.arange(len(commands["ctrl"])) * 5e-4)
