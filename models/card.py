@@ -125,21 +125,34 @@ class Card:
         self._check_leans()
 
     def _check_groups(self) -> None:
-        grouped = [leg for group in self.groups.values() for leg in group.legs]
-        if sorted(grouped) != sorted(self.legs):
-            raise ValueError(
-                f"groups hold legs {sorted(grouped)}, but the robot has legs "
-                f"{sorted(self.legs)}; every leg belongs to exactly one group"
-            )
         if long := [name for name in self.groups if len(name) != 1]:
             raise ValueError(f"names of groups are one character each, got {long}")
+        for leg in sorted(
+            {*self.legs, *(n for g in self.groups.values() for n in g.legs)}
+        ):
+            of = [name for name, group in self.groups.items() if leg in group.legs]
+            if leg not in self.legs:
+                raise ValueError(f"group.{of[0]}: there is no leg {leg}")
+            if len(of) != 1:
+                raise ValueError(
+                    f"leg {leg} is in {' and '.join(of) or 'no group'}; every leg "
+                    "belongs to exactly one group"
+                )
 
     def _check_gait(self) -> None:
         if len(self.gait) < 2 or self.gait[0] != self.gait[-1]:
-            raise ValueError(f"gait {list(self.gait)} does not close, eq. (11)")
+            raise ValueError(
+                f"gait {list(self.gait)} does not close; it ends with the stratum "
+                "that it starts with, eq. (11)"
+            )
         for stratum in self.gait:
-            if unknown := set(stratum) - set(self.groups):
-                raise ValueError(f"stratum {stratum!r} names no group {unknown}")
+            if unknown := sorted(set(stratum) - set(self.groups)):
+                raise ValueError(
+                    f"gait: stratum {stratum!r} stands on group {unknown[0]!r}, which "
+                    f"does not exist; groups are {', '.join(self.groups)}"
+                )
+            if not stratum:
+                raise ValueError("gait: a stratum is empty, with no foot on the ground")
 
     def _check_patterns(self) -> None:
         for name, pattern in self.patterns.items():

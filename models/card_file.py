@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
-from math import isfinite
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from models.card import Card, GroupCard, LeanCard, LegCard, PatternCard, Servo, Twist
+from models.card_table import Table
 from models.errors import ModelError
 
-NEEDED = ("lift_angle", "leg", "group", "gait")
-OPTIONAL = ("pattern", "lean", "servo", "description")
+KEYS = {
+    "description": (),
+    "lift_angle": (),
+    "leg": ("swing", "lift", "raise", "foot", "hold"),
+    "group": ("legs", "twist"),
+    "gait": ("strata",),
+    "pattern": ("strata", "groups", "twist"),
+    "lean": ("pattern", "groups", "at"),
+    "servo": ("stiffness", "damping"),
+}
+OPTIONAL = ("pattern", "lean")
 
 
 def read_card(path: Path) -> Card:
@@ -47,106 +55,87 @@ def parse_card(text: str, source: str) -> Card:
         ModelError: If it is not TOML, or says something impossible.
     """
     try:
-        return _decode(tomllib.loads(text))
-    except (ValueError, TypeError) as error:
+        return _card(Table(tomllib.loads(text), known=KEYS))
+    except ValueError as error:
         raise ModelError(f"bad robot card: {source}; {error}") from error
 
 
-def _decode(table: dict[str, Any]) -> Card:
-    _refuse_unknown(table, {*NEEDED, *OPTIONAL}, "the card")
-    for key in NEEDED:
-        if key not in table:
-            raise ValueError(f"{key} is missing")
-    servo = table.get("servo")
+def _card(table: Table) -> Card:
+    gait = Table(table.get("gait"), "gait", KEYS["gait"])
     return Card(
-        lift_angle=float(table["lift_angle"]),
-        legs={int(number): _leg(number, leg) for number, leg in table["leg"].items()},
-        groups={name: _group(name, group) for name, group in table["group"].items()},
-        gait=tuple(_strata(table["gait"])),
-        patterns={
-            name: _pattern(name, pattern)
-            for name, pattern in table.get("pattern", {}).items()
-        },
-        leans={name: _lean(name, lean) for name, lean in table.get("lean", {}).items()},
-        servo=None if servo is None else Servo(**servo),
-        description=table.get("description", ""),
+        lift_angle=table.number("lift_angle"),
+        legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
+        groups={name: _group(t) for name, t in _each(table, "group")},
+        gait=gait.texts("strata"),
+        patterns={name: _pattern(t) for name, t in _each(table, "pattern")},
+        leans={name: _lean(t) for name, t in _each(table, "lean")},
+        servo=_servo(table.get("servo")) if "servo" in table else None,
+        description=table.text("description") if "description" in table else "",
     )
 
 
-def _strata(table: dict[str, Any]) -> list[str]:
-    _refuse_unknown(table, {"strata"}, "gait")
-    if "strata" not in table:
-        raise ValueError("gait: strata is missing")
-    return list(table["strata"])
+def _each(table: Table, key: str) -> Iterable[tuple[str, Table]]:
+    """Entries of a table of tables, of none where it may be and is left out."""
+    if key in OPTIONAL and key not in table:
+        return ()
+    return table.tables(key, KEYS[key]).items()
 
 
-def _leg(number: str, table: dict[str, Any]) -> LegCard:
-    where = f"leg.{number}"
-    _refuse_unknown(table, {"swing", "lift", "raise", "foot", "hold"}, where)
-    try:
-        return LegCard(
-            swing=table["swing"],
-            lift=table["lift"],
-            foot=tuple(table["foot"]),
-            raise_sign=table.get("raise", 1),
-            hold=table.get("hold", {}),
-        )
-    except KeyError as error:
-        raise ValueError(f"{where}: {error.args[0]} is missing") from error
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+def _leg_number(name: str) -> int:
+    if not name.isdecimal():
+        raise ValueError(f"leg.{name}: legs have numbers, such as [leg.1]")
+    return int(name)
 
 
-def _group(name: str, table: dict[str, Any]) -> GroupCard:
-    where = f"group.{name}"
-    _refuse_unknown(table, {"legs", "twist"}, where)
-    if "legs" not in table:
-        raise ValueError(f"{where}: legs is missing")
-    try:
-        return GroupCard(
-            legs={int(leg): float(gain) for leg, gain in table["legs"].items()},
-            twist=_twist(table.get("twist")),
-        )
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+def _leg(table: Table) -> LegCard:
+    return table.make(
+        LegCard,
+        swing=table.text("swing"),
+        lift=table.text("lift"),
+        foot=table.texts("foot"),
+        raise_sign=int(table.number("raise")) if "raise" in table else 1,
+        hold=table.gains("hold"),
+    )
 
 
-def _pattern(name: str, table: dict[str, Any]) -> PatternCard:
-    where = f"pattern.{name}"
-    _refuse_unknown(table, {"strata", "groups", "twist"}, where)
-    try:
-        return PatternCard(
-            strata=tuple(table["strata"]),
-            groups={group: float(gain) for group, gain in table["groups"].items()},
-            twist=_twist(table.get("twist")),
-        )
-    except KeyError as error:
-        raise ValueError(f"{where}: {error.args[0]} is missing") from error
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+def _group(table: Table) -> GroupCard:
+    table.get("legs")
+    legs = {_leg_number(leg): gain for leg, gain in table.gains("legs").items()}
+    return table.make(GroupCard, legs=legs, twist=_twist(table))
 
 
-def _lean(stratum: str, table: dict[str, Any]) -> LeanCard:
-    where = f"lean.{stratum}"
-    _refuse_unknown(table, {"pattern", "groups", "at"}, where)
-    try:
-        return LeanCard(table["pattern"], tuple(table["groups"]), float(table["at"]))
-    except KeyError as error:
-        raise ValueError(f"{where}: {error.args[0]} is missing") from error
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
+def _pattern(table: Table) -> PatternCard:
+    table.get("groups")
+    return table.make(
+        PatternCard,
+        strata=table.texts("strata"),
+        groups=table.gains("groups"),
+        twist=_twist(table),
+    )
 
 
-def _twist(values: list[float] | None) -> Twist | None:
-    if values is None:
+def _lean(table: Table) -> LeanCard:
+    return table.make(
+        LeanCard,
+        pattern=table.text("pattern"),
+        groups=table.texts("groups"),
+        at=table.number("at"),
+    )
+
+
+def _servo(values: object) -> Servo:
+    table = Table(values, "servo", KEYS["servo"])
+    stiffness, damping = table.number("stiffness"), table.number("damping")
+    return table.make(Servo, stiffness=stiffness, damping=damping)
+
+
+def _twist(table: Table) -> Twist | None:
+    if "twist" not in table:
         return None
-    if len(values) != 3 or not all(isfinite(v) for v in values):
-        raise ValueError(f"twist is forward, left [m/rad], yaw [rad/rad]; got {values}")
-    return (float(values[0]), float(values[1]), float(values[2]))
-
-
-def _refuse_unknown(table: dict[str, Any], known: set[str], where: str) -> None:
-    for key in table.keys() - known:
-        near = difflib.get_close_matches(key, known, n=1)
-        hint = f"did you mean {near[0]!r}?" if near else f"known are {sorted(known)}"
-        raise ValueError(f"{where} has no key {key!r}; {hint}")
+    values = table.numbers("twist")
+    if len(values) != 3:
+        raise ValueError(
+            f"{table.where}.twist is forward, left [m/rad], yaw [rad/rad]; "
+            f"got {list(values)}"
+        )
+    return (values[0], values[1], values[2])

@@ -138,8 +138,8 @@ def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
     loads = static_loads(stance.feet[:, on], stance.center_of_mass)
     if (loads > 1e-9).sum() < 3:
         raise ModelError(
-            f"groups {stratum} do not stand alone: {robot.path}; fewer than three feet "
-            "bear weight, so give the twist of their swing in the card"
+            f"it does not stand on groups {stratum} alone: {robot.path}; their feet do "
+            "not surround its weight, group other legs or give the twist of their swing"
         )
     forward, left, yaw = least_dissipation_twist(
         stance.feet[:, on], rates[:, on], loads
@@ -209,8 +209,9 @@ def _elements(robot: Robot, swings: list[_Swing], fields: Fields) -> tuple[str, 
     names = [swing.name for swing in loaded]
     if len(names) != 2:
         raise ModelError(
-            f"{len(names)} loaded swings to steer with, {names}: {robot.path}; "
-            "two groups that stand alone in turn, or two patterns, can be steered"
+            f"the gait {' '.join(robot.card.gait)} has {len(names)} loaded swings to "
+            f"steer with, where two are needed: {robot.path}; let two groups stand "
+            "alone in turn, such as 12 1 12 2 12, or give two patterns"
         )
     return (*names, *_air_swings(robot, swings), f"[{names[0]},{names[1]}]")
 

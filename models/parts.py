@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections import Counter
 from collections.abc import Iterator
 
@@ -19,7 +20,11 @@ def check_parts(robot: Robot) -> None:
     Raises:
         ModelError: Naming the parts that are missing, shared, or in the wrong place.
     """
-    root_body(robot.model, robot.path)
+    root = root_body(robot.model, robot.path)
+    if not robot.model.body(root).name:
+        raise ModelError(
+            f"the body with the free joint has no name: {robot.path}; give it one"
+        )
     _check_names(robot)
     for number, leg in robot.card.legs.items():
         for problem in _problems(robot.model, leg):
@@ -29,12 +34,10 @@ def check_parts(robot: Robot) -> None:
 def _check_names(robot: Robot) -> None:
     named = [part for leg in robot.card.legs.values() for part in _parts(leg)]
     if missing := [part for part in named if part[1] not in _known(robot, part[0])]:
-        kind, name = missing[0]
-        has = ", ".join(sorted(filter(None, _known(robot, kind)))) or "none with a name"
+        lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing)
         raise ModelError(
-            "the card names what the model lacks: "
-            f"{robot.path}; {', '.join(f'{kind} {name!r}' for kind, name in missing)}; "
-            f"its {kind}s are {has}"
+            f"the card names what the model lacks: {robot.path}; {lacks}; "
+            f"{nearest(missing[0][1], _known(robot, missing[0][0]))}"
         )
     if shared := [part for part, times in Counter(named).items() if times > 1]:
         kind, name = shared[0]
@@ -50,9 +53,21 @@ def _parts(leg: LegCard) -> list[tuple[str, str]]:
 
 
 def _known(robot: Robot, kind: str) -> set[str]:
+    """Named joints or geoms of the robot, the free joint left out."""
     model = robot.model
-    count = {"joint": model.njnt, "geom": model.ngeom}[kind]
-    return {getattr(model, kind)(i).name for i in range(count)}
+    if kind == "geom":
+        geoms = (model.geom(i) for i in range(model.ngeom))
+        return {g.name for g in geoms if g.name and model.body_weldid[g.bodyid[0]]}
+    joints = (model.joint(i) for i in range(model.njnt))
+    free = mujoco.mjtJoint.mjJNT_FREE
+    return {j.name for j in joints if j.name and j.type[0] != free}
+
+
+def nearest(word: str, known: set[str]) -> str:
+    """The remedy for an unknown name: the nearest known one, or all of them."""
+    if near := difflib.get_close_matches(word, known, n=1):
+        return f"did you mean {near[0]!r}?"
+    return f"there are {', '.join(sorted(known)) or 'none with a name'}"
 
 
 def _problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:
@@ -78,6 +93,6 @@ def _problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:
             )
         if loose := [name for name in names if name not in leg.joints]:
             yield (
-                f"nothing drives joint {loose[0]!r} between body and foot {foot!r}; "
-                f"hold it: hold = {{ {loose[0]} = 0.0 }}"
+                f"foot {foot!r} moves with joint {loose[0]!r}, which the card leaves "
+                f"loose; hold it: hold = {{ {loose[0]} = 0.0 }}"
             )

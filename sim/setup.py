@@ -24,6 +24,7 @@ from sim.schedule import Limits, Schedule, Shape
 from sim.world.channels import Channels
 from sim.world.model import World, build
 from sim.world.model import load as load_world
+from sim.world.standing import check_standing
 
 Array = np.ndarray
 LIFT_TIME = 0.3  # [s]; slip while lifting and landing no longer falls with slower lifts
@@ -145,7 +146,9 @@ def prepare(scenario: Scenario) -> Setup:
     robot = load(scenario.robot)
     described = equations(robot, scenario.fields)
     world = build(robot, scenario)
-    kinematics = Kinematics(robot)
+    kinematics, model = Kinematics(robot), load_world(world)
+    lift = _lift_angle(kinematics, scenario.lift_height)
+    check_standing(kinematics, model, lift)
     return Setup(
         scenario=scenario,
         robot=robot,
@@ -153,11 +156,11 @@ def prepare(scenario: Scenario) -> Setup:
         extended=extend(described.system, described.elements),
         kinematics=kinematics,
         world=world,
-        model=load_world(world),
+        model=model,
         limits=Limits(
             swing_speed=scenario.swing_speed,
             swing_acceleration=scenario.swing_acceleration,
-            lift_angle=_lift_angle(kinematics, scenario.lift_height),
+            lift_angle=lift,
             lift_time=LIFT_TIME,
             hold=scenario.hold,
             timestep=scenario.timestep,

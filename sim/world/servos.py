@@ -36,8 +36,17 @@ def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
         if found is None and _is_servo(actuator):
             found = actuator
         else:
-            spec.delete(actuator)
+            _remove(spec, actuator)
     return found
+
+
+def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:
+    """Delete an actuator, and the sensors that watch it."""
+    for sensor in list(spec.sensors):
+        watched = (sensor.objtype, sensor.objname)
+        if watched == (mujoco.mjtObj.mjOBJ_ACTUATOR, actuator.name):
+            spec.delete(sensor)
+    spec.delete(actuator)
 
 
 def _is_servo(actuator: mujoco.MjsActuator) -> bool:

@@ -1,0 +1,105 @@
+"""Take typed values out of TOML tables; refusals say where, what, and what would do."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Collection, Mapping
+from math import isfinite
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class Table:
+    """A TOML table of which every key is known."""
+
+    def __init__(
+        self, values: object, where: str = "", known: Collection[str] = ()
+    ) -> None:
+        """Check the keys.
+
+        Args:
+            values: What TOML gives.
+            where: Its dotted name; empty for a whole file.
+            known: Keys that it may have; any if not given.
+
+        Raises:
+            ValueError: If it is no table, or has another key.
+        """
+        if not isinstance(values, Mapping):
+            raise ValueError(f"{where} must be a table, got {values!r}")
+        self.values, self.where = values, where
+        for key in values.keys() - set(known or values):
+            near = difflib.get_close_matches(key, known, n=1)
+            hint = (
+                f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+            )
+            raise ValueError(f"{where or 'the card'} has no key {key!r}; {hint}")
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.values
+
+    def get(self, key: str) -> Any:
+        """A value that must be there."""
+        if key not in self.values:
+            raise ValueError(f"{self._place(key)} is missing")
+        return self.values[key]
+
+    def text(self, key: str) -> str:
+        """A text."""
+        return str(self._of("a text", key, lambda value: isinstance(value, str)))
+
+    def texts(self, key: str) -> tuple[str, ...]:
+        """A list of texts."""
+        return tuple(self._of("a list of texts", key, _are_texts))
+
+    def number(self, key: str) -> float:
+        """A finite number."""
+        return float(self._of("a number", key, _is_number))
+
+    def numbers(self, key: str) -> tuple[float, ...]:
+        """A list of finite numbers."""
+        return tuple(map(float, self._of("a list of numbers", key, _are_numbers)))
+
+    def gains(self, key: str) -> dict[str, float]:
+        """A table of numbers; empty if left out."""
+        inner = Table(self.values.get(key, {}), self._place(key))
+        return {name: inner.number(name) for name in inner.values}
+
+    def tables(self, key: str, known: Collection[str]) -> dict[str, Table]:
+        """The tables in a table by their names, each with its known keys."""
+        inner = Table(self.get(key), self._place(key))
+        return {
+            name: Table(values, inner._place(name), known)
+            for name, values in inner.values.items()
+        }
+
+    def make(self, kind: Callable[..., T], **given: object) -> T:
+        """An object of the given values, whose refusal is told with the place."""
+        try:
+            return kind(**given)
+        except ValueError as error:
+            raise ValueError(f"{self.where}: {error}") from error
+
+    def _of(self, kind: str, key: str, fits: Callable[[object], bool]) -> Any:
+        value = self.get(key)
+        if not fits(value):
+            raise ValueError(f"{self._place(key)} must be {kind}, got {value!r}")
+        return value
+
+    def _place(self, key: str) -> str:
+        return f"{self.where}.{key}" if self.where else key
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return isfinite(value)
+
+
+def _are_numbers(value: object) -> bool:
+    return isinstance(value, list) and all(map(_is_number, value))
+
+
+def _are_texts(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(text, str) for text in value)
