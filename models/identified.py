@@ -6,10 +6,12 @@ Holds and evaluates what experiments found; the experiments are `sim.identify`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial import Polynomial
+
+from models.errors import MeasurementError
 
 Array = np.ndarray
 
@@ -35,16 +37,35 @@ class MeasuredField:
         return np.stack([part(inside) for part in self.twist], axis=-1)
 
 
+@dataclass(frozen=True, slots=True)
+class FailedField:
+    """One field of one stratum that could not be measured."""
+
+    stratum: str
+    reason: str  # in words
+
+
 @dataclass(frozen=True)
 class IdentifiedTwists:
     """Measured fields added up; the angles of other groups are taken not to matter."""
 
     fields: Mapping[str, MeasuredField]
+    failed: Mapping[str, FailedField] = field(default_factory=dict)
 
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
-        """The fields of the stratum that together have these rates."""
-        on = [field for field in self.fields.values() if field.stratum == stratum]
-        D = np.array([field.direction for field in on])  # (fields, G)
+        """The fields of the stratum that together have these rates.
+
+        Raises:
+            MeasurementError: If one of them could not be measured.
+        """
+        for name, failed in self.failed.items():
+            if failed.stratum == stratum:
+                raise MeasurementError(
+                    f"field {name} could not be measured: {failed.reason}; "
+                    "choose groups that it can stand on"
+                )
+        on = [f for f in self.fields.values() if f.stratum == stratum]
+        D = np.array([f.direction for f in on])  # (fields, G)
         inverse = np.linalg.pinv(D)
         inputs, ways = rates @ inverse, swing @ inverse  # (N, fields)
         parts = [

@@ -83,7 +83,7 @@ class _Panels:
     def evaluate(self, twists: TwistModel) -> Array:
         """Twist at every node, by the panel's own clock, shape (P, n, 3)."""
         out = np.zeros((*self.swing.shape[:2], 3))
-        for stratum in set(self.strata):
+        for stratum in sorted(set(self.strata)):
             on = self.strata == stratum
             swing, rates = self.swing[on], self.rates[on]
             groups = swing.shape[-1]

@@ -52,7 +52,9 @@ def _rows(summary: Mapping[str, Any]) -> list[str]:
     off, predicted = summary["error"], summary["predicted"]
     rows = [_row("goal", summary["goal"], _off(off["goal"], summary["path_length"]))]
     for key, name in PREDICTIONS.items():
-        if predicted.get(key) is not None:
+        if why := summary.get("unpredicted", {}).get(key):
+            rows.append(f"{name:13}{why}")
+        elif predicted.get(key) is not None:
             by = _off(off[key], summary["path_length"])
             rows.append(_row(name, predicted[key]["pose"], by, predicted[key]))
     achieved = summary["achieved"]

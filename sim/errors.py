@@ -12,7 +12,12 @@ from enum import IntEnum
 from pathlib import Path
 from typing import ClassVar
 
-from models.errors import ModelError, ProblemError, UnknownRobotError
+from models.errors import (
+    MeasurementError,
+    ModelError,
+    ProblemError,
+    UnknownRobotError,
+)
 from planner.errors import PlannerError
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -90,6 +95,7 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     ProblemError: ExitCode.USAGE,
     ModelError: ExitCode.MODEL,
     PlannerError: ExitCode.SIMULATION,
+    MeasurementError: ExitCode.SIMULATION,
     KeyboardInterrupt: ExitCode.INTERRUPTED,
     Terminated: ExitCode.TERMINATED,
     BrokenPipeError: ExitCode.BROKEN_PIPE,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from models.errors import MeasurementError
 from models.twists import TwistModel
 from sim.attribution import error_sources
 from sim.obstacles.passage import clearances
@@ -44,6 +45,7 @@ class Evaluation:
     walk: Walk
     achieved: Achieved
     predicted: Mapping[str, Prediction]
+    unpredicted: Mapping[str, str]  # predictions that could not be made, and why
     clearance: Mapping[str, Array]  # achieved and predicted, if anything is in the way
     walking: Array  # moments from the start of the walk on, (T,), bool
 
@@ -58,12 +60,16 @@ class Evaluation:
 
 def evaluate(walk: Walk) -> Evaluation:
     """Put achieved and predicted motion side by side."""
-    predicted = {
-        name: _predicted(walk, twist_model(walk.setup, name)) for name in MODELS
-    }
+    predicted: dict[str, Prediction] = {}
+    unpredicted: dict[str, str] = {}
+    for name in MODELS:
+        try:
+            predicted[name] = _predicted(walk, twist_model(walk.setup, name))
+        except MeasurementError as error:
+            unpredicted[name] = str(error)
     walking = walk.recording.moments.step >= walk.starts
     near = clearances(walk, predicted)
-    return Evaluation(walk, _achieved(walk), predicted, near, walking)
+    return Evaluation(walk, _achieved(walk), predicted, unpredicted, near, walking)
 
 
 def _achieved(walk: Walk) -> Achieved:
@@ -153,6 +159,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         | {"min_clearance": _least(evaluation, name)}
         for name, prediction in evaluation.predicted.items()
     }
+    absent = dict.fromkeys(evaluation.unpredicted)
     errors = {
         name: _error(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
@@ -176,7 +183,8 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "wall_contacts": walk.recording.wall_contacts,
         "saturated_segments": walk.saturated_segments,
         "walk_starts": walk.starts * setup.limits.timestep,
-        "predicted": predicted,
+        "predicted": predicted | absent,
+        "unpredicted": dict(evaluation.unpredicted),
         "achieved": {
             "pose": [float(p) for p in pose],
             "min_margin": walk.recording.least_margin,
@@ -192,6 +200,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         },
         "error": {
             **errors,
+            **absent,
             "goal": _departure(pose, goal),
         },
         "error_sources": _sources(evaluation),
@@ -232,7 +241,7 @@ def _sources(evaluation: Evaluation) -> Summary | None:
     return {
         name: error_sources(walk, achieved, prediction)
         for name, prediction in evaluation.predicted.items()
-    }
+    } | dict.fromkeys(evaluation.unpredicted)
 
 
 def _departure(pose: Array, other: Array) -> dict[str, float]:

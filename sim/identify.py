@@ -2,43 +2,55 @@
 
 Each experiment brings the legs to one end of the field's swing through the air, steps
 onto the stratum, swings to the other end, and reads the body's pose on the way. No
-model of the contacts takes part.
+model of the contacts takes part. Experiments are no slower than `SPEED`, below which
+the physics does not depend on speed: what they cost does not grow as walks slow down.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models.identified import IdentifiedTwists, MeasuredField
+from models.errors import MeasurementError
+from models.identified import FailedField, IdentifiedTwists, MeasuredField
+from models.posture import UPRIGHT
 from planner.flows import Flow
 from sim.effort import check_effort
+from sim.errors import SimulationError
 from sim.measure import Sensors
 from sim.physics import Engine
-from sim.recording import Recorder, Recording
-from sim.schedule import Schedule, Scheduler
+from sim.poses import tilt
+from sim.recording import Moments, Recorder, Recording
+from sim.schedule import Limits, Schedule, Scheduler
 from sim.setup import Setup
 
 Array = np.ndarray
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
 DEGREE = 6  # of the pose by the angle; the twist is of one degree less
 ROWS = 400  # poses read during a swing
+SPEED = 0.5  # [rad/s], at least
+ACCELERATION = 5.0  # [rad/s^2], at least
+HOLD = 0.5  # [s], at most; a robot has settled by then
 
 
 def identify(setup: Setup) -> IdentifiedTwists:
-    """Measure every loaded field of every stratum.
+    """Measure every loaded field of every stratum, or say why one cannot be.
 
     Args:
         setup: Robot, world and limits; its plan and path do not matter.
-
-    Raises:
-        SimulationError: If the physics diverges.
     """
     equations, system = setup.equations, setup.equations.system
-    loaded = [name for name, twist in equations.twists.items() if any(twist)]
-    return IdentifiedTwists(
-        {name: measure(setup, system.stratum_of[name], name) for name in loaded}
-    )
+    fields: dict[str, MeasuredField] = {}
+    failed: dict[str, FailedField] = {}
+    for name in (name for name, twist in equations.twists.items() if any(twist)):
+        stratum = system.stratum_of[name]
+        try:
+            fields[name] = measure(setup, stratum, name)
+        except (MeasurementError, SimulationError) as error:
+            failed[name] = FailedField(stratum, str(error))
+    return IdentifiedTwists(fields, failed)
 
 
 def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
@@ -48,11 +60,16 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
         setup: Robot, world and limits.
         stratum: Groups in contact while the field is followed.
         field: Name of the field.
+
+    Raises:
+        MeasurementError: If the robot falls, or stands on other feet than those of the
+            stratum.
+        SimulationError: If the physics diverges.
     """
-    direction = setup.equations.swings[field]
+    direction, limits = setup.equations.swings[field], _brisk(setup.limits)
     span = _span(setup, direction)
-    scheduler = Scheduler(setup.limits, setup.at_rest)
-    scheduler.hold(setup.limits.hold)
+    scheduler = Scheduler(limits, setup.at_rest)
+    scheduler.hold(limits.hold)
     for flow in _approach(setup, direction, -span):
         scheduler.flow(flow, setup.equations.swings[flow.field])
     scheduler.flow(Flow(stratum, field, 2 * span), direction)
@@ -60,7 +77,9 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
     begin = schedule.phases[-1].start
     recording = _record(setup, schedule, begin)
     moments = recording.moments
-    qpos = moments.qpos[recording.sampled & (moments.step > begin)]
+    on_the_way = moments.at(recording.sampled & (moments.step > begin))
+    _check(setup, stratum, on_the_way)
+    qpos = on_the_way.qpos
     d = np.array(direction)
     way = setup.channels.swing(qpos) @ d / (d @ d)
     return MeasuredField(
@@ -70,6 +89,31 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
         twist=_fit(way, setup.pose(qpos), span),
         slip=float((moments.slip[-1] - recording.slip_after(begin)).sum()),
     )
+
+
+def _brisk(limits: Limits) -> Limits:
+    """Limits of an experiment: the walk's, unless that would take long."""
+    return replace(
+        limits,
+        swing_speed=max(limits.swing_speed, SPEED),
+        swing_acceleration=max(limits.swing_acceleration, ACCELERATION),
+        hold=min(limits.hold, HOLD),
+    )
+
+
+def _check(setup: Setup, stratum: str, way: Moments) -> None:
+    """Refuse a swing that was not on the feet of its stratum most of the time."""
+    leaning = float(tilt(way.qpos, setup.robot.root_address).max())
+    if leaning > UPRIGHT:
+        raise MeasurementError(
+            f"on S{stratum} the robot tilts by {np.rad2deg(leaning):.3g} degrees"
+        )
+    planned = setup.robot.planted(stratum)
+    wrong = (way.contact != planned).mean(axis=0) > 0.5
+    for leg, foot, down in zip(setup.robot.legs, wrong, planned, strict=True):
+        if foot:
+            where = "in the air" if down else "on the ground"
+            raise MeasurementError(f"on S{stratum} the foot of leg {leg} stays {where}")
 
 
 def _span(setup: Setup, direction: tuple[float, ...]) -> float:

@@ -27,6 +27,17 @@ def pose_of(qpos: Array, address: int) -> Array:
     return np.concatenate([qpos[..., address : address + 2], yaw[..., None]], axis=-1)
 
 
+def tilt(qpos: Array, address: int) -> Array:
+    """Angle between a free body's z axis and the vertical, shape (...,) [rad].
+
+    Args:
+        qpos: Shape (..., nq).
+        address: Where the free joint's seven numbers begin.
+    """
+    _, x, y, _ = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
+    return np.asarray(2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0)))
+
+
 def seen_from(origin: Array, pose: Array) -> Array:
     """Pose in the frame of another, yaw wrapped, shape (..., 3)."""
     step = relative(origin, pose)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 from models.ground import ground_of
 from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from sim.identify import identify
+from sim.schedule import Limits
 from sim.setup import Setup, prepare
 
 
@@ -30,12 +31,27 @@ MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
 }
 
 
-@lru_cache(maxsize=len(MODELS))
 def twist_model(setup: Setup, name: str) -> TwistModel:
     """A prediction's twist model, made when first asked for.
 
     Args:
-        setup: Robot, world and limits.
+        setup: Robot, world and limits; the path does not matter.
         name: One of `MODELS`.
     """
-    return MODELS[name](setup)
+    card, world = setup.robot.card_text, setup.world.text
+    return _made(_Walker(card, world, setup.limits, setup), name)
+
+
+@dataclass(frozen=True)
+class _Walker:
+    """A setup, equal to every other of the same robot, world and limits."""
+
+    card: str
+    world: str
+    limits: Limits
+    setup: Setup = field(compare=False)
+
+
+@lru_cache(maxsize=len(MODELS))
+def _made(walker: _Walker, name: str) -> TwistModel:
+    return MODELS[name](walker.setup)

@@ -7,6 +7,10 @@ import json
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from models.identified import MeasuredField
+    from models.twists import TwistModel
     from sim.setup import Setup
 
 HELP = "measure a robot's fields by short experiments in the physics"
@@ -41,44 +45,51 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def fields(setup: Setup) -> list[dict[str, Any]]:
-    """Every loaded field: measured, quasi-static and ideal twists along its swing."""
-    import numpy as np
+    """Every loaded field: measured, quasi-static and ideal twists along its swing.
 
-    from models.identified import IdentifiedTwists
+    A field that could not be measured has nulls, and the reason.
+    """
+    from sim.identify import identify
     from sim.twist_models import MODELS, twist_model
 
-    identified = twist_model(setup, "identified")
-    if not isinstance(identified, IdentifiedTwists):
-        raise TypeError(f"identified twists are {type(identified).__name__}")
-    found = []
-    for name, field in identified.fields.items():
-        d = np.array(field.direction)
-        ways = field.span * np.array(PLACES)
-        swing, rates = ways[:, None] * d, np.tile(d, (len(ways), 1))
-        twists = {
-            model: twist_model(setup, model)(field.stratum, swing, rates).tolist()
-            for model in MODELS
-        }
-        found.append(
-            {
-                "field": name,
-                "stratum": field.stratum,
-                "angles": ways.tolist(),
-                "twists": twists,
-                "slip": field.slip,
-            }
-        )
-    return found
+    identified = identify(setup)
+    others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}
+    models = {**others, "identified": identified}
+    unmeasured = {"angles": None, "twists": None, "slip": None}
+    return [
+        {"field": name, "stratum": field.stratum, **_along(field, models)}
+        for name, field in identified.fields.items()
+    ] + [
+        {"field": name, "stratum": field.stratum, **unmeasured, "reason": field.reason}
+        for name, field in identified.failed.items()
+    ]
+
+
+def _along(field: MeasuredField, models: Mapping[str, TwistModel]) -> dict[str, Any]:
+    """Twists of one field by every model at `PLACES`."""
+    import numpy as np
+
+    d = np.array(field.direction)
+    ways = field.span * np.array(PLACES)
+    swing, rates = ways[:, None] * d, np.tile(d, (len(ways), 1))
+    twists = {
+        name: model(field.stratum, swing, rates).tolist()
+        for name, model in models.items()
+    }
+    facts = {"angles": ways.tolist(), "twists": twists, "slip": field.slip}
+    return facts | {"reason": None}
 
 
 def _describe(field: dict[str, Any]) -> str:
+    place = f"{field['field']} on S{field['stratum']}"
+    if field["reason"]:
+        return f"{place}: not measured, {field['reason']}\n"
     lines = [
-        f"{field['field']} on S{field['stratum']}: forward and left [m/rad], yaw "
-        f"[rad/rad]; {1e3 * field['slip']:.1f} mm slip in the whole swing"
+        f"{place}: forward and left [m/rad], yaw [rad/rad]; "
+        f"{1e3 * field['slip']:.1f} mm slip in the whole swing"
     ]
-    lines.append(
-        f"{'':14}" + "".join(f"at {a:+.2f} rad{'':17}" for a in field["angles"])
-    )
+    heads = "".join(f"at {angle:+.2f} rad{'':17}" for angle in field["angles"])
+    lines.append(f"{'':14}{heads}".rstrip())
     for model, twists in field["twists"].items():
         row = "".join(f"{t[0]:8.4f}{t[1]:9.4f}{t[2]:9.4f}   " for t in twists)
         lines.append(f"{model.replace('_', '-'):14}{row}".rstrip())

@@ -1,11 +1,22 @@
 """Fields as measured in the physics, and steering on them."""
 
+import json
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from models.errors import MeasurementError
 from models.identified import IdentifiedTwists, MeasuredField
-from sim.identify import identify
+from models.robot import FOLDER
+from sim.commands.identify import fields
+from sim.comparison import describe
+from sim.folder import RunFolder
+from sim.identify import identify, measure
+from sim.planning import plan_open_loop
+from sim.run import run
 from sim.scenario_file import load
 from sim.setup import prepare
 from sim.twist_models import twist_model
@@ -68,3 +79,56 @@ def test_beyond_its_span_a_field_is_that_of_its_end():
     field = MeasuredField("1", (1.0, 0.0), 0.2, slope, 0.0)
     ends = field(np.array([-1.0, 0.1, 1.0]))[:, 0]
     assert ends == pytest.approx([-0.2, 0.1, 0.2])
+
+
+@pytest.fixture(scope="module")
+def faller(tmp_path_factory):
+    """A hexapod whose card claims that it stands on its front legs alone."""
+    folder = tmp_path_factory.mktemp("faller")
+    for name in ("scene.xml", "hexapod.xml"):
+        (folder / name).write_text((FOLDER / name).read_text())
+    card = (FOLDER / "hexapod.toml").read_text()
+    for old, new in (
+        ("4 = -1, 5 = -1 }", "2 = -1, 3 = -1 }\ntwist = [0.04, 0, 1]"),
+        ("{ 2 = 1, 3 = 1, 6 = 1 }", "{ 4 = 1, 5 = 1, 6 = 1 }\ntwist = [0.04, 0, -1]"),
+    ):
+        assert old in card
+        card = card.replace(old, new)
+    (folder / "hexapod.toml").write_text(card)
+    overrides = {"robot": str(folder / "hexapod.xml"), "segments": 1}
+    return load("line", overrides | {"path.goal": [0.01, 0.0, 0.0]})
+
+
+def test_a_field_on_which_the_robot_falls_is_null_with_the_reason(faller):
+    found = {field["field"]: field for field in fields(prepare(faller))}
+    assert found["g12_1"]["reason"] is None
+    for name in ("g1_1", "g2_2"):
+        assert found[name]["twists"] is found[name]["slip"] is None
+        assert re.fullmatch(
+            r"on S[12] the robot tilts by 7.* degrees", found[name]["reason"]
+        )
+
+
+def test_a_walk_on_such_a_field_has_no_identified_prediction(faller, tmp_path):
+    summary = run(faller, RunFolder(tmp_path))
+    kept = json.loads((tmp_path / "summary.json").read_text())
+    for of in (summary, kept):
+        assert of["predicted"]["identified"] is of["error"]["identified"] is None
+        assert "tilts by" in of["unpredicted"]["identified"]
+        assert of["predicted"]["quasi_static"]["pose"]
+    assert "field g1_1 could not be measured: on S1" in describe(summary)
+    assert "identified_pose" not in np.load(tmp_path / "trajectory.npz")
+
+
+def test_steering_on_such_a_field_is_refused(faller):
+    steered = prepare(replace(faller, steer="identified"))
+    with pytest.raises(MeasurementError, match="g1_1 could not be measured: on S1"):
+        plan_open_loop(steered)
+
+
+def test_a_slow_walk_costs_no_longer_experiments(identified):
+    slow = {"swing_speed": 1e-4, "swing_acceleration": 1e-3, "hold": 60.0}
+    field = measure(prepare(load("line", slow)), "1", "g1_1")
+    middle, same = np.zeros(1), identified.fields["g1_1"]
+    # the same experiment to the last bit
+    assert (field(middle) == same(middle)).all()
