@@ -87,10 +87,8 @@ class Kinematics:
             swing, lift = data.joint(card.swing), data.joint(card.lift)
             start = float(swing.qpos[0]), float(lift.qpos[0])
             for a, b in np.ndindex(3, 3):
-                swing.qpos[0], lift.qpos[0] = (
-                    start[0] + _ANGLES[a],
-                    start[1] + _ANGLES[b],
-                )
+                swing.qpos[0] = start[0] + _ANGLES[a]
+                lift.qpos[0] = start[1] + _ANGLES[b]
                 shift = self._find_center_of_mass() - middle
                 samples[:, i, a, b] = (*self._touch(card, sole), shift)
             swing.qpos[0], lift.qpos[0] = start

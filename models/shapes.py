@@ -4,6 +4,7 @@ Data only. `python -m scripts.write_robots` writes the MJCF files beside this mo
 from it; a test keeps them equal.
 """
 
+from dataclasses import replace
 from math import sqrt
 
 from models.morphology import (
@@ -54,7 +55,8 @@ HEXAPOD = Morphology(
 )
 
 # The paper's Figs. 1 and 5 taken literally: legs square to the body.
-HEXAPOD_PARALLEL = Morphology(
+HEXAPOD_PARALLEL = replace(
+    HEXAPOD,
     name="hexapod-parallel",
     legs={
         leg: Leg(hip=(x, 0.045 * side), foot=(x, 0.15 * side))
@@ -67,18 +69,7 @@ HEXAPOD_PARALLEL = Morphology(
             6: (-0.15, -1),
         }.items()
     },
-    hip_height=0.06,
     plate=(0.17, 0.06, 0.008),
-    body_mass=1.0,
-    leg_mass=0.045,
-    leg_radius=0.006,
-    hip_radius=0.010,
-    foot_radius=0.008,
-    swing_range=0.45,
-    lift_range=(-0.1, 0.6),
-    stiffness=STIFFNESS,
-    damping=DAMPING,
-    armature=ARMATURE,
 )
 
 # Educational hexapods carry six equal legs of two servos at 60 degrees on a round body.
@@ -87,21 +78,11 @@ HEXAPOD_PARALLEL = Morphology(
 RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
 RADIAL_PIVOTS = {leg: (0.0, -0.05 if leg in (1, 4, 5) else 0.05) for leg in FEET}
 
-HEXAPOD_RADIAL = Morphology(
+HEXAPOD_RADIAL = replace(
+    HEXAPOD,
     name="hexapod-radial",
     legs=legs_on_a_circle(RADIAL_BEARINGS, 0.08, 0.11, RADIAL_PIVOTS),
-    hip_height=0.06,
     plate=(0.075, 0.075, 0.008),
-    body_mass=1.0,
-    leg_mass=0.045,
-    leg_radius=0.006,
-    hip_radius=0.010,
-    foot_radius=0.008,
-    swing_range=0.45,
-    lift_range=(-0.1, 0.6),
-    stiffness=STIFFNESS,
-    damping=DAMPING,
-    armature=ARMATURE,
 )
 
 # Two tetrapods, 1-4-6-7 and 2-3-5-8: the tripods with two inner legs each. All
@@ -120,26 +101,18 @@ OCTOPOD_PIVOTS = {
     leg: (0.0, 0.06 if leg in (1, 4, 6, 7) else -0.06) for leg in OCTOPOD_FEET
 }
 
-OCTOPOD = Morphology(
+OCTOPOD = replace(
+    HEXAPOD,
     name="octopod",
     legs=legs_towards_pivots(OCTOPOD_FEET, OCTOPOD_PIVOTS, KAPPA),
-    hip_height=0.06,
-    plate=(0.085, 0.13, 0.008),
     body_mass=1.2,
-    leg_mass=0.045,
-    leg_radius=0.006,
-    hip_radius=0.010,
-    foot_radius=0.008,
     swing_range=0.4,
-    lift_range=(-0.1, 0.6),
-    stiffness=STIFFNESS,
-    damping=DAMPING,
-    armature=ARMATURE,
 )
 
 # In proportion like HAMR, the ambulatory micro-robot of swing-and-lift legs, at four
 # times its length: four equal legs square to the body, farther out than apart.
-QUADRUPED = Morphology(
+QUADRUPED = replace(
+    HEXAPOD,
     name="quadruped",
     legs={
         leg: Leg(hip=(x, 0.035 * side), foot=(x, 0.12 * side))
@@ -154,14 +127,7 @@ QUADRUPED = Morphology(
     plate=(0.09, 0.025, 0.008),
     body_mass=0.6,
     leg_mass=0.03,
-    leg_radius=0.006,
-    hip_radius=0.010,
-    foot_radius=0.008,
     swing_range=0.55,
-    lift_range=(-0.1, 0.6),
-    stiffness=STIFFNESS,
-    damping=DAMPING,
-    armature=ARMATURE,
 )
 
 SHAPES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD, QUADRUPED)
