@@ -37,6 +37,11 @@ def load(name: str) -> Robot:
     return robot
 
 
+def has_card_inside(path: Path) -> bool:
+    """Whether an MJCF file brings its card as custom text."""
+    return any(text.name == EMBEDDED for text in read_spec(path).texts)
+
+
 def _find(name: str) -> Path:
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not name.endswith(".xml") and name not in robots():

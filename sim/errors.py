@@ -128,7 +128,7 @@ def _describe(error: BaseException) -> str:
     if code is ExitCode.BUG:
         return _describe_bug(error)
     if code in _SIGNALS:
-        return f"{_SIGNALS[code]}; what is written is whole, run again for the rest"
+        return f"{_SIGNALS[code]}; files left are whole, start again for a whole run"
     if isinstance(error, OSError):
         return _describe_os_error(error)
     if isinstance(error, PlannerError):

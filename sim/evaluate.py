@@ -166,7 +166,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     }
     return {
         "scenario": scenario.name,
-        "robot": scenario.robot,
+        "robot": setup.robot.name,
         "fields": scenario.fields,
         "stance": setup.stance,
         "segments": scenario.segments,

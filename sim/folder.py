@@ -46,7 +46,7 @@ class RunFolder:
         """
         path = self.path / name
         if path.parent != self.path:
-            path.parent.mkdir(exist_ok=True)
+            path.parent.mkdir(parents=True, exist_ok=True)
         with whole(path, len(content)) as part:
             part.write_bytes(content)
 

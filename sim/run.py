@@ -18,10 +18,14 @@ from sim.phases import table
 from sim.physics import STRETCH
 from sim.planning import plan_open_loop
 from sim.progress import Progress, silent
+from sim.resolve import resolved
 from sim.scenario import Scenario
 from sim.scenario_file import dumps
-from sim.setup import prepare
+from sim.setup import Setup, prepare
 from sim.walk import Walker, carry_out, expected_steps
+from sim.world.origin import origin
+
+CARD = "model.toml"  # beside model.xml, as a robot's card is
 
 
 def run(
@@ -58,10 +62,7 @@ def run(
         setup = within_bounds(setup)
         planned = None if scenario.replan else plan_open_loop(setup)
         check_effort(setup, expected_steps(setup, planned))
-    folder.write_text("scenario.toml", dumps(scenario))
-    for name, content in setup.world.files.items():
-        folder.write_bytes(name, content)
-    folder.write_text("card.toml", setup.robot.card_text)
+    _write_setup(folder, setup, scenario)
     walker = Walker(setup, progress)
     try:
         walked = carry_out(walker, planned)
@@ -85,6 +86,15 @@ def run(
             film(folder.path, look=look, progress=lambda f: progress("filming", f))
         folder.write_json("summary.json", summary)
     return summary
+
+
+def _write_setup(folder: RunFolder, setup: Setup, scenario: Scenario) -> None:
+    """All that a run is made of, so that the folder can be run again anywhere."""
+    robot, copies = origin(setup.robot)
+    files = setup.world.files | {CARD: setup.robot.card_text.encode()} | copies
+    for name, content in files.items():
+        folder.write_bytes(name, content)
+    folder.write_text("scenario.toml", dumps(resolved(setup, scenario, robot)))
 
 
 def _write_commands(folder: RunFolder, walker: Walker) -> None:

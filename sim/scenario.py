@@ -87,7 +87,11 @@ class Scenario:
     playback: float | None = setting(
         Number(0, 1000, above=True), "speed of the film against real time", None
     )
-    seed: int = setting(Number(0, 2**32 - 1, whole=True), "of whatever is random", 0)
+    seed: int = setting(
+        Number(0, 2**32 - 1, whole=True),
+        "of the search for a way, where only a goal is given",
+        0,
+    )
     obstacles: tuple[Obstacle, ...] = ()
     path: NominalPath
 

@@ -79,14 +79,14 @@ def to_table(scenario: Scenario) -> dict[str, Any]:
 
 
 def dumps(scenario: Scenario) -> str:
-    """The scenario as TOML, each setting with its meaning; None is left out."""
+    """The scenario as TOML, each setting with its meaning, also those left open."""
     table = to_table(scenario)
     path, standing = table.pop("path"), table.pop("obstacles", [])
-    about = {item.name: item.metadata["about"] for item in settings()}
-    lines = [
-        f"{f'{key} = {_toml(value)}':30}  # {about[key]}"
-        for key, value in table.items()
-    ]
+    lines = []
+    for item in settings():
+        key, about = item.name, item.metadata["about"]
+        said = f"{key} = {_toml(table[key])}" if key in table else f"# {key} ="
+        lines.append(f"{said:30}  # {about}")
     for head, inner in (("[path]", path), *(("[[obstacles]]", o) for o in standing)):
         lines += ["", head]
         lines += [f"{key} = {_toml(value)}" for key, value in inner.items()]

@@ -70,6 +70,8 @@ def refusal(done):
             2,
             "robot is given twice",
         ),
+        (["run", "line", *2 * ["--set", "friction=1"]], 2, "friction is given twice"),
+        (["run", "line", "--out", ""], 2, "an empty name: --out; name a folder"),
         (["run", "line", "--robot", "centipede"], 2, "unknown robot: 'centipede'"),
         (["run", "line", "--robot", "gone.xml"], 2, "no such robot file"),
         (

@@ -103,7 +103,7 @@ def test_an_unknown_look_is_refused(walked):
 
 
 @pytest.mark.parametrize(
-    "name", ["model.xml", "card.toml", "scenario.toml", "flows.csv", "trajectory.npz"]
+    "name", ["model.xml", "model.toml", "scenario.toml", "flows.csv", "trajectory.npz"]
 )
 def test_an_unfinished_run_is_refused(folder, name):
     (folder / name).unlink()

@@ -123,6 +123,13 @@ def test_written_scenario_holds_every_setting_that_has_a_value(name):
     assert written.keys() - {"obstacles"} == have | {"path"}
 
 
+def test_written_scenario_names_settings_that_are_left_open_too():
+    lines = dumps(walking()).splitlines()
+    (line,) = (line for line in lines if "playback" in line)
+    assert line.startswith("# playback =  ")
+    assert line.endswith("# speed of the film against real time")
+
+
 def test_file_names_the_scenario_unless_it_says_otherwise(file):
     assert load(file(SMALLEST, "stroll.toml")).name == "stroll"
     assert load(file('name = "hike"\n' + SMALLEST)).name == "hike"

@@ -23,7 +23,7 @@ class Row:
     what: str
     value: float
     unit: str
-    wanted: str = ""
+    wanted: str | None = None
 
     def __str__(self) -> str:
         measured = f"{self.what:58}{self.value:12.4g} {self.unit:8}"

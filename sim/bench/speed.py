@@ -1,4 +1,4 @@
-"""Speed and memory, measured side by side in one run; every claim with what was wanted.
+"""Speed and memory, measured side by side in one run; targets beside what has one.
 
 The simulation against a bare loop, the planner, and the command as a whole.
 """

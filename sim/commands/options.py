@@ -56,7 +56,11 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     """
     from sim.scenario_file import load, parse_override
 
-    overrides = dict(parse_override(text) for text in options.set)
+    overrides: dict[str, object] = {}
+    for key, value in map(parse_override, options.set):
+        if key in overrides:
+            raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
+        overrides[key] = value
     for key in NAMED:
         value = getattr(options, key)
         if value is None:
@@ -69,5 +73,11 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
 
 
 def folder_of(options: argparse.Namespace) -> Path | None:
-    """The folder `--out` names, None if it is left to be numbered."""
+    """The folder `--out` names, None if it is left to be numbered.
+
+    Raises:
+        UsageError: If the name is empty.
+    """
+    if options.out == "":
+        raise UsageError("an empty name", "--out", "name a folder, or leave --out away")
     return None if options.out is None else Path(options.out)

@@ -113,7 +113,7 @@ def _read(folder: Path) -> Walk:
         start = arrays["world_start_pose"]
         return Walk(
             model=folder / "model.xml",
-            card=read_card(folder / "card.toml"),
+            card=read_card(folder / "model.toml"),
             scenario=scenario,
             flows=_read_flows(folder / "flows.csv"),
             time=arrays["time"],

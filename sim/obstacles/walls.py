@@ -19,13 +19,16 @@ SUNK = 0.01  # [m] into the floor, so that no light shows below
 
 
 def add_walls(spec: mujoco.MjSpec, root: str, obstacles: Sequence[Obstacle]) -> None:
-    """Put obstacles into a world and watch each of their pieces.
+    """Put obstacles into a world, instead of those there, and watch all their pieces.
 
     Args:
         spec: World with the robot in it.
         root: Body that carries the robot's free joint.
         obstacles: What to add; geoms are named `obstacle_I_J`, both from 1.
     """
+    for old in (*spec.worldbody.geoms, *spec.sensors, *spec.meshes):
+        if old.name.startswith(PREFIX):
+            spec.delete(old)
     for i, obstacle in enumerate(obstacles, start=1):
         for j, piece in enumerate(obstacle.pieces, start=1):
             name = f"{PREFIX}{i}_{j}"

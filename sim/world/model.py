@@ -12,13 +12,14 @@ from dataclasses import dataclass
 import mujoco
 
 from models.compiled import compile_model
+from models.library import EMBEDDED
 from models.robot import Robot
 from sim.obstacles.walls import add_walls
 from sim.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.floor import ensure_floor, scene
 from sim.world.sensors import ensure_sensors
-from sim.world.servos import ensure_servos
+from sim.world.servos import common_servo, ensure_servos
 from sim.world.start import ensure_start
 
 MODEL = "model.xml"
@@ -30,6 +31,7 @@ class World:
 
     text: str
     assets: Mapping[str, bytes]  # by path relative to the text's file
+    servo: tuple[float, float] | None  # stiffness and damping, if all joints' are alike
 
     @property
     def files(self) -> dict[str, bytes]:
@@ -48,6 +50,8 @@ def build(robot: Robot, scenario: Scenario) -> World:
         ModelError: If the robot cannot be given floor or servos.
     """
     spec = robot.read()
+    for text in [text for text in spec.texts if text.name == EMBEDDED]:
+        spec.delete(text)  # the card is written beside the model
     _set_options(spec, scenario.timestep)
     floor = ensure_floor(spec, robot)
     _set_friction(spec, robot, floor.name, scenario.friction)
@@ -56,8 +60,8 @@ def build(robot: Robot, scenario: Scenario) -> World:
     ensure_start(spec, robot, floor)
     add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
-    compile_model(spec, str(robot.path))
-    return World(str(spec.to_xml()), assets)
+    model = compile_model(spec, str(robot.path))
+    return World(str(spec.to_xml()), assets, common_servo(model, robot))
 
 
 def load(world: World) -> mujoco.MjModel:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models.compiled import ON_JOINT
+from models.compiled import ON_JOINT, actuator_of
 from models.errors import ModelError
 from models.robot import Robot
 from sim.scenario import Scenario
@@ -91,3 +91,12 @@ def _tune(
         servo.gainprm[0], servo.biasprm[1] = stiffness, -stiffness
     if damping is not None:
         servo.biasprm[2] = -damping
+
+
+def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:
+    """Stiffness and damping of all leg joints' servos, None if they differ."""
+    joints = [joint for leg in robot.card.legs.values() for joint in leg.joints]
+    driving = [actuator_of(model, joint) for joint in joints]
+    gains = model.actuator_gainprm[driving, 0], -model.actuator_biasprm[driving, 2]
+    found = set(zip(*(gain.tolist() for gain in gains), strict=True))
+    return found.pop() if len(found) == 1 else None

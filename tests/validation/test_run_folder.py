@@ -2,11 +2,14 @@
 
 import csv
 import json
+import shutil
+import tomllib
 
 import mujoco
 import numpy as np
 import pytest
 
+from models.robot import FOLDER
 from sim.errors import SimulationError
 from sim.folder import RunFolder
 from sim.poses import rotate
@@ -183,3 +186,63 @@ def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch)
         run(load("line", SHORT), RunFolder(tmp_path))
     with np.load(tmp_path / "commands.npz") as commands:
         assert np.array_equal(commands["time"], np.arange(len(commands["ctrl"])) * 5e-4)
+
+
+BOX = {"kind": "box", "center": [0.0, 0.5], "size": [1.0, 0.1]}
+
+
+@pytest.fixture(scope="module")
+def moved(tmp_path_factory):
+    """A run of a robot in several files, moved away; the robot's own files are gone."""
+    home, runs = (tmp_path_factory.mktemp(name) for name in ("home", "runs"))
+    (home / "mine").mkdir()
+    (home / "shapes").mkdir()
+    text = (FOLDER / "hexapod.xml").read_text()
+    text = text.replace('model="hexapod"', 'model="mine"')
+    text = text.replace("<worldbody>", '<include file="lid.xml"/><worldbody>')
+    lid = '<geom type="mesh" mesh="lid" contype="0" conaffinity="0" mass="0"/>'
+    text = text.replace('<freejoint name="root"/>', f'<freejoint name="root"/>{lid}')
+    (home / "mine" / "mine.xml").write_text(text)
+    shutil.copy(FOLDER / "scene.xml", home / "mine")
+    (home / "mine" / "mine.toml").write_text((FOLDER / "hexapod.toml").read_text())
+    (home / "mine" / "lid.xml").write_text(
+        '<mujoco><compiler meshdir="../shapes"/>'
+        '<asset><mesh name="lid" file="lid.obj"/></asset></mujoco>'
+    )
+    corners = "v 0 0 0\nv .01 0 0\nv 0 .01 0\nv 0 0 .01\n"
+    faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    (home / "shapes" / "lid.obj").write_text(corners + faces)
+    mine = SHORT | {"robot": str(home / "mine" / "mine.xml"), "obstacles": [BOX]}
+    first = runs / "first"
+    first.mkdir()
+    summary = run(load("line", mine), RunFolder(first))
+    shutil.rmtree(home)
+    return summary, first.rename(runs / "elsewhere")
+
+
+def test_a_run_goes_again_after_it_was_moved_and_its_robot_is_gone(moved, tmp_path):
+    summary, folder = moved
+    again = run(load(str(folder / "scenario.toml")), RunFolder(tmp_path))
+    assert summary["robot"] == "mine"
+    for name in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
+        assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()
+    del summary["timing"], again["timing"]
+    assert again == summary
+
+
+def test_the_model_of_a_run_is_a_robot_itself(moved, tmp_path):
+    summary, folder = moved
+    robot = {"robot": str(folder / "model.xml")}
+    again = run(load(str(folder / "scenario.toml"), robot), RunFolder(tmp_path))
+    # MJCF is written with six digits
+    pose = summary["achieved"]["pose"]
+    assert again["achieved"]["pose"] == pytest.approx(pose, abs=1e-6)
+
+
+def test_the_folders_scenario_leaves_nothing_to_the_robot_that_a_number_says(folders):
+    said = tomllib.loads((folders[0] / "scenario.toml").read_text())
+    assert said["stance"] == "centred"
+    assert (said["servo_stiffness"], said["servo_damping"]) == (
+        1000.0,
+        pytest.approx(2.814, abs=1e-3),
+    )
