@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
+# [s]; slip while lifting and landing no longer falls with slower lifts
+LIFT_TIME = 0.3
+
 Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
 
 
@@ -70,19 +73,6 @@ class PatternCard:
                 raise ValueError(f"groups {lifted} are in the air on S{stratum}")
 
 
-@dataclass(frozen=True, slots=True)
-class LeanCard:
-    """The posture in which the feet of a stratum lift."""
-
-    pattern: str  # along which the robot leans
-    groups: tuple[str, ...]  # whose mean angle says how far
-    at: float  # that it reaches, or is beyond [rad]
-
-    def __post_init__(self) -> None:
-        if not (isfinite(self.at) and self.at):
-            raise ValueError(f"at must be an angle other than 0, got {self.at}")
-
-
 def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
     bad = {name: gain for name, gain in gains.items() if not isfinite(gain) or not gain}
     if bad:
@@ -112,17 +102,23 @@ class Card:
     groups: Mapping[str, GroupCard]
     gait: tuple[str, ...]  # strata, each the names of the groups in contact
     patterns: Mapping[str, PatternCard] = field(default_factory=dict)
-    leans: Mapping[str, LeanCard] = field(default_factory=dict)  # by stratum
+    least_load: float = 0.0  # share of the weight on each foot while others step
+    lift_time: float = LIFT_TIME  # [s], from the ground to `lift_angle`
     servo: Servo | None = None
     description: str = ""
 
     def __post_init__(self) -> None:
         if not (isfinite(self.lift_angle) and self.lift_angle > 0):
             raise ValueError(f"lift_angle must be positive, got {self.lift_angle}")
+        if not (isfinite(self.lift_time) and self.lift_time > 0):
+            raise ValueError(f"lift_time must be positive, got {self.lift_time}")
         self._check_groups()
         self._check_gait()
         self._check_patterns()
-        self._check_leans()
+        if not 0 <= self.least_load < 1 / 3:
+            raise ValueError(
+                f"least_load is a share of the weight below 1/3, got {self.least_load}"
+            )
 
     def _check_groups(self) -> None:
         if long := [name for name in self.groups if len(name) != 1]:
@@ -162,18 +158,6 @@ class Card:
                 raise ValueError(f"pattern {name}: there is no group {unknown}")
             if unknown := sorted(set(pattern.strata) - set(self.gait)):
                 raise ValueError(f"pattern {name}: the gait has no strata {unknown}")
-
-    def _check_leans(self) -> None:
-        for stratum, lean in self.leans.items():
-            if stratum not in self.gait:
-                raise ValueError(f"lean.{stratum}: the gait has no such stratum")
-            if not lean.groups or set(lean.groups) - set(self.groups):
-                raise ValueError(f"lean.{stratum}: no groups {lean.groups}")
-            pattern = self.patterns.get(lean.pattern)
-            if pattern is None or self.bottom not in pattern.strata:
-                raise ValueError(
-                    f"lean.{stratum}: {lean.pattern!r} is no pattern of S{self.bottom}"
-                )
 
     @property
     def bottom(self) -> str:

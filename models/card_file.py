@@ -6,21 +6,29 @@ import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
-from models.card import Card, GroupCard, LeanCard, LegCard, PatternCard, Servo, Twist
+from models.card import (
+    LIFT_TIME,
+    Card,
+    GroupCard,
+    LegCard,
+    PatternCard,
+    Servo,
+    Twist,
+)
 from models.card_table import Table
 from models.errors import ModelError
 
 KEYS = {
     "description": (),
     "lift_angle": (),
+    "lift_time": (),
     "leg": ("swing", "lift", "raise", "foot", "hold"),
     "group": ("legs", "twist"),
-    "gait": ("strata",),
+    "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
-    "lean": ("pattern", "groups", "at"),
     "servo": ("stiffness", "damping"),
 }
-OPTIONAL = ("pattern", "lean")
+OPTIONAL = ("pattern",)
 
 
 def read_card(path: Path) -> Card:
@@ -68,7 +76,8 @@ def _card(table: Table) -> Card:
         groups={name: _group(t) for name, t in _each(table, "group")},
         gait=gait.texts("strata"),
         patterns={name: _pattern(t) for name, t in _each(table, "pattern")},
-        leans={name: _lean(t) for name, t in _each(table, "lean")},
+        least_load=gait.number("least_load") if "least_load" in gait else 0.0,
+        lift_time=table.number("lift_time") if "lift_time" in table else LIFT_TIME,
         servo=_servo(table.get("servo")) if "servo" in table else None,
         description=table.text("description") if "description" in table else "",
     )
@@ -111,15 +120,6 @@ def _pattern(table: Table) -> PatternCard:
         strata=table.texts("strata"),
         groups=table.gains("groups"),
         twist=_twist(table),
-    )
-
-
-def _lean(table: Table) -> LeanCard:
-    return table.make(
-        LeanCard,
-        pattern=table.text("pattern"),
-        groups=table.texts("groups"),
-        at=table.number("at"),
     )
 
 

@@ -22,8 +22,9 @@ from models.dissipation import least_dissipation_twist
 from models.errors import ModelError
 from models.kinematics import Kinematics
 from models.loads import static_loads
+from models.poise import Poised
 from models.robot import Robot
-from planner.stepping import Lean, Leans
+from planner.stepping import Poise
 from planner.strata import StratifiedSystem
 
 Fields = Literal["paper", "lifted"]
@@ -39,7 +40,7 @@ class Equations:
     elements: tuple[str, ...]
     twists: Mapping[str, Twist]  # field -> body twist per unit; zero in the air
     swings: Mapping[str, Direction]  # field -> what it does to the groups' angles
-    leans: Leans  # stratum -> posture in which its feet lift
+    poise: Poise | None  # where the robot stands; None where it always does
 
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
@@ -79,14 +80,7 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
-        leans={
-            stratum: Lean(
-                field=f"g{robot.card.bottom}_{lean.pattern}",
-                coordinates=tuple(f"phi_{group}" for group in lean.groups),
-                at=lean.at,
-            )
-            for stratum, lean in robot.card.leans.items()
-        },
+        poise=Poised(robot).stands if robot.card.least_load else None,
     )
 
 

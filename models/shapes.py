@@ -110,17 +110,19 @@ OCTOPOD = replace(
 )
 
 # In proportion like HAMR, the ambulatory micro-robot of swing-and-lift legs, at four
-# times its length: four equal legs square to the body, farther out than apart.
+# times its length: four equal legs square to the body, farther out than apart. Its
+# weight lies 15 mm behind the middle of its feet, not on the line between any two: a
+# front leg can lift at any time, and a hind leg when a front one stands far back.
 QUADRUPED = replace(
     HEXAPOD,
     name="quadruped",
     legs={
-        leg: Leg(hip=(x, 0.035 * side), foot=(x, 0.12 * side))
+        leg: Leg(hip=(x, 0.02 * side), foot=(x, 0.12 * side))
         for leg, (x, side) in {
-            1: (0.055, 1),
-            2: (0.055, -1),
-            3: (-0.055, 1),
-            4: (-0.055, -1),
+            1: (0.08, 1),
+            2: (0.08, -1),
+            3: (-0.05, 1),
+            4: (-0.05, -1),
         }.items()
     },
     hip_height=0.05,

@@ -19,7 +19,7 @@ from planner.grouping import regroup
 from planner.shape import Limits
 from planner.stance import centred
 from planner.steering import Order
-from planner.stepping import Leans, stepped
+from planner.stepping import Poise, stepped
 
 Stance = Literal["paper", "centred", "stepped"]
 Coordinates = Literal["backward", "forward", "fewest", "shortest"]
@@ -45,7 +45,8 @@ class Execution:
             segment those that switch contacts least, `shortest` takes words that sweep
             least.
         limits: Lowest and highest value of shape coordinates by name.
-        leans: Postures in which legs lift, for `stepped`.
+        poise: Where the robot stands with a leg in the air, for `stepped`; None where
+            it always does.
         finish: Whether centred flows end by bringing the legs to the goal's shape.
         depart: Stratum at rest before the first flow; the bottom stratum if empty.
         arrive: Stratum at rest after the last one; the bottom stratum if empty.
@@ -57,7 +58,7 @@ class Execution:
     stance: Stance = "paper"
     coordinates: Coordinates = "fewest"
     limits: Limits = field(default_factory=dict)
-    leans: Leans = field(default_factory=dict)
+    poise: Poise | None = None
     finish: bool = True
     depart: str = ""
     arrive: str = ""
@@ -118,7 +119,7 @@ class Execution:
             ordered = centred(extended.shape, ordered, start, shape_after, ends)
         if self.stance == "stepped":
             shape_after = goal if self.finish else None
-            rules = self.limits, self.leans
+            rules = self.limits, self.poise
             ordered = stepped(extended.shape, ordered, start, shape_after, *rules)
         extended.shape.require_within(self.limits, chain(*ordered), start)
         return ordered

@@ -18,7 +18,7 @@ from planner.flows import Flow, contact_switches, visits
 from planner.nominal import default_nodes, fictitious_inputs, sample
 from planner.paths import Path, as_path
 from planner.shape import Limits
-from planner.stepping import Leans
+from planner.stepping import Poise
 from planner.strata import StratifiedSystem
 
 CHOICE_NODES = 7  # configurations of a path that chosen elements must span
@@ -92,7 +92,7 @@ def plan(
     *,
     stance: Stance = "paper",
     limits: Limits | None = None,
-    leans: Leans | None = None,
+    poise: Poise | None = None,
     coordinates: Coordinates = "fewest",
     finish: bool = True,
     depart: str = "",
@@ -109,7 +109,7 @@ def plan(
             `planner.choice` if not given; not with a compiled one.
         stance: As in `planner.execution.Execution`, like the next six.
         limits: Lowest and highest value of shape coordinates by name.
-        leans: Postures in which legs lift.
+        poise: Where the robot stands with a leg in the air.
         coordinates: Hall coordinates to follow.
         finish: Whether a centred plan ends in the goal's shape.
         depart: Stratum at rest before the plan.
@@ -131,7 +131,7 @@ def plan(
         stance=stance,
         coordinates=coordinates,
         limits=limits or {},
-        leans=leans or {},
+        poise=poise,
         finish=finish,
         depart=depart,
         arrive=arrive,

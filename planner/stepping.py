@@ -5,16 +5,12 @@ that come back bring the body back, and a commutator of such fields moves nothin
 slip. So between sweeps of different fields, and between parts of one that is too long,
 every leg is set in the air: those that sweep next to where they will sweep around
 zero, the others to zero. The plan's own air swings are dropped, as they do not matter.
-
-Where lifting a foot would tip the robot it leans first, along a field under load, and
-straightens up when all legs are set. Such a field commutes with what legs do in the
-air, so leaning cancels.
+The body stands still meanwhile: legs lift in an order in which the others stand.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil
 
 import numpy as np
@@ -22,29 +18,16 @@ import numpy as np
 from planner.errors import StratumError
 from planner.fields import Array
 from planner.flows import Flow, merged
+from planner.footwork import footwork
 from planner.shape import Limits, Shape
 
 NEGLIGIBLE = 1e-12  # swings shorter than this are rounding
 ROUNDING = 1e-9  # of a sweep that just fits
+MOST_PARTS = 32  # more than a robot takes that can set its legs at all
 
-
-@dataclass(frozen=True, slots=True)
-class Lean:
-    """The posture that a stratum asks for before its feet lift.
-
-    Attributes:
-        field: Field to lean along.
-        coordinates: Shape coordinates whose mean says how far the robot leans.
-        at: What the mean must reach, or be beyond on the same side of zero.
-    """
-
-    field: str
-    coordinates: tuple[str, ...]
-    at: float
-
-
-Leans = Mapping[str, Lean]
-"""Postures by stratum."""
+Poise = Callable[[str, Mapping[str, Array]], Array]
+"""Whether a robot stands on a stratum, for all combinations of places of its shape
+coordinates: from the places by name, shape (P_i,), to bool, shape (P_1, P_2, ...)."""
 
 
 def stepped(
@@ -53,7 +36,7 @@ def stepped(
     start: Array,
     goal: Array | None,
     limits: Limits,
-    leans: Leans,
+    poise: Poise | None,
 ) -> list[list[Flow]]:
     """The same flows under load, with every leg set anew before each.
 
@@ -64,12 +47,13 @@ def stepped(
         goal: Configuration whose shape to return to; None lets the legs be.
         limits: Lowest and highest value of shape coordinates by name; a sweep that
             would leave them is made in parts.
-        leans: Postures in which legs lift.
+        poise: Where the robot stands with a leg in the air; None where it always does.
 
     Raises:
-        StratumError: A coordinate that sweeps under load never swings in the air.
+        StratumError: A coordinate that sweeps under load never swings in the air, or
+            legs cannot be set without tipping.
     """
-    legs = _Legs(shape, start, limits, leans)
+    legs = _Legs(shape, start, limits, poise)
     ordered: list[list[Flow]] = []
     for flows in segments:
         loaded = merged(flow for flow in flows if flow.field not in shape.free)
@@ -84,9 +68,9 @@ class _Legs:
     """Where the shape coordinates are, and how to set them in the air."""
 
     def __init__(
-        self, shape: Shape, start: Array, limits: Limits, leans: Leans
+        self, shape: Shape, start: Array, limits: Limits, poise: Poise | None
     ) -> None:
-        self.shape, self.leans = shape, leans
+        self.shape, self.poise = shape, poise
         self.now = np.array(start, dtype=float)
         self.airs: dict[int, tuple[Flow, float]] = {}  # one unit of it, and its rate
         for name, (i, rate) in shape.free.items():
@@ -110,65 +94,66 @@ class _Legs:
             self.now += part.duration * rates
 
     def _parts(self, way: Array) -> int:
-        """How often the legs must be set anew to stay within their range."""
-        strokes = (
-            abs(way[i]) / self._stroke(low, high)
-            for i, (low, high) in self.spans.items()
-        )
-        return max(1, ceil(max(strokes, default=0.0) - ROUNDING))
+        """How often the legs must be set anew, within their range and without tipping.
 
-    def _stroke(self, low: float, high: float) -> float:
-        """The longest sweep within a range, and after which leaning stays within it.
-
-        To lean from half a stroke on one side to beyond zero on the other takes the
-        legs that are set already half a stroke and the lean farther.
+        Legs that can be set from zero can be set back to it, and so from the end of any
+        sweep for any other one.
         """
-        if not self.leans:
-            return 2 * min(high, -low)
-        return min(high, -low) - max(abs(lean.at) for lean in self.leans.values())
+        strokes = (
+            abs(way[i]) / (2 * min(high, -low)) for i, (low, high) in self.spans.items()
+        )
+        fewest = max(1, ceil(max(strokes, default=0.0) - ROUNDING))
+        rest = dict.fromkeys(self.airs, 0.0)
+        for parts in range(fewest, fewest + MOST_PARTS):
+            ends = ({i: side * way[i] / parts for i in rest} for side in (-0.5, 0.5))
+            if all(self._moves(rest, end) is not None for end in ends):
+                return parts
+        raise StratumError(
+            "legs cannot be set one after another from where they are all at zero: the "
+            "others would tip; put the weight where one leg can lift, or groups of "
+            "legs that stand in turn"
+        )
 
     def set(self, targets: Mapping[int, float]) -> list[Flow]:
         """Bring coordinates to their targets in the air.
 
-        The robot leans as far one way as the other: what leaning along legs that point
-        differently adds to the motion cancels then, but for a turn.
+        Raises:
+            StratumError: There is no order in which the robot keeps standing.
         """
-        moving = [i for i in targets if abs(targets[i] - self.now[i]) > NEGLIGIBLE]
-        most = max((abs(self._lacking(i, targets)) for i in moving), default=0.0)
+        now = {i: float(self.now[i]) for i in targets}
+        moves = self._moves(now, targets)
+        if moves is None:
+            angles = ", ".join(f"{self.shape.names[i]} = {now[i]:.4g}" for i in now)
+            raise StratumError(f"no leg can be set without tipping from {angles}")
         flows: list[Flow] = []
-        leant = 0.0
-        field = next((lean.field for lean in self.leans.values()), "")
-        for i in sorted(moving, key=lambda i: (self._side(i), i)):
-            by = self._side(i) * most
-            flows += self._flow(field, by - leant)
-            leant = by
-            ahead = leant * self.shape.rates[field][i] if field else 0.0
+        for i, place in moves:
             unit, rate = self.airs[i]
-            duration = (targets[i] + ahead - self.now[i]) / rate
-            flows.append(unit._replace(duration=duration))
-            self.now[i] = targets[i] + ahead
-        return flows + self._flow(field, -leant)
+            flows.append(unit._replace(duration=(place - self.now[i]) / rate))
+            self.now[i] = place
+        return flows
 
-    def _side(self, leg: int) -> float:
-        """Which way to lean before a leg lifts: 1, -1, or 0 for upright."""
-        lean = self.leans.get(self.airs[leg][0].stratum)
-        return 0.0 if lean is None else float(np.sign(lean.at))
+    def _moves(
+        self, now: Mapping[int, float], targets: Mapping[int, float]
+    ) -> list[tuple[int, float]] | None:
+        """The cheapest moves, by way of zero and the ends of the range if need be."""
+        legs = sorted(targets)
+        if self.poise is None:
+            return [(i, targets[i]) for i in legs if _apart(now[i], targets[i])]
+        places = [self._places(i, now[i], targets[i]) for i in legs]
+        named = dict(zip((self.shape.names[i] for i in legs), places, strict=True))
+        steady = [self.poise(self.airs[i][0].stratum, named) for i in legs]
+        goal = [int(_apart(now[i], targets[i])) for i in legs]
+        moves = footwork(places, steady, [0] * len(legs), goal)
+        return moves and [(legs[leg], place) for leg, place in moves]
 
-    def _lacking(self, leg: int, targets: Mapping[int, float]) -> float:
-        """How far to lean before a leg may lift, wherever the others are just then."""
-        lean = self.leans.get(self.airs[leg][0].stratum)
-        if lean is None:
-            return 0.0
-        side = float(np.sign(lean.at))
-        some = [self.shape.names.index(name) for name in lean.coordinates]
-        rate = float(np.mean(self.shape.rates[lean.field][some]))
-        least = np.mean(
-            [min(side * self.now[i], side * targets.get(i, self.now[i])) for i in some]
-        )
-        return max(0.0, abs(lean.at) - float(least)) / abs(rate)
+    def _places(self, i: int, now: float, target: float) -> Array:
+        """Where a coordinate is, where it is to be, zero, and the ends of its range."""
+        kept = [now]
+        for place in (target, 0.0, *self.spans.get(i, ())):
+            if all(_apart(place, other) for other in kept):
+                kept.append(place)
+        return np.array(kept)
 
-    def _flow(self, field: str, duration: float) -> list[Flow]:
-        if abs(duration) <= NEGLIGIBLE:
-            return []
-        self.now += duration * np.nan_to_num(self.shape.rates[field])
-        return [Flow(self.shape.system.stratum_of[field], field, duration)]
+
+def _apart(one: float, other: float) -> bool:
+    return abs(one - other) > NEGLIGIBLE

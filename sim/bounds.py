@@ -68,7 +68,7 @@ def _reach(setup: Setup) -> Leeway:
         setup.nominal(),
         setup.scenario.segments,
         stance=setup.stance,
-        leans=setup.equations.leans,
+        poise=setup.equations.poise,
     )
     shape, flows = setup.extended.shape, planned.flows
     segment = np.repeat(

@@ -13,7 +13,7 @@ from planner.plan import Plan
 from planner.replan import Step
 from sim.poses import nearest_turn
 from sim.setup import Setup
-from sim.steering import plan_along, plan_towards, steer, steer_towards
+from sim.steering import plan_along, steer, steer_towards
 from sim.twist_models import twist_model
 
 
@@ -34,6 +34,9 @@ def plan_segment(
 ) -> Step:
     """Plan one segment from the pose reached to where the nominal path has it end.
 
+    Its predicted end is the target: what printed words miss does not wait for the next
+    segment, as there may be none.
+
     Args:
         setup: What to walk.
         segment: Its number, from 0.
@@ -46,9 +49,7 @@ def plan_segment(
     nominal = setup.nominal()
     target = nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
-    twists = _steered_on(setup)
-    if twists is None:
-        return plan_towards(setup, segment, target, here, swing)
+    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
     return steer_towards(setup, twists, segment, target, here, swing)
 
 

@@ -27,7 +27,6 @@ from sim.world.model import load as load_world
 from sim.world.standing import check_standing
 
 Array = np.ndarray
-LIFT_TIME = 0.3  # [s]; slip while lifting and landing no longer falls with slower lifts
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +88,7 @@ class Setup:
         return Execution(
             stance=self.stance,
             limits=self.swing_limits,
-            leans=self.equations.leans,
+            poise=self.equations.poise,
             coordinates=self.coordinates,
             finish=finish,
         )
@@ -161,7 +160,7 @@ def prepare(scenario: Scenario) -> Setup:
             swing_speed=scenario.swing_speed,
             swing_acceleration=scenario.swing_acceleration,
             lift_angle=lift,
-            lift_time=LIFT_TIME,
+            lift_time=robot.card.lift_time,
             hold=scenario.hold,
             timestep=scenario.timestep,
             groups=robot.groups,

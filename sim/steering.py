@@ -44,7 +44,7 @@ def plan_along(
         setup.scenario.segments,
         stance=setup.stance,
         limits=setup.swing_limits,
-        leans=setup.equations.leans,
+        poise=setup.equations.poise,
         coordinates=coordinates or setup.coordinates,
     )
 
@@ -123,21 +123,27 @@ def steer_towards(
 ) -> Step:
     """Plan one segment whose predicted end is the target; arguments as `plan_towards`.
 
-    A segment cut short by the joint range is left as it is.
+    A segment cut short by the joint range is left as it is. Where the prediction jumps
+    because other words become cheaper, the closest attempt is taken.
 
     Raises:
         PlannerError: If the target cannot be approached from there.
         ConvergenceError: If no aim makes the prediction meet it.
     """
     wanted = relative(pose, target)
-    aim = wanted.copy()
+    aim, best, least = wanted, None, np.inf
     for _ in range(ROUNDS):
         step = plan_towards(setup, segment, compose(pose, aim), pose, swing)
         got = segment_ends(setup, step.plan, twists, swing)[-1]
-        if step.fraction < 1 or np.abs(got - wanted).max() < MISS:
+        miss = float(np.abs(got - wanted).max())
+        if step.fraction < 1 or miss < MISS:
             return step
+        if miss < least:
+            best, least = step, miss
         aim = compose(aim, relative(got, wanted))
-    raise _failure(setup, segment, float(np.abs(got - wanted).max()))
+    if best is None or least > JUMP * np.abs(wanted).max():
+        raise _failure(setup, segment, least)
+    return best
 
 
 def segment_ends(

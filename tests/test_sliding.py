@@ -15,7 +15,6 @@ from planner.flows import Flow
 from sim.measure import Sensors
 from sim.physics import STRETCH, Engine
 from sim.schedule import Limits, Scheduler, Shape
-from sim.setup import LIFT_TIME
 from sim.world.channels import Channels
 from sim.world.model import build, load
 
@@ -44,7 +43,8 @@ def standing(robot, angles, speed=1.0):
 
 def swing_on_all_feet(robot, model, speed):
     """Twist per radian and loads in the middle of a sweep of the first group."""
-    limits = Limits(speed, 5.0, 0.3, LIFT_TIME, 0.3, model.opt.timestep, robot.groups)
+    timing = robot.card.lift_time, 0.3, model.opt.timestep
+    limits = Limits(speed, 5.0, 0.3, *timing, robot.groups)
     scheduler = Scheduler(limits, Shape((0.0, 0.0), "12"))
     scheduler.hold(0.3)
     for group, amount in SWEEP:
