@@ -101,11 +101,11 @@ def as_path(path: Path | Callable[[float], ArrayLike]) -> Path:
 def grid(path: Path, segments: int) -> Array:
     """Parameters that divide a path into segments, uniform but for its corners.
 
-    Each corner draws the nearest inner division to itself, where there are enough.
+    Each corner draws the nearest inner division to itself, the nearest corner first.
     """
     parameters = np.linspace(0.0, 1.0, segments + 1)
     taken = set()
-    for corner in path.corners:
+    for corner in sorted(path.corners, key=lambda s: abs(s * segments % 1 - 0.5))[::-1]:
         k = int(np.clip(round(corner * segments), 1, max(segments - 1, 1)))
         if k not in taken and k < segments:
             parameters[k] = corner
@@ -116,16 +116,17 @@ def grid(path: Path, segments: int) -> Array:
 def recut(path: Path, cuts: Array) -> Path:
     """The same curve, with s running evenly over the pieces between given parameters.
 
-    Dividing it uniformly divides the original at the cuts.
+    Dividing it uniformly divides the original at the cuts and nowhere else, so corners
+    in between are no corners any more.
 
     Args:
         path: Curve to run along.
         cuts: Parameters of it from 0 to 1, ascending.
     """
     even = np.linspace(0.0, 1.0, len(cuts))
-    corners = np.interp(path.corners, cuts, even)
+    kept = even[np.isin(cuts, path.corners)]
     return Path(
-        lambda s: path.at(np.interp(s, even, cuts)), tuple(float(s) for s in corners)
+        lambda s: path.at(np.interp(s, even, cuts)), tuple(float(s) for s in kept)
     )
 
 

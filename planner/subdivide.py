@@ -3,7 +3,9 @@
 A walk swings out of its nominal path by the square root of a segment's length (the
 strokes of a bracket of size h are sqrt(h) long). So a segment that leaves a bound by
 `walking` although standing on its path would keep it by `standing` is cut into about
-((standing - walking) / standing)^2 pieces. What is bounded is for others to say.
+((standing - walking) / standing)^2 pieces. What grows with the length itself, as sweeps
+along the heading do, takes that ratio to the power of 1. What is bounded is for others
+to say.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ class Leeway(NamedTuple):
     least: float  # what it asks for, in its own unit
     standing: Array  # on the nominal path itself, shape (segments,), positive
     walking: Array  # least along the predicted motion, shape (segments,)
+    law: float = 0.5  # power of a segment's length by which walking leaves standing
 
 
 def subdivide(cuts: Array, leeways: Callable[[Array], Sequence[Leeway]]) -> Array:
@@ -66,7 +69,7 @@ def _refusal(cuts: Array, found: Sequence[Leeway]) -> BoundError:
 def needed(leeway: Leeway) -> Array:
     """Pieces to cut each segment into, 1 where its bound is kept, shape (segments,)."""
     swing_out = leeway.standing - leeway.walking
-    pieces = np.ceil((swing_out / leeway.standing) ** 2)
+    pieces = np.ceil((swing_out / leeway.standing) ** (1 / leeway.law))
     return np.where(leeway.walking < 0, np.clip(pieces, 2, MOST_PIECES), 1).astype(int)
 
 

@@ -55,6 +55,8 @@ def within_bounds(setup: Setup) -> Setup:
             if error.segments is None:
                 raise
             return [_reach(tried)]  # there is no motion to look at yet
+        if min((stage.fraction for stage in stages), default=1.0) < 1:
+            return [_cut_short(tried, stages)]
         return [bound.leeway(tried, stages) for bound in bounds]
 
     cuts = grid(setup.scenario.path.curve, setup.scenario.segments)
@@ -80,7 +82,16 @@ def _reach(setup: Setup) -> Leeway:
         angle = shape.course(shape.names.index(name), flows, 0.0)[1:]
         np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
         standing = min(standing, high, -low)
-    return Leeway("joint range", 0.0, np.full(len(walking), standing), walking)
+    full = np.full(len(walking), standing)
+    return Leeway("joint range", 0.0, full, walking, law=1.0)
+
+
+def _cut_short(setup: Setup, stages: Sequence[Stage]) -> Leeway:
+    """How much of each segment's way lies beyond the joint range."""
+    too_long = np.zeros(setup.scenario.segments)
+    for stage in stages:
+        too_long[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
+    return Leeway("joint range", 0.0, np.ones_like(too_long), -too_long, law=1.0)
 
 
 def _bounds(setup: Setup) -> Iterable[Bound]:
@@ -149,8 +160,7 @@ class ClearanceBound:
         samples = 1 + -(-NOMINAL_SAMPLES // segments)
         inner = np.arange(segments)[:, None] + np.linspace(0, 1, samples)
         poses = setup.scenario.path.curve.at(inner.ravel() / segments)
-        angles = np.zeros((len(poses), len(setup.robot.groups)))
-        qpos = self.surroundings.outline.configurations(poses, angles, angles)
+        qpos = self.surroundings.standing(poses)
         clearance = self.surroundings.sweep(qpos).least
         worst = int(clearance.argmin())
         if clearance[worst] <= self.least:
@@ -168,10 +178,10 @@ class ClearanceBound:
         )
 
     def _swept(self, stage: Stage) -> tuple[Array, Array]:
-        """Rows, and what the clearance up to each does not fall below (T,) [m]."""
+        """Rows, and what the clearance after each does not fall below (T,) [m]."""
         rows = stage.rows
         clearance = self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
-        return rows[1:], clearance
+        return rows[:-1], clearance
 
     def _between(self, stage: Stage, pairs: Array) -> Array:
         """A lower bound of the clearance between pairs of rows, shape (K, 2).

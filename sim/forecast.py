@@ -1,7 +1,8 @@
 """A walk foreseen: its commands and predicted motion, before anything moves.
 
 Follows the prediction that the scenario steers on. Replanned walks are foreseen as if
-every segment ended where it is predicted to.
+every segment ended where it is predicted to, and one that the joint range cuts short as
+if the rest of its way had been made good.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 
 from models.twists import TwistModel
 from sim.looks import looks
-from sim.planning import plan_open_loop, plan_segment
+from sim.planning import plan_open_loop, plan_segment, segment_target
 from sim.prediction import Predictor
 from sim.schedule import Schedule, Scheduler
 from sim.setup import Setup
@@ -29,6 +30,7 @@ class Stage:
     """A stretch of commands and the motion predicted for it."""
 
     predictor: Predictor
+    fraction: float = 1.0  # of its way that it goes, less if the joint range is short
 
     @property
     def schedule(self) -> Schedule:
@@ -41,9 +43,17 @@ class Stage:
         return looks(self.schedule) - 1 - self.schedule.start
 
     def segment(self, rows: Array) -> Array:
-        """Segment that each step belongs to, shape (T,)."""
-        of = np.array([phase.segment for phase in self.schedule.phases])
-        return np.asarray(of[self.schedule.phase_of(rows)])
+        """Segment that decides what happens at each step, shape (T,).
+
+        Until the first swing of a segment that is the one before, which left the legs
+        where they are.
+        """
+        deciding, swung = [], -1
+        for phase in self.schedule.phases:
+            if phase.kind == "swing":
+                swung = phase.segment
+            deciding.append(max(phase.segment - (phase.segment != swung), 0))
+        return np.asarray(np.array(deciding)[self.schedule.phase_of(rows)])
 
     def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
         """Pose (T, 3), swing and lift (T, G) at steps."""
@@ -64,7 +74,9 @@ def foresee(setup: Setup) -> list[Stage]:
 def _open_loop(setup: Setup, twists: TwistModel) -> Iterator[Stage]:
     scheduler = Scheduler(setup.limits, setup.at_rest)
     lay(setup, scheduler, plan_open_loop(setup).segments())
-    yield Stage(Predictor(scheduler.finish(), twists, setup.kinematics))
+    schedule = scheduler.finish()
+    if schedule.phases:
+        yield Stage(Predictor(schedule, twists, setup.kinematics))
 
 
 def _replanned(setup: Setup, twists: TwistModel) -> Iterator[Stage]:
@@ -74,10 +86,10 @@ def _replanned(setup: Setup, twists: TwistModel) -> Iterator[Stage]:
         scheduler = Scheduler(setup.limits, shape, segment=segment)
         lay(setup, scheduler, step.plan.segments())
         schedule = scheduler.finish()
-        stage = Stage(Predictor(schedule, twists, setup.kinematics, tuple(pose)))
+        predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
         shape = schedule.end
         if schedule.phases:
-            pose = stage.predictor(np.array([schedule.stop - schedule.start - 1])).pose[
-                0
-            ]
-            yield stage
+            pose = predictor(np.array([schedule.stop - schedule.start - 1])).pose[0]
+            yield Stage(predictor, step.fraction)
+        if step.fraction < 1:
+            pose = segment_target(setup, segment)

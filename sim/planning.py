@@ -46,11 +46,16 @@ def plan_segment(
     Raises:
         PlannerError: If the target cannot be approached from there.
     """
-    nominal = setup.nominal()
-    target = nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
+    target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
     twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
     return steer_towards(setup, twists, segment, target, here, swing)
+
+
+def segment_target(setup: Setup, segment: int) -> np.ndarray:
+    """Pose where the nominal path has a segment end, shape (3,)."""
+    nominal = setup.nominal()
+    return nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
 
 
 def _steered_on(setup: Setup) -> TwistModel | None:

@@ -110,6 +110,29 @@ def test_legs_out_of_range_are_brought_back_by_subdividing_too():
         assert np.abs(swing).max() <= 0.45 + 1e-9
 
 
+@REPLAN
+def test_a_straight_walk_is_cut_hardly_finer_than_the_joint_range_asks(replan):
+    """Both tripods sweep 0.9 rad a segment at most, each 0.0378 m for a radian."""
+    way, sweep = 0.4, 2 * 0.9 * 0.0378
+    setup = bounded(
+        min_margin=0.0, segments=3, replan=replan, **{"path.goal": [way, 0.0, 0.0]}
+    )
+    fewest = way / sweep
+    assert fewest <= setup.scenario.segments <= 2 * np.ceil(fewest)
+    assert all(stage.fraction == 1 for stage in foresee(setup))
+
+
+def test_a_lift_is_decided_by_the_segment_that_left_the_legs_there():
+    first, second, *_ = foresee(prepare(load("line", {"replan": True})))
+    kinds = [phase.kind for phase in second.schedule.phases]
+    lifts = kinds.index("swing")
+    assert lifts > 0
+    starts = [p.start - second.schedule.start for p in second.schedule.phases]
+    decided = second.segment(np.array(starts))
+    assert decided.tolist() == [0] * lifts + [1] * (len(kinds) - lifts)
+    assert (first.segment(first.rows) == 0).all()
+
+
 def test_a_margin_beyond_what_standing_gives_is_refused_with_what_it_gives():
     message = (
         r"min_margin of 0\.06 m cannot be kept: standing on S[12] with all legs at "

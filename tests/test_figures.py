@@ -13,6 +13,7 @@ from sim.figures import NAMES, corridor, diagonal, ellipse, line, stability
 from sim.figures.footprints import footprints
 from sim.figures.physics import SWAY, Job, perform, perform_all
 from sim.figures.sheet import save
+from sim.figures.signs import polygon_margin
 from sim.figures.style import STYLE
 
 STEP = {"path.goal": [0.006, 0.006, 0.0]}
@@ -93,7 +94,7 @@ def test_the_paper_s_stance_predicts_the_margin_of_the_parallel_hexapod(walks):
     on = walked.moving == 0
     phi = walked.swing[on, 0]
     middle = np.full_like(phi, stability.BODY.body_length / 2)
-    closed = stability.polygon_margin(stability.BODY, 1, phi, middle)
+    closed = polygon_margin(stability.BODY, 1, phi, middle)
     assert walked.margin["achieved"][on] == pytest.approx(closed, abs=0.009)
     assert np.corrcoef(walked.margin["achieved"][on], closed)[0, 1] > 0.99
 

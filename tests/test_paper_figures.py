@@ -11,11 +11,12 @@ from PIL import Image
 from planner.paths import ellipse, line
 from sim.figures import diagonal, stability
 from sim.figures.footprints import footprints
-from sim.figures.line import tube
+from sim.figures.line import GOAL
 from sim.figures.paper import configuration, feet, standing, walk
 from sim.figures.sheet import Table, page, save
+from sim.figures.signs import sign_map
 from sim.figures.style import STYLE
-from sim.figures.tube import exponent, swing_out
+from sim.figures.tube import exponent, swing_out, tube
 
 ROUNDING = 1e-12
 
@@ -27,14 +28,14 @@ def turning():
 
 
 def test_the_tube_is_as_wide_as_the_square_root_of_its_segments():
-    measured = tube((15, 60, 240, 960))
+    measured = tube(GOAL, (15, 60, 240, 960))
     # the next term is of relative size sqrt(length): 0.05 and less over this range
     assert measured.exponent == pytest.approx(0.5, abs=0.02)
     assert exponent(measured.length, measured.turn) == pytest.approx(0.5, abs=0.02)
 
 
 def test_the_end_error_falls_as_one_over_the_number_of_segments():
-    measured = tube((30, 60, 120))
+    measured = tube(GOAL, (30, 60, 120))
     products = measured.error * measured.segments
     assert products == pytest.approx([0.042] * 3, abs=5e-4)  # two digits given
 
@@ -71,7 +72,7 @@ def test_a_chain_that_leaves_its_nominal_is_measured_segment_by_segment():
 
 
 def test_closed_form_and_polygon_disagree_nowhere_in_the_drawing():
-    signs = stability.sign_map(stability.STANCE)
+    signs = sign_map(stability.STANCE)
     assert (signs.closed > 0).any()
     assert (signs.closed < 0).any()
     assert signs.disagreements == 0

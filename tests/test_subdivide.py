@@ -77,6 +77,19 @@ def test_dividing_a_recut_path_evenly_divides_the_path_at_the_cuts():
     assert again.corners == pytest.approx((3 / 5,))
 
 
+def test_corners_between_cuts_do_not_draw_them():
+    path = waypoints([(0, 0), (1, 0), (1, 1)])
+    again = recut(path, np.array([0, 0.2, 0.45, 1.0]))
+    assert again.at(grid(again, 3)) == pytest.approx(
+        path.at(np.array([0, 0.2, 0.45, 1]))
+    )
+
+
+def test_what_grows_with_the_length_itself_is_cut_in_proportion():
+    leeway = Leeway("range", 0.0, np.ones(2), np.array([-1.0, -2.0]), law=1.0)
+    assert needed(leeway).tolist() == [2, 3]
+
+
 def test_a_recut_path_is_the_same_curve():
     path, s = line((0, 0), (3, 4)), np.linspace(0, 1, 50)
     again = recut(path, np.array([0.0, 0.7, 1.0]))

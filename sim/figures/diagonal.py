@@ -36,9 +36,10 @@ PAPER_CAPTION = """
 Footprints on eqs. (17) and (18), l = 1, from (0, 0, 0) to (4, 4, pi/2) in {segments}
 segments. The paper gives neither path nor feet. A foot that stands still under these
 equations is carried around its tripod's pivot beside the body, (0, l) or (0, -l); feet
-lie where those of the robot `hexapod` do, measured in its pivots' distance. Steered
-with lifted fields: with the paper's own, a tripod swings while both are loaded, and no
-foot would leave one print. The body walks the same way with either.
+lie where those of the robot `hexapod` do, measured in its pivots' distance. Numbers:
+legs, at their first print; lines join the prints of a foot in the order of time.
+Steered with lifted fields: with the paper's own, a tripod swings while both are loaded,
+and no foot would leave one print. The body walks the same way with either.
 """
 METRES_CAPTION = """
 Footprints of `hexapod` from (0, 0, 0) to (0.15 m, 0.15 m, pi/2) in 30 segments, open
@@ -86,7 +87,7 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
     _draw_slides(axes["c"], planned, found)
     handles, labels = axes["a"].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower left", ncols=len(labels))
-    titles = ("footprints", "found off planned", "from the first to the last of a stay")
+    titles = ("footprints", "found off planned", "slide by the end of a stay")
     letter(axes, dict(zip("abc", titles, strict=True)))
     return Sheet(
         name="fig8-diagonal-metres",
@@ -139,6 +140,7 @@ def _draw_apart(axes: Axes, planned: Footprints, apart: Array) -> None:
 
 
 def _draw_slides(axes: Axes, planned: Footprints, found: Footprints) -> None:
+    ideal = dict.fromkeys(LEGS, "_") | {"1": "on the ideal prediction"}
     for tripod, legs in LEGS.items():
         of = np.isin(planned.foot, np.array(legs) - 1)
         order = np.argsort(planned.begin[of])
@@ -147,13 +149,13 @@ def _draw_slides(axes: Axes, planned: Footprints, found: Footprints) -> None:
             stays, MM * found.slid[of][order], MARKERS[tripod], color=TRIPODS[tripod],
             markersize=2.5, markeredgewidth=0,
         )  # fmt: skip
-        axes.plot(stays, MM * planned.slid[of][order], ",", color=WEIGHT)
-    axes.plot(
-        [], [], ".", color=WEIGHT, markersize=1.5, label="on the ideal prediction"
-    )
+        axes.plot(
+            stays, MM * planned.slid[of][order], ".", color=WEIGHT, markersize=1.5,
+            markeredgewidth=0, label=ideal[tripod],
+        )  # fmt: skip
     axes.set(xlabel="stay on the ground", ylabel="slide  [mm]")
     axes.set_ylim(0, 1.3 * axes.get_ylim()[1])
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper right", markerscale=3)
 
 
 def _metres_table(planned: Footprints, found: Footprints, apart: Array) -> Table:
@@ -203,6 +205,13 @@ def _table(prints: Footprints) -> Table:
 
 def _draw_tripods(axes: Axes, prints: Footprints) -> None:
     for tripod, legs in LEGS.items():
+        for leg in legs:
+            places = prints.place[prints.foot == leg - 1]
+            axes.plot(*places.T, color=TRIPODS[tripod], linewidth=0.3, alpha=0.5)
+            axes.annotate(
+                str(leg), places[0], (-3, -3), textcoords="offset points", ha="right",
+                va="top", color=TRIPODS[tripod], fontsize=7,
+            )  # fmt: skip
         of = np.isin(prints.foot, np.array(legs) - 1)
         axes.plot(
             *prints.place[of].T,
@@ -214,7 +223,7 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
             label=f"tripod {tripod}, legs {'-'.join(map(str, legs))}",
         )
     as_map(axes, "$l$")
-    axes.legend(loc="upper left")
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.02), handletextpad=0.2)
 
 
 def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
@@ -232,6 +241,8 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
         color=WEIGHT,
         zorder=3,
     )
-    axes.plot([], [], color=WEIGHT, marker=">", label="heading at segment ends")
+    axes.plot(
+        [], [], color=WEIGHT, marker=">", markersize=3, label="heading at segment ends"
+    )
     as_map(axes, "$l$")
     axes.legend(loc="upper left")

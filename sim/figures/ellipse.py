@@ -60,7 +60,7 @@ def paper() -> Sheet:
     _draw_map(axes["a"], walked, nominal)
     segment = np.arange(1, SEGMENTS + 1)
     axes["b"].step(segment, widths, where="mid", color=IDEAL)
-    axes["b"].set(xlabel="segment", ylabel="half width of tube  [$l$]")
+    axes["b"].set(xlabel="segment", ylabel="half width  [$l$]")
     turns = _turns(walked)
     axes["c"].vlines(segment, *turns, color=IDEAL, linewidth=1.2)
     axes["c"].axhline(0, color=NOMINAL, linestyle="--")

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.paths import line
-from sim.figures.paper import SAMPLES, PaperWalk, configuration, walk
+from sim.figures.paper import PaperWalk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
 from sim.figures.style import (
@@ -25,7 +23,7 @@ from sim.figures.style import (
     plain_decades,
     sheet_of,
 )
-from sim.figures.tube import exponent, swing_out
+from sim.figures.tube import Tube, exponent, follow, swing_out, tube
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,13 +32,15 @@ Array = np.ndarray
 
 SEGMENTS = (1, 4, 16, 60)  # drawn
 TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured
+SHOWN = (*SEGMENTS, 240)  # on the axis
 PAPER_CAPTION = """
 Body centre on eqs. (16) to (18), l = 1, from (0, 0, 0) to (1, 1, 0) in 1, 4, 16 and 60
 segments; the paper draws four. Dots end segments. Within a segment the path swings out
 of the line by the strokes of its bracket: the tube's half width falls as the square
-root of the segment's length (measured power {power:.3f}), while the end error falls as
-one over their number. The single segment uses h5 = 5/8, the integral of the paper's own
-equation, where the paper prints 3/4.
+root of the segment's length. Measured power: {power:.3f} from 16 segments on,
+{last:.3f} between the last two. The end error falls as one over the number of segments.
+The single segment uses h5 = 5/8, the integral of the paper's own equation, where the
+paper prints 3/4.
 """
 METRES_CAPTION = """
 Body centre of `hexapod` from (0, 0, 0) to (0.03 m, 0.03 m, 0), open loop with lifted
@@ -48,62 +48,20 @@ fields: in the physics, predicted on the paper's constant fields (ideal), and on
 contact kinematics of the actual legs (quasi-static). Loaded sweeps are centred. The
 line is as long as the joint range of 0.45 rad lets a single segment reach, 0.44 of the
 paper's line in units of the pivots' distance. (e) Half width of the tube of the body's
-centre. (f) Shorter segments bring the prediction to the goal and the physics to the
-prediction, until their contact switches, eight a segment, take the larger part.
+centre; the power is that from 4 to 60 segments. (f) Shorter segments bring the
+prediction to the goal and the physics to the prediction, until their contact switches,
+eight a segment, take the larger part.
 """
 GOAL = (1.0, 1.0, 0.0)
 METRES_LENGTH = 0.03 * np.sqrt(2)
-
-
-@dataclass(frozen=True)
-class Tube:
-    """How a line is followed, by the number of its segments."""
-
-    segments: Array  # (K,)
-    width: Array  # largest distance from the line, (K,)
-    turn: Array  # largest departure from the line's heading, (K,) [rad]
-    error: Array  # distance of the end from the goal, (K,)
-
-    @property
-    def length(self) -> Array:
-        """Of one segment, (K,)."""
-        return np.asarray(np.hypot(*GOAL[:2]) / self.segments)
-
-    @property
-    def exponent(self) -> float:
-        """Power of the length by which the width grows, over the finer half."""
-        fine = self.segments >= np.median(self.segments)
-        return exponent(self.length[fine], self.width[fine])
-
-
-def tube(segments: tuple[int, ...] = TUBE_SEGMENTS) -> Tube:
-    """Walk the line in different numbers of segments on the paper's kinematics."""
-    walks = [_walk(n, samples=2) for n in segments]
-    return Tube(
-        segments=np.array(segments),
-        width=np.array([_width(walked) for walked in walks]),
-        turn=np.array([np.abs(walked.states[:, 2]).max() for walked in walks]),
-        error=np.array([walked.error for walked in walks]),
-    )
-
-
-def _walk(segments: int, samples: int = SAMPLES) -> PaperWalk:
-    path = line(configuration((0, 0, 0)), configuration(GOAL))
-    return walk(path, segments, samples=samples)
-
-
-def _width(walked: PaperWalk) -> float:
-    """Half width of the tube about the line, produced beyond its ends."""
-    line_produced = np.outer([-1.0, 2.0], GOAL[:2])
-    return float(swing_out(walked.states[:, :2], walked.ends, line_produced).max())
 
 
 def paper() -> Sheet:
     """From (0, 0, 0) to (1, 1, 0) with l = 1, the numbers of Sec. 6."""
     figure, axes = sheet_of("abe\ncdf", 4.6)
     for name, segments in zip("abcd", SEGMENTS, strict=True):
-        _draw_walk(axes[name], _walk(segments))
-    measured = tube()
+        _draw_walk(axes[name], follow(GOAL, segments))
+    measured = tube(GOAL, TUBE_SEGMENTS)
     _draw_tube(axes["e"], measured)
     _draw_errors(axes["f"], measured)
     plural = {n: f"{n} segment{'s' * (n > 1)}" for n in SEGMENTS}
@@ -112,7 +70,9 @@ def paper() -> Sheet:
     return Sheet(
         name="fig6-line-paper",
         title="Fig. 6, straight line, in the paper's units",
-        caption=words(PAPER_CAPTION, power=measured.exponent),
+        caption=words(
+            PAPER_CAPTION, power=measured.exponent, last=measured.last_exponent
+        ),
         figure=figure,
         table=Table(
             header=(
@@ -219,6 +179,7 @@ def _draw_widths(
 ) -> None:
     for name, colour, marker in (("ideal", IDEAL, "o-"), ("achieved", PHYSICS, "s:")):
         label = "physics" if name == "achieved" else "predicted"
+        label += f", power {exponent(length[1:], np.array(widths[name][1:])):.2f}"
         axes.loglog(
             MM * length, MM * np.array(widths[name]), marker,
             color=colour, markersize=3, label=label,
@@ -226,7 +187,7 @@ def _draw_widths(
     through = widths["ideal"][-1] * np.sqrt(length / length[-1])
     axes.loglog(MM * length, MM * through, "--", color=NOMINAL, label="square root")
     axes.set(xlabel="length of a segment  [mm]", ylabel="half width of the tube  [mm]")
-    axes.set_ylim(4, 60)
+    axes.set_ylim(4, 90)  # room for the legend
     plain_decades(axes.xaxis, axes.yaxis)
     axes.legend(loc="upper left")
 
@@ -259,10 +220,16 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
 
 
 def _draw_tube(axes: Axes, measured: Tube) -> None:
-    axes.loglog(measured.length, measured.width, "o-", color=IDEAL, markersize=3)
+    label = f"walked, power {measured.exponent:.2f}"
+    axes.loglog(
+        measured.length, measured.width, "o-", color=IDEAL, markersize=3, label=label
+    )
     fine = measured.length[[0, -1]]
     through = measured.width[-1] * np.sqrt(fine / fine[-1])
     axes.loglog(fine, through, "--", color=NOMINAL, label="square root")
+    plain_decades(axes.xaxis, subs=(1,))
+    plain_decades(axes.yaxis)
+    axes.set_ylim(top=2)  # room for the legend
     axes.set(
         xlabel="length of a segment  [$l$]", ylabel="half width of the tube  [$l$]"
     )
@@ -274,5 +241,6 @@ def _draw_errors(axes: Axes, measured: Tube) -> None:
     through = measured.error[-1] * measured.segments[-1] / measured.segments
     axes.loglog(measured.segments, through, "--", color=NOMINAL, label="one over n")
     axes.set(xlabel="number of segments n", ylabel="distance from the goal  [$l$]")
-    plain_decades(axes.xaxis, axes.yaxis)
+    plain_decades(axes.yaxis)
+    axes.set_xticks(SHOWN, map(str, SHOWN), minor=False)
     axes.legend(loc="upper right")

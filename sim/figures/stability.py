@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +10,13 @@ import numpy as np
 from models.tripod import PaperStance
 from sim.figures.physics import SWAY, Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
+from sim.figures.signs import (
+    WIDEST,
+    SignMap,
+    crossings,
+    polygon_margin,
+    sign_map,
+)
 from sim.figures.style import (
     IDEAL,
     MM,
@@ -21,7 +27,6 @@ from sim.figures.style import (
     letter,
     sheet_of,
 )
-from sim.support import stability_margin
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,16 +37,18 @@ Array = np.ndarray
 STANCE = PaperStance(body_length=20 / 7, leg_length=1.0, half_width=3 / 7)
 BODY = PaperStance(body_length=0.3, leg_length=0.105, half_width=0.045)  # the same [m]
 SHOWN = 0.5  # [rad], the angle that the stance is drawn at
-PHI = np.linspace(-1.2, 1.2, 241)
+PHI = np.linspace(-WIDEST, WIDEST, 241)
 PAPER_CAPTION = """
 A tripod stands while the weight, at a distance b behind the front, lies over the
 triangle of its feet: l_b/4 + l sin(phi) <= b <= 3 l_b/4 + l sin(phi). Both bounds hold
-for either tripod; the paper prints one for each. The margin of the support polygon
-changes sign exactly on them ({points} points compared, {disagree} disagree). The
-distance to the bounds along the body's axis is the closed form itself; the margin
-proper, to the nearest side, is smaller by the sides' slope. The paper leaves the
-proportions open; chosen are those of the robot `hexapod-parallel`: l_b = 20/7 l, hips
-3/7 l beside the axis, weight in the middle, b = l_b/2.
+for either tripod; the paper prints one for each. The sides of both tripods' support
+polygons cross the body's axis on them (circles; {apart:.0e} l apart at most), and the
+margin of the polygon has the sign of the closed form everywhere ({points} points of
+both tripods compared, {disagree} disagree). (c) Along the body's axis the distance to
+the nearer bound is the closed form; the margin proper, to the nearest side, is smaller
+by the sides' slope. The paper leaves the proportions open; chosen are those of the
+robot `hexapod-parallel`: l_b = 20/7 l, hips 3/7 l beside the axis, weight in the
+middle, b = l_b/2.
 """
 METRES_CAPTION = """
 Each tripod alone under load, swung from -0.4 to 0.4 rad. Lines: margin of the support
@@ -53,65 +60,29 @@ line is the closed form along the body's axis, for a weight that stays in the mi
 `hexapod`, whose legs point to their tripod's pivot, has no closed form in the paper.
 """
 ROWS = 15  # of the table
+FEW = np.linspace(-1.05, 1.05, 8)  # [rad], angles that crossings are marked at
 ANGLE = r"$\varphi$ of the loaded tripod  [rad]"
 STANDS = "#CFE3F1"
-
-
-def polygon_margin(stance: PaperStance, tripod: int, phi: Array, b: Array) -> Array:
-    """Margin by the support polygon, the weight on the body's axis, shape as phi.
-
-    Args:
-        stance: Lengths.
-        tripod: The loaded tripod, 1 or 2.
-        phi: Its angle [rad].
-        b: Distance of the weight from the front, same shape.
-    """
-    weight = np.stack([stance.body_length / 2 - b, np.zeros_like(b)], axis=-1)
-    feet = stance.feet(tripod, phi)
-    standing = np.ones(feet.shape[:-1], dtype=bool)
-    return stability_margin(feet, standing, weight)
-
-
-@dataclass(frozen=True)
-class SignMap:
-    """Both margins on a grid of angles and places of the weight."""
-
-    phi: Array  # (P,) [rad]
-    b: Array  # (B,)
-    closed: Array  # (B, P)
-    polygon: Array  # (B, P), of tripod 1
-
-    @property
-    def disagreements(self) -> int:
-        """Grid points at which the signs differ by more than rounding."""
-        off = np.abs(self.closed) > 1e-12
-        return int((np.sign(self.closed) != np.sign(self.polygon))[off].sum())
-
-
-def sign_map(stance: PaperStance, points: int = 121) -> SignMap:
-    """Compare the closed form with the support polygon everywhere."""
-    phi = np.linspace(PHI[0], PHI[-1], points)
-    b = np.linspace(-0.5, 1.5, points) * stance.body_length
-    at_phi, at_b = (grid.ravel() for grid in np.meshgrid(phi, b))
-    polygon = polygon_margin(stance, 1, at_phi, at_b)
-    closed = stance.margin_along_axis(at_phi, at_b)
-    shape = (points, points)
-    return SignMap(phi, b, closed.reshape(shape), polygon.reshape(shape))
 
 
 def paper() -> Sheet:
     """In leg lengths, the weight in the middle of the body."""
     figure, axes = sheet_of("abc", 2.6, width_ratios=[0.9, 1, 1])
     signs = sign_map(STANCE)
+    crossed = [crossings(STANCE, tripod, FEW) for tripod in (1, 2)]
+    apart = np.abs(np.subtract(crossed, STANCE.bounds(FEW))).max()
     _draw_stance(axes["a"])
-    _draw_signs(axes["b"], signs)
+    _draw_signs(axes["b"], signs, crossed)
     _draw_margins(axes["c"])
     letter(axes, {"a": "tripod 1 loaded", "b": "where it stands", "c": "margin"})
     return Sheet(
         name="fig5-stability-paper",
         title="Fig. 5, stability of the tripods, in the paper's units",
         caption=words(
-            PAPER_CAPTION, points=signs.closed.size, disagree=signs.disagreements
+            PAPER_CAPTION,
+            points=signs.polygon.size,
+            disagree=signs.disagreements,
+            apart=apart,
         ),
         figure=figure,
         table=_table(),
@@ -231,17 +202,23 @@ def _draw_stance(axes: Axes) -> None:
     axes.set_xlim(-2.3, 1.9)
 
 
-def _draw_signs(axes: Axes, signs: SignMap) -> None:
+def _draw_signs(axes: Axes, signs: SignMap, crossed: Sequence[Array]) -> None:
     stands = [0.0, float(signs.polygon.max())]
-    axes.contourf(signs.phi, signs.b, signs.polygon, stands, colors=[STANDS])
+    axes.contourf(signs.phi, signs.b, signs.polygon[0], stands, colors=[STANDS])
     low, high = STANCE.bounds(PHI)
     axes.plot(PHI, low, color=IDEAL, label="closed form, both bounds")
     axes.plot(PHI, high, color=IDEAL)
+    for tripod, size, bounds in zip((1, 2), (5, 2.5), crossed, strict=True):
+        axes.plot(
+            FEW, bounds.T, "o", color=TRIPODS[str(tripod)], markersize=size,
+            markerfacecolor="none", markeredgewidth=0.8,
+            label=["polygon's sides, both tripods", "_"] if tripod == 1 else "_",
+        )  # fmt: skip
     axes.plot([], [], color=STANDS, linewidth=6, label="support polygon: margin > 0")
     axes.axhline(
         STANCE.body_length / 2, color=NOMINAL, linestyle="--", label=r"$b = l_b/2$"
     )
-    axes.set(xlabel=ANGLE, ylabel="$b$  [$l$]", xlim=(PHI[0], PHI[-1]), ylim=(-1, 5))
+    axes.set(xlabel=ANGLE, ylabel="$b$  [$l$]", xlim=(PHI[0], PHI[-1]), ylim=(-1, 5.8))
     axes.legend(loc="upper left")
 
 

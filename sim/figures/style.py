@@ -25,13 +25,20 @@ IDEAL = "#0072B2"
 QUASI_STATIC = "#009E73"
 PHYSICS = "#D55E00"
 WEIGHT = "#000000"
-PATHS = {  # of a walk: colour, width and label, the broad ones below
-    "achieved": ("#F2B48C", 2.2, "physics"),
-    "ideal": (IDEAL, 0.6, "predicted, ideal"),
-    "quasi_static": (QUASI_STATIC, 0.6, "predicted, quasi-static"),
+DASHES = (0, (4, 1.5))
+PATHS: Mapping[str, Mapping[str, Any]] = {  # of a walk, the broad ones below
+    "achieved": {"color": "#F2B48C", "linewidth": 2.2, "label": "physics"},
+    "ideal": {"color": IDEAL, "linewidth": 0.6, "label": "predicted, ideal"},
+    "quasi_static": {
+        "color": QUASI_STATIC,
+        "linewidth": 0.7,
+        "linestyle": DASHES,  # told from the ideal one in greyscale
+        "label": "predicted, quasi-static",
+    },
 }
 WALL = "#4D4D4D"
-NEAR_WALL = "#E3E3E3"
+NEAR_WALL = "#E9E9E9"
+SWEPT = "#A9CBE3"
 TRIPODS: Mapping[str, str] = {"1": "#0072B2", "2": "#CC3311"}
 
 STYLE: dict[Any, Any] = {
@@ -92,12 +99,12 @@ def as_map(
     axes.set_ylabel(f"y{suffix}")
 
 
-def plain_decades(*axes: Axis) -> None:
-    """Logarithmic axes with 1, 2 and 5 of every decade written out."""
+def plain_decades(*axes: Axis, subs: tuple[int, ...] = (1, 2, 5)) -> None:
+    """Logarithmic axes with 1, 2 and 5 of every decade written out, or those given."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     for axis in axes:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_locator(LogLocator(subs=subs))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
 
@@ -105,9 +112,8 @@ def plain_decades(*axes: Axis) -> None:
 def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
     """Nominal path, physics as a broad line, and both predictions on top of it."""
     axes.plot(*(scale * walked.nominal.T), "--", color=NOMINAL, label="nominal")
-    for name, (colour, width, label) in PATHS.items():
-        points = scale * walked.pose[name][:, :2].T
-        axes.plot(*points, color=colour, linewidth=width, label=label)
+    for name, style in PATHS.items():
+        axes.plot(*(scale * walked.pose[name][:, :2].T), **style)
 
 
 def letter(axes: Mapping[str, Axes], titles: Mapping[str, str]) -> None:

@@ -54,6 +54,11 @@ class Surroundings:
         """The floor that the obstacles cover."""
         return shapely.union_all([obstacle.area for obstacle in self.obstacles])
 
+    def standing(self, pose: Array) -> Array:
+        """Joint positions at poses (T, 3), all legs down and at angle 0, (T, nq)."""
+        angles = np.zeros((len(pose), len(self.outline.robot.groups)))
+        return self.outline.configurations(pose, angles, angles)
+
     def sweep(self, qpos: Array) -> Sweep:
         """Clearances along a motion.
 

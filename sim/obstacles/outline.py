@@ -113,14 +113,11 @@ class Outline:
             for i, part in enumerate(self.parts)
         ]
 
-    def area(self, qpos: Array) -> shapely.Geometry:
-        """The floor that the robot stands over in one configuration, shape (nq,)."""
-        cores = self.cores(qpos[None])
+    def swept(self, qpos: Array) -> shapely.Geometry:
+        """The floor that the robot stands over in any configuration, shape (T, nq)."""
+        parts = zip(self.cores(qpos), self.parts, strict=True)
         return shapely.union_all(
-            [
-                shapely.buffer(hulls(core)[0], part.radius)
-                for core, part in zip(cores, self.parts, strict=True)
-            ]
+            np.concatenate([shapely.buffer(hulls(c), part.radius) for c, part in parts])
         )
 
     def radius(self, qpos: Array) -> float:

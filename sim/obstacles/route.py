@@ -1,8 +1,9 @@
 """A nominal path where none is given: around obstacles, along curves legs can walk.
 
-Found by OMPL's RRT* among the curves of Reeds and Shepp, arcs and straight lines with
-the heading along them, forward or backward. A robot that goes where it is heading needs
-no brackets, so its tube is narrow; room for what is left of it is kept on both sides.
+Found by OMPL's RRT-Connect among the curves of Reeds and Shepp, arcs and straight lines
+with the heading along them, forward or backward, and shortened by OMPL's simplifier. A
+robot that goes where it is heading needs no brackets, so its tube is narrow; room for
+what is left of it is kept on both sides.
 """
 
 from __future__ import annotations
@@ -25,9 +26,10 @@ from sim.setup import Setup
 Array = np.ndarray
 
 ROOMS = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
-TRIALS = 2000  # samples for each; a few seconds
+TRIALS = 2000  # samples of a search; a second where there is no way
+SEARCHES = 8  # of which the shortest way is taken
 TIGHTEST = 0.5  # arc, in radii of the robot's outline
-STEP = 0.005  # between poses checked, in parts of the largest distance
+CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
 
 
 def routed(setup: Setup) -> Setup:
@@ -36,7 +38,7 @@ def routed(setup: Setup) -> Setup:
     Any other setup is left as it is. Without obstacles the path is the straight line.
 
     Raises:
-        BoundError: If no way is found.
+        BoundError: If no way is found, or the robot cannot stand at start or goal.
         UsageError: If OMPL is not installed.
     """
     scenario = setup.scenario
@@ -52,45 +54,72 @@ def routed(setup: Setup) -> Setup:
 def _around(around: Surroundings, setup: Setup) -> NominalPath:
     """The first way found, asking for as much room as there may be."""
     scenario = setup.scenario
-    least = max(scenario.min_clearance, 0.0)
+    least, goal = max(scenario.min_clearance, 0.0), scenario.path.goal
+    for name, pose in (("start", nominal.START), ("goal", goal)):
+        _require_room(around, name, pose, least)
     for room in ROOMS:
-        search = _Search(around, scenario.path.goal, least + room)
+        search = _Search(around, goal, least, room)
         found = search.run(scenario.seed, scenario.segments)
         if found is not None:
             path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
-            return replace(path, goal=scenario.path.goal)
+            return replace(path, goal=goal)
     raise BoundError(
-        f"no way found to {point(scenario.path.goal)} that keeps "
-        f"{1e3 * (least + ROOMS[-1]):.1f} mm from all obstacles; make more room, or "
-        "give waypoints"
+        f"no way found to {point(goal)} that keeps {1e3 * (least + ROOMS[-1]):.1f} mm "
+        "from all obstacles; make more room, or give waypoints"
+    )
+
+
+def _require_room(around: Surroundings, name: str, pose: Pose, least: float) -> None:
+    """Refuse a start or a goal at which the robot cannot stand."""
+    qpos = around.standing(np.array([pose]))
+    clearance = float(around.sweep(qpos).least[0])
+    if clearance > least:
+        return
+    part, obstacle = around.nearest(qpos[0])
+    raise BoundError(
+        f"the {name} {point(pose)} has {part} {1e3 * clearance:.1f} mm from obstacle "
+        f"{obstacle}, where more than {1e3 * least:.1f} mm are asked; move one of them"
     )
 
 
 class _Search:
-    """One search for a way that keeps a distance from obstacles."""
+    """Searches for a way that keeps a distance from obstacles."""
 
-    def __init__(self, around: Surroundings, goal: Pose, room: float) -> None:
-        self.goal = goal
-        outline = around.outline
-        angles = np.zeros((1, len(outline.robot.groups)))
-        rest = outline.configurations(np.zeros((1, 3)), angles, angles)
-        self.radius = outline.radius(rest[0])
+    def __init__(
+        self, around: Surroundings, goal: Pose, least: float, room: float
+    ) -> None:
+        self.goal, self.room = goal, room
+        rest = around.standing(np.zeros((1, 3)))
+        self.radius = around.outline.radius(rest[0])
         self._area = around.area
-        self._body = shapely.get_coordinates(outline.area(rest[0]).buffer(room))
-        self._near = self._area.buffer(self.radius + room)
+        self._body = around.outline.swept(rest).buffer(least + room)
+        self._near = self._area.buffer(self.radius + least + room)
         shapely.prepare(self._area)
         shapely.prepare(self._near)
 
-    def run(self, seed: int, pieces: int) -> Array | None:
-        """Poses that end straight pieces of the way, or None if none is found.
+    def run(self, seed: int, segments: int) -> Array | None:
+        """Poses along the shortest way found, or None if none is found.
 
         Args:
             seed: Of the samples.
-            pieces: Into how many to cut the way.
+            segments: Into how many the way can be divided at these poses.
 
         Returns:
-            Shape (pieces + 1, 3), yaw continuous.
+            Shape (N, 3), yaw continuous.
         """
+        if not all(self.is_free(*pose) for pose in (nominal.START, self.goal)):
+            return None
+        first = self._once(SEARCHES * seed)
+        if first is None:
+            return None
+        later = (self._once(SEARCHES * seed + i) for i in range(1, SEARCHES))
+        best = min(filter(None, (first, *later)), key=lambda way: way.length())
+        pieces = segments * math.ceil(best.length() / (segments * CHORD) or 1)
+        best.interpolate(pieces + 1)
+        return self._joined([_pose(state) for state in best.getStates()])
+
+    def _once(self, seed: int) -> Any:
+        """A way, shortened, as OMPL has it; None if none is found."""
         base, geometric, util = _ompl()
         util.setLogLevel(util.LOG_NONE)
         util.RNG.setSeed(seed + 1)  # 0 would mean the time of day
@@ -99,28 +128,27 @@ class _Search:
         setup = geometric.SimpleSetup(space)
         setup.setStateValidityChecker(lambda state: self.is_free(*_pose(state)))
         information = setup.getSpaceInformation()
-        information.setStateValidityCheckingResolution(STEP)
+        # between poses looked at no point of the outline moves farther than the room
+        step = self.room / (1 + 1 / TIGHTEST)
+        information.setStateValidityCheckingResolution(step / space.getMaximumExtent())
         ends = [_state(space, pose) for pose in (nominal.START, self.goal)]
-        if not all(self.is_free(*_pose(end)) for end in ends):
-            return None
         setup.setStartAndGoalStates(*ends, 1e-9)
-        length = base.PathLengthOptimizationObjective(information)
-        setup.setOptimizationObjective(length)
-        setup.setPlanner(geometric.RRTstar(information))
+        setup.setPlanner(geometric.RRTConnect(information))
         setup.solve(base.PlannerTerminationCondition(_after(TRIALS)))
         if not setup.haveExactSolutionPath():
             return None
         way = setup.getSolutionPath()
-        way.interpolate(pieces + 1)
-        return self._joined([_pose(state) for state in way.getStates()])
+        geometric.PathSimplifier(information).simplifyMax(way)
+        return way
 
     def is_free(self, x: float, y: float, yaw: float) -> bool:
         """Whether the robot, standing there, keeps its distance."""
         if not shapely.intersects_xy(self._near, x, y):
             return True
         cos, sin = math.cos(yaw), math.sin(yaw)
-        placed = self._body @ np.array([(cos, sin), (-sin, cos)]) + (x, y)
-        return not shapely.intersects(self._area, shapely.polygons(placed))
+        turn = np.array([(cos, sin), (-sin, cos)])
+        placed = shapely.transform(self._body, lambda points: points @ turn + (x, y))
+        return not shapely.intersects(self._area, placed)
 
     def _bounds(self, base: Any) -> Any:
         """A robot's width around start, goal and all obstacles."""
