@@ -10,7 +10,13 @@ import numpy as np
 from models.errors import ModelError
 
 ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
-FINITE = ("body_mass", "body_inertia", "body_pos", "geom_size", "geom_friction")
+FINITE = (  # what the compiler lets pass; the last one is derived from all the others
+    "body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos", "body_iquat",
+    "jnt_axis", "jnt_pos", "jnt_range", "dof_armature", "dof_damping",
+    "geom_pos", "geom_quat", "geom_size", "geom_friction", "geom_solref",
+    "actuator_gainprm", "actuator_biasprm", "actuator_gear", "actuator_ctrlrange",
+    "key_qpos", "key_ctrl", "body_invweight0",
+)  # fmt: skip
 
 
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
@@ -24,12 +30,28 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"MJCF does not compile: {source}; {reason}") from error
-    for name in FINITE:
-        if not np.isfinite(getattr(model, name)).all():
-            raise ModelError(
-                f"{name} is not finite: {source}; the compiler lets it pass"
-            )
+    _check_finite(model, source)
     return model
+
+
+def _check_finite(model: mujoco.MjModel, source: str) -> None:
+    for name in FINITE:
+        bad = np.argwhere(~np.isfinite(getattr(model, name)))
+        if len(bad):
+            raise ModelError(
+                f"{name} of {_owner(model, name, int(bad[0, 0]))} is not finite: "
+                f"{source}; give it a number"
+            )
+
+
+def _owner(model: mujoco.MjModel, array: str, row: int) -> str:
+    """The element that a row of one of the model's arrays belongs to."""
+    kind = array.partition("_")[0]
+    if kind == "dof":
+        row = int(model.dof_jntid[row])
+    kind = {"dof": "joint", "jnt": "joint"}.get(kind, kind)
+    name = getattr(model, kind)(row).name
+    return f"{kind} {name!r}" if name else f"{kind} {row}"
 
 
 def read_spec(path: Path) -> mujoco.MjSpec:

@@ -90,6 +90,27 @@ PARTS = {
         "free joint can only be used on top level",
     ),
 }  # fmt: skip
+NUMBERS = {
+    "a place": (
+        [PLATE, '<geom pos="nan 0 0.018"'],
+        "geom_pos of geom 'plate' is not fin",
+    ),
+    "a range": (['range="-0.1 0.6"', 'range="nan 0.6"'], "jnt_range of joint 'lift_1'"),
+    "an axis": (
+        ['axis="0 -1 0"', 'axis="0 nan 0"'],
+        "jnt_axis of joint 'lift_1' is not",
+    ),
+    "stiffness": (['kp="1000"', 'kp="inf"'], "actuator_gainprm of actuator 'swing_1'"),
+    "armature": (
+        ['"0.0018"', '"inf"'],
+        "dof_armature of joint 'swing_1' is not finite",
+    ),
+    "mass": (['mass="1"', 'mass="inf"'], "body_mass of body 'torso' is not finite"),
+    "height": (
+        ['pos="0 0 0.06"', 'pos="0 0 1e300"'],
+        "body_invweight0 of body 'torso'",
+    ),
+}
 POSTURES = {
     "upside down": (
         [POSE, 'qpos="0 0 0.3 0 1 0 0'],
@@ -170,7 +191,7 @@ GROUNDS = {
         "does not stand: its legs give way by .* mm, and a lifted foot rises by 5.. mm",
     ),
 }  # fmt: skip
-ALL = PARTS | POSTURES | GAITS | GROUNDS
+ALL = PARTS | NUMBERS | POSTURES | GAITS | GROUNDS
 
 
 @pytest.mark.parametrize(("edits", "message"), ALL.values(), ids=ALL)
