@@ -61,7 +61,11 @@ class Grouper:
         return {(a, b): self.system.switches(a, b) for a in walks for b in walks[a]}
 
     def arrangements(self, pattern: Pattern, start: str) -> tuple[Arrangement, ...]:
-        """For each stratum the pattern can end in, its cheapest arrangement."""
+        """The cheapest arrangement for each stratum that is worth ending in.
+
+        Staying on until nothing more can run never costs; a stratum left out is reached
+        as cheaply by going on to it.
+        """
         key = (pattern, start)
         if key not in self._known:
             self._known[key] = tuple(self._search(pattern, start))

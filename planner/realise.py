@@ -44,7 +44,7 @@ def word(
         basis: Hall elements, s of them.
         hall_coordinates: Backward coordinates, shape (s,).
         order: `backward` runs the words of B_s, ..., B_1, `forward` those of B_1, ...,
-            B_s; both end at the same point.
+            B_s; both end at the same point where brackets beyond the basis vanish.
         vanishing: Elements whose fields are zero and need no flow.
 
     Returns:

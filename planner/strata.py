@@ -159,7 +159,9 @@ class StratifiedSystem:
         }
 
     def route(self, start: str, goal: str) -> tuple[str, ...]:
-        """The shortest walk between strata; feet land before others lift.
+        """The walk of fewest steps between strata; feet land before others lift.
+
+        A step may be of several contacts, so another walk may have fewer events.
 
         Raises:
             StratumError: A stratum is unknown, or the graph does not join the two.
