@@ -16,9 +16,9 @@ from sim.attribution import error_sources
 from sim.obstacles.passage import clearances
 from sim.phases import count_changes, swing_slip
 from sim.poses import rotate, seen_from, wrap
-from sim.prediction import Prediction, predict
+from sim.prediction import Prediction, Predictor
 from sim.schedule import Phase
-from sim.support import carrying, stability_margin
+from sim.support import BLOCK, carrying, stability_margin
 from sim.twist_models import MODELS, twist_model
 from sim.walk import Walk
 
@@ -55,7 +55,7 @@ class Evaluation:
 
         They depend on what was commanded alone, not on which rows are written.
         """
-        return np.asarray(self.walking & self.walk.recording.looked)
+        return np.asarray(self.walking & self.walk.recording.marks.looked)
 
 
 def evaluate(walk: Walk) -> Evaluation:
@@ -96,13 +96,15 @@ def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
         schedule = stretch.schedule
         inside = during[(during >= schedule.start) & (during < schedule.stop)]
         local = inside - schedule.start  # a stretch's last step is always among them
-        piece = predict(
-            schedule, local, twists, walk.setup.kinematics, tuple(stretch.pose)
+        predict = Predictor(
+            schedule, twists, walk.setup.kinematics, tuple(stretch.pose)
         )
-        pose = np.concatenate([piece.pose[:, :2], wrap(piece.pose[:, 2:])], axis=1)
-        slip = piece.slip + slipped
+        for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
+            piece = predict(rows)
+            pose = np.concatenate([piece.pose[:, :2], wrap(piece.pose[:, 2:])], axis=1)
+            slip = piece.slip + slipped
+            pieces.append(Prediction(pose, slip, piece.margin, piece.contact))
         slipped = slip[-1]
-        pieces.append(Prediction(pose, slip, piece.margin, piece.contact))
     names = ("pose", "slip", "margin", "contact")
     return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
 
@@ -136,7 +138,7 @@ def trajectory(evaluation: Evaluation) -> dict[str, Array]:
             arrays[f"{name}_margin"] = prediction.margin
     for name, clearance in evaluation.clearance.items():
         arrays[f"{'predicted' if name == 'ideal' else name}_clearance"] = clearance
-    rows = {name: array[recording.sampled] for name, array in arrays.items()}
+    rows = {name: array[recording.marks.sampled] for name, array in arrays.items()}
     return rows | {"world_start_pose": walk.origin}
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import errno
 import json
-import math
 import os
 import re
 import shutil
@@ -59,15 +58,26 @@ class RunFolder:
         """
         self.write_text(name, json.dumps(value, indent=1, allow_nan=False) + "\n")
 
+    def reserve(self, size: int) -> None:
+        """Refuse what there is no room for, before the work that leads to it.
+
+        Args:
+            size: Bytes that will be written at least.
+
+        Raises:
+            FilesError: If the disk has less.
+        """
+        if shutil.disk_usage(self.path).free < size:
+            raise _failure(_full(self.path), self.path, size)
+
     def write_arrays(self, name: str, **arrays: np.ndarray | Pieces) -> None:
         """Write named arrays as compressed .npz; equal arrays give equal bytes.
 
         Raises:
             FilesError: If the disk is full or the folder cannot be written.
         """
-        size = sum(array.nbytes for array in arrays.values())
         with (
-            whole(self.path / name, size) as part,
+            whole(self.path / name) as part,
             zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive,
         ):
             for key, array in arrays.items():
@@ -88,11 +98,6 @@ class Pieces:
 
     shape: tuple[int, ...]
     pieces: Iterable[np.ndarray]
-
-    @property
-    def nbytes(self) -> int:
-        """Size of the whole array [bytes]."""
-        return 8 * math.prod(self.shape)
 
 
 def _write_array(file: IO[bytes], array: np.ndarray | Pieces) -> None:
@@ -184,7 +189,11 @@ def whole(path: Path, size: int | None = None) -> Iterator[Path]:
 
 def _check_space(path: Path, size: int) -> None:
     if shutil.disk_usage(path.parent).free < size:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        raise _full(path)
+
+
+def _full(path: Path) -> OSError:
+    return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
 def _flush(path: Path) -> None:

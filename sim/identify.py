@@ -77,7 +77,7 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
     begin = schedule.phases[-1].start
     recording = _record(setup, schedule, begin)
     moments = recording.moments
-    on_the_way = moments.at(recording.sampled & (moments.step > begin))
+    on_the_way = moments.at(recording.marks.sampled & (moments.step > begin))
     _check(setup, stratum, on_the_way)
     qpos = on_the_way.qpos
     d = np.array(direction)

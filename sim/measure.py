@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -81,8 +81,7 @@ class Sensors:
         return total, (share * speed).sum(axis=1), point
 
 
-@dataclass(frozen=True, slots=True)
-class ContactLog:
+class ContactLog(NamedTuple):
     """Which feet were in contact, as a list of changes."""
 
     step: Array  # from the state after these many steps on, ascending, (n,)

@@ -7,6 +7,7 @@ raises when a simulation goes bad, so every stretch ends with a look at its warn
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -27,11 +28,18 @@ class Record:
     sensordata: Array  # (n, nsensordata), of the state before each step
 
 
+class State(NamedTuple):
+    """Where a simulation is."""
+
+    qpos: Array  # (nq,)
+    qvel: Array  # (nv,)
+
+
 class Engine:
     """One simulation that starts at keyframe `start` and only moves forward."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        _silence_the_engine()
+        silence_the_engine()
         self.model = model
         self._batch = batch.Batch(model, nsim=1, nthread=1)
         self._batch.reset(
@@ -41,15 +49,9 @@ class Engine:
         self.steps = 0
 
     @property
-    def qpos(self) -> Array:
-        """Position after the last step, shape (nq,)."""
-        return self.state[0]
-
-    @property
-    def state(self) -> tuple[Array, Array]:
-        """Position (nq,) and velocity (nv,) after the last step."""
-        qpos, qvel = (np.array(self._batch.bind(name)[0]) for name in ("qpos", "qvel"))
-        return qpos, qvel
+    def state(self) -> State:
+        """After the last step."""
+        return State(*(np.array(self._batch.bind(name)[0]) for name in State._fields))
 
     def sense(self) -> Array:
         """What sensors say of the state now, under the last command, (nsensordata,)."""
@@ -106,7 +108,7 @@ class Engine:
         )
 
 
-def _silence_the_engine() -> None:
+def silence_the_engine() -> None:
     """Warnings are raised here as errors; no need to print and log them too."""
     log = mujoco.MjLogConfig.get()
     log.logto_file = log.logto_console = False

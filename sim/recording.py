@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -24,12 +24,13 @@ from sim.measure import (
     last_touched,
 )
 from sim.obstacles.walls import Touches
-from sim.physics import Engine
+from sim.physics import Engine, State
 from sim.support import LeastMargin, carrying
 
 Array = np.ndarray
 NEVER = np.iinfo(np.int64).max
 NONE = np.zeros(0, dtype=int)
+T = TypeVar("T", bound=Iterable[Array])
 
 
 class Moments(NamedTuple):
@@ -48,8 +49,11 @@ class Moments(NamedTuple):
         return Moments(*(column[which] for column in self))
 
 
-def _joined(parts: Iterable[Moments]) -> Moments:
-    return Moments(*map(np.concatenate, zip(*parts, strict=True)))
+class Marks(NamedTuple):
+    """Why moments are kept, shape (T,) each, bool."""
+
+    sampled: Array  # as every n-th
+    looked: Array  # as asked for
 
 
 @dataclass(frozen=True)
@@ -59,8 +63,7 @@ class Recording:
     timestep: float  # [s]
     steps: int
     moments: Moments
-    sampled: Array  # which moments are rows of the trajectory, (T,), bool
-    looked: Array  # which moments were asked for, (T,), bool
+    marks: Marks
     contacts: ContactLog
     bounces: int
     least_margin: float  # over every step from the walk's start on [m]
@@ -92,8 +95,8 @@ class Recorder:
         self._touched: Array | None = None
         self._pending: list[Moments] = []
         self._kept: list[Moments] = []
-        self._marks: list[tuple[Array, Array]] = []  # sampled, looked at
-        self._contacts: list[tuple[Array, Array]] = []  # step, flags
+        self._marks: list[Marks] = []
+        self._contacts: list[ContactLog] = []
         self._contact: Array | None = None
         self._slip = np.zeros(sensors.feet)
         self._bounces = 0
@@ -110,13 +113,13 @@ class Recorder:
         """
         self._looks = np.concatenate([self._looks, looks])
         for ctrl in pieces:
-            before, (qpos, qvel) = self.engine.steps, self._state
+            before, state = self.engine.steps, self._state
             record = self.engine.advance(ctrl)
-            self._state = record.qpos[-1].copy(), record.qvel[-1].copy()
+            self._state = State(record.qpos[-1].copy(), record.qvel[-1].copy())
             self._sense(
                 before,
-                np.concatenate([qpos[None], record.qpos[:-1]]),
-                np.concatenate([qvel[None], record.qvel[:-1]]),
+                np.concatenate([state.qpos[None], record.qpos[:-1]]),
+                np.concatenate([state.qvel[None], record.qvel[:-1]]),
                 record.sensordata,
             )
             self._decide()
@@ -124,19 +127,15 @@ class Recorder:
 
     def finish(self) -> Recording:
         """Everything recorded; the last state is always kept."""
-        qpos, qvel = self._state
-        sensed = self.engine.sense()
-        self._sense(self.engine.steps, qpos[None], qvel[None], sensed[None])
+        state, sensed = self._state, self.engine.sense()
+        self._sense(self.engine.steps, state.qpos[None], state.qvel[None], sensed[None])
         self._decide(last=True)
-        sampled, looked = map(np.concatenate, zip(*self._marks, strict=True))
-        step, flags = map(np.concatenate, zip(*self._contacts, strict=True))
         return Recording(
             timestep=self._timestep,
             steps=self.engine.steps,
-            moments=_joined(self._kept),
-            sampled=sampled,
-            looked=looked,
-            contacts=ContactLog(step, flags),
+            moments=Moments(*_joined(self._kept)),
+            marks=Marks(*_joined(self._marks)),
+            contacts=ContactLog(*_joined(self._contacts)),
             bounces=self._bounces,
             least_margin=self._margin.value,
             wall_contacts=self._touches.count,
@@ -163,7 +162,7 @@ class Recorder:
 
     def _decide(self, last: bool = False) -> None:
         """Judge the states whose contacts no later step can change."""
-        states = _joined(self._pending)
+        states = Moments(*_joined(self._pending))
         loaded, before = states.contact, self._contact
         contact = bridge(loaded, self._shortest, before)
         count = len(contact) if last else decided(loaded, self._shortest, before)
@@ -185,7 +184,7 @@ class Recorder:
         contact = states.contact
         before = ~contact[:1] if self._contact is None else self._contact
         changed = np.diff(np.vstack([before, contact]), axis=0).any(axis=1)
-        self._contacts.append((states.step[changed], contact[changed]))
+        self._contacts.append(ContactLog(states.step[changed], contact[changed]))
         self._contact = contact[-1:].copy()
 
     def _keep(self, states: Moments, last: bool) -> None:
@@ -203,4 +202,13 @@ class Recorder:
             sampled[-1] = looked[-1] = True
         kept = sampled | looked
         self._kept.append(states.at(kept))
-        self._marks.append((sampled[kept], looked[kept]))
+        self._marks.append(Marks(sampled[kept], looked[kept]))
+
+
+def _joined(parts: list[T]) -> Iterator[Array]:
+    """Each column of consecutive parts as one array; the parts are used up."""
+    columns = [list(column) for column in zip(*parts, strict=True)]
+    parts.clear()
+    for column in columns:
+        yield np.concatenate(column)
+        column.clear()

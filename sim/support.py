@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 
 Array = np.ndarray
+BLOCK = 20_000  # rows that are geometries at once, each of some hundred bytes
 
 
 def support_polygons(points: Array, contact: Array) -> Array:
@@ -42,6 +43,14 @@ def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Ar
     Returns:
         Shape (T,) [m]; minus infinity where nothing touches the ground.
     """
+    margin = np.empty(len(points))
+    for begin in range(0, len(points), BLOCK):
+        rows = slice(begin, begin + BLOCK)
+        margin[rows] = _margin(points[rows], contact[rows], center_of_mass[rows])
+    return margin
+
+
+def _margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
     hulls = support_polygons(points, contact)
     weight = shapely.points(center_of_mass)
     flat = shapely.get_dimensions(hulls) < 2

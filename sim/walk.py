@@ -85,7 +85,7 @@ class Walker:
     @property
     def pose(self) -> Array:
         """Pose of the robot now, in the start frame, shape (3,)."""
-        world = self.setup.pose(self._recorder.engine.qpos)
+        world = self.setup.pose(self._recorder.engine.state.qpos)
         return world * 0.0 if self._origin is None else seen_from(self._origin, world)
 
     @property
@@ -106,7 +106,7 @@ class Walker:
         scheduler.hold(self.setup.limits.hold)
         self._play(scheduler.finish())
         if self._origin is None:
-            self._origin = self.setup.pose(self._recorder.engine.qpos)
+            self._origin = self.setup.pose(self._recorder.engine.state.qpos)
             self._recorder.walk_starts = self.steps
 
     def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:

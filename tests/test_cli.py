@@ -200,6 +200,19 @@ def test_written_scenario_runs_again_to_the_same_numbers(stratawalk):
 
 
 @pytest.mark.physics
+def test_physics_that_diverges_says_so_in_one_line_and_leaves_its_commands(
+    stratawalk, tmp_path
+):
+    wild = ("timestep=0.01", "servo_stiffness=1e6", "servo_damping=0")
+    sets = [word for value in wild for word in ("--set", value)]
+    done = stratawalk(*SHORT, "--no-video", "--out", "here", *sets)
+    assert done.returncode == 4
+    assert "simulation diverged, warning BADQACC: t = 0.03" in refusal(done)
+    assert (tmp_path / "here" / "commands.npz").exists()
+    assert not (tmp_path / "here" / "summary.json").exists()
+
+
+@pytest.mark.physics
 def test_physics_runs_whatever_mujoco_gl_says(stratawalk):
     assert stratawalk(*SHORT, "--no-video", MUJOCO_GL="banana").returncode == 0
 

@@ -137,6 +137,12 @@ def test_file_too_large_for_the_disk_is_refused_with_its_size(tmp_path):
     assert names(tmp_path) == []
 
 
+def test_work_that_there_is_no_room_for_is_refused(tmp_path):
+    RunFolder(tmp_path).reserve(1000)
+    with pytest.raises(FilesError, match=r"disk full, it needs 10{12}\.0 MB"):
+        RunFolder(tmp_path).reserve(10**18)
+
+
 def test_disk_that_fills_up_halfway_leaves_no_file(tmp_path):
     full = OSError(errno.ENOSPC, "No space left on device")
     with pytest.raises(FilesError, match=r"disk full, it needs 2\.0 MB: .*; free some"):

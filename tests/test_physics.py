@@ -45,7 +45,7 @@ def test_stretches_are_bit_for_bit_a_bare_loop_over_mj_step(model, wobble):
         np.concatenate([r.qpos for r in records]), bare_loop(model, wobble)
     )
     assert engine.steps == len(wobble)
-    assert np.array_equal(engine.qpos, records[-1].qpos[-1])
+    assert np.array_equal(engine.state.qpos, records[-1].qpos[-1])
 
 
 @pytest.mark.physics

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.measure import Readings, bridge, count_bounces
+from sim.physics import State
 from sim.recording import Recorder
 
 DT = 0.005  # four steps make an interruption
@@ -23,7 +24,7 @@ class Engine:
     @property
     def state(self):
         """The number of steps for a position."""
-        return np.array([float(self.steps)]), np.zeros(1)
+        return State(np.array([float(self.steps)]), np.zeros(1))
 
     def advance(self, ctrl):
         """As the real one: states after, sensors before each step."""
@@ -78,7 +79,7 @@ def test_contacts_slip_and_states_are_those_of_the_whole_run(flags, cuts, every)
     wanted = {3, 7, last, *range(every, len(loaded), every)}
     assert moments.step.tolist() == sorted(wanted)
     assert np.array_equal(moments.qpos[:, 0], moments.step)
-    assert moments.step[recording.looked].tolist() == sorted({3, 7, last})
+    assert moments.step[recording.marks.looked].tolist() == sorted({3, 7, last})
     assert np.array_equal(moments.contact, contact[moments.step])
     slipped = np.cumsum(contact * [1.0, 2.0], axis=0) - contact * [1.0, 2.0]
     assert moments.slip == pytest.approx(DT * slipped[moments.step])

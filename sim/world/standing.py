@@ -17,6 +17,7 @@ from models.lifting import Lifting
 from models.posture import UPRIGHT
 from models.robot import Robot
 from sim.obstacles.walls import PREFIX
+from sim.physics import silence_the_engine
 from sim.world.sensors import contact_sensor
 
 SETTLING = 0.5  # [s]
@@ -38,6 +39,7 @@ def check_standing(
     Raises:
         ModelError: If it tips, sags or lies on something.
     """
+    silence_the_engine()
     robot, data = kinematics.robot, mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_forward(model, data)

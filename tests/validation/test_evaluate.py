@@ -51,7 +51,7 @@ def test_slip_starts_with_the_walk(judged):
 def test_the_end_of_every_phase_is_recorded(judged):
     evaluation, _ = judged
     recording = evaluation.walk.recording
-    looked = recording.moments.step[recording.looked]
+    looked = recording.moments.step[recording.marks.looked]
     assert np.isin([phase.stop for phase in evaluation.walk.phases], looked).all()
 
 
