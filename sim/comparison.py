@@ -45,6 +45,11 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
     if summary["saturated_segments"]:
         scaled = "segments scaled down to the joint range"
         lines.append(f"{'saturated':13}{summary['saturated_segments']} {scaled}")
+    if touched := summary.get("self_contacts"):
+        lines.append(
+            f"{'collided':13}parts of the robot came to touch each other {touched} "
+            "times, of which no prediction knows"
+        )
     return lines
 
 

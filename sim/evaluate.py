@@ -183,6 +183,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "air_travel": _travel(swings, setup.robot.groups, loaded=False),
         "bounces": walk.recording.bounces,
         "wall_contacts": walk.recording.wall_contacts,
+        "self_contacts": walk.recording.self_contacts,
         "saturated_segments": walk.saturated_segments,
         "walk_starts": walk.starts * setup.limits.timestep,
         "predicted": predicted | absent,

@@ -26,6 +26,7 @@ from sim.measure import (
 from sim.obstacles.walls import Touches
 from sim.physics import Engine, State
 from sim.support import LeastMargin, carrying
+from sim.world.sensors import SELF_CONTACT
 
 Array = np.ndarray
 NEVER = np.iinfo(np.int64).max
@@ -68,6 +69,7 @@ class Recording:
     bounces: int
     least_margin: float  # over every step from the walk's start on [m]
     wall_contacts: int  # times that the robot came to touch an obstacle
+    self_contacts: int  # times that it came to touch itself
 
     @property
     def during(self) -> Array:
@@ -89,6 +91,7 @@ class Recorder:
         self._timestep = float(engine.model.opt.timestep)
         self._shortest = round(BOUNCE / self._timestep)
         self._touches = Touches(engine.model)
+        self._own_touches = Touches(engine.model, SELF_CONTACT)
         self._margin = LeastMargin()
         self._looks = NONE
         self._state = engine.state
@@ -139,11 +142,13 @@ class Recorder:
             bounces=self._bounces,
             least_margin=self._margin.value,
             wall_contacts=self._touches.count,
+            self_contacts=self._own_touches.count,
         )
 
     def _sense(self, first: int, qpos: Array, qvel: Array, sensordata: Array) -> None:
         """Take in consecutive states, and what the engine sensed of them."""
         self._touches.read(sensordata)
+        self._own_touches.read(sensordata)
         readings = self._sensors.read(sensordata)
         touching = readings.force > 0
         point = last_touched(readings.point, touching, self._touched)

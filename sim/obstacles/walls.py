@@ -63,11 +63,12 @@ def _add_geom(spec: mujoco.MjSpec, name: str, piece: Piece, height: float) -> No
 
 
 class Touches:
-    """Counts how often the robot comes to touch an obstacle."""
+    """Counts how often contacts begin: with obstacles, or those of other sensors."""
 
-    def __init__(self, model: mujoco.MjModel) -> None:
+    def __init__(self, model: mujoco.MjModel, prefix: str = PREFIX) -> None:
+        """Watch all sensors whose names begin so."""
         sensors = (model.sensor(i) for i in range(model.nsensor))
-        self._at = [s.adr[0] for s in sensors if s.name.startswith(PREFIX)]
+        self._at = [s.adr[0] for s in sensors if s.name.startswith(prefix)]
         self._touching = np.zeros((1, len(self._at)), dtype=bool)
         self.count = 0
 

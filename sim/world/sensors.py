@@ -1,4 +1,4 @@
-"""What measurement reads: contacts of every foot geom, and the centre of mass."""
+"""What measurement reads: contacts of feet and of legs, and the centre of mass."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from models.robot import Robot
 
 CONTACT_FIELDS = 10  # found 1, force 3, position 3, relative velocity 3
+SELF_CONTACT = "self_contact"  # sensor of any contact of the robot with itself
 _DATA = mujoco.mjtConDataField
 _FIELDS = (
     _DATA.mjCONDATA_FOUND,
@@ -49,6 +50,17 @@ def ensure_sensors(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
         type=mujoco.mjtSensor.mjSENS_SUBTREECOM,
         objtype=mujoco.mjtObj.mjOBJ_BODY,
         objname=robot.root,
+    )
+
+    _ensure(
+        spec,
+        name=SELF_CONTACT,
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_XBODY,
+        objname=robot.root,
+        reftype=mujoco.mjtObj.mjOBJ_XBODY,
+        refname=robot.root,
+        intprm=[1 << int(_DATA.mjCONDATA_FOUND), 0, 1],
     )
 
 

@@ -11,6 +11,7 @@ from sim.run import run
 from sim.scenario import Scenario
 from sim.world.model import build
 from sim.world.model import load as load_world
+from sim.world.sensors import SELF_CONTACT
 from tests import foreign
 
 pytestmark = pytest.mark.physics
@@ -29,7 +30,7 @@ def walked(request, tmp_path_factory):
 def test_it_steps_as_commanded(walked):
     _, summary = walked
     assert summary["contact_switches_achieved"] == summary["contact_switches"]
-    assert summary["bounces"] == 0
+    assert summary["bounces"] == summary["self_contacts"] == 0
 
 
 def test_it_is_where_the_quasi_static_model_says(walked):
@@ -51,6 +52,18 @@ def test_its_folder_replays_in_bare_mujoco(walked):
         data.ctrl[:] = row
         mujoco.mj_step(model, data)
     assert (data.qpos == np.load(folder / "trajectory.npz")["qpos"][-1]).all()
+
+
+def test_legs_that_touch_each_other_are_noticed(tmp_path, scenario):
+    model = load_world(build(load(str(foreign.star(tmp_path))), scenario()))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    mujoco.mj_forward(model, data)
+    assert data.sensor(SELF_CONTACT).data[0] == 0
+    for joint, end in (("turn0", 0.85), ("turn1", -0.85)):  # neighbours, at their ends
+        data.joint(joint).qpos = end
+    mujoco.mj_forward(model, data)
+    assert data.sensor(SELF_CONTACT).data[0] > 0
 
 
 def test_a_servo_behind_a_gear_is_the_same_on_the_joint(tmp_path, scenario):
