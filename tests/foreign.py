@@ -193,7 +193,8 @@ def star(folder):
     <joint armature="0.0015" range="-{degrees(0.85):.6f} {degrees(0.85):.6f}"/>
     <position kp="300" dampratio="1" inheritrange="1"/>
     <default class="paw">
-      <geom type="ellipsoid" size="0.012 0.012 0.009" condim="6" contype="1"/>
+      <geom type="ellipsoid" size="0.012 0.012 0.009" condim="6"
+            contype="1" conaffinity="1"/>
     </default>
   </default>
   <asset><material name="metal" rgba="0.6 0.6 0.7 1"/></asset>
