@@ -6,13 +6,13 @@ at the slightest shake, so a card may ask for a least share.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from models.kinematics import Kinematics, Stance
+from models.kinematics import Kinematics
 from models.loads import static_loads
 from models.robot import Robot
 
@@ -25,64 +25,71 @@ class Poised:
 
     robot: Robot
 
-    def stands(self, stratum: str, places: Mapping[str, Array]) -> Array:
+    def stands(self, strata: Sequence[str], places: Mapping[str, Array]) -> Array:
         """Whether every foot on the ground bears the card's least load.
 
         Args:
-            stratum: Groups on the ground.
+            strata: Groups on the ground, S cases.
             places: Angles of each group by its coordinate `phi_G`, shape (P_G,) [rad].
 
         Returns:
-            For all combinations of places in the order of groups, shape (P_1, ...).
+            For all combinations of places in the order of groups, (S, P_1, ..., P_G).
         """
         angles = [places[f"phi_{group}"] for group in self.robot.groups]
-        return self.least_load(stratum, angles) >= self.robot.card.least_load
+        return self.least_loads(strata, angles) >= self.robot.card.least_load
 
-    def least_load(self, stratum: str, angles: list[Array]) -> Array:
+    def least_loads(self, strata: Sequence[str], angles: Sequence[Array]) -> Array:
         """Smallest share of the weight that a foot on the ground bears.
 
         Args:
-            stratum: Groups on the ground.
+            strata: Groups on the ground, S cases.
             angles: Of each group, shape (P_G,) [rad].
 
         Returns:
-            For all combinations, shape (P_1, ..., P_G); none where the robot would tip.
+            For all combinations, (S, P_1, ..., P_G); not above 0 where it would tip.
         """
         feet, center = self._combined(angles)
-        on = self.robot.planted(stratum)
-        feet, shape = feet[..., on, :], center.shape[:-1]
-        if on.sum() == 3:
-            return np.asarray(_shares(feet, center).min(axis=-1))
-        feet, center = feet.reshape(-1, on.sum(), 2), center.reshape(-1, 2)
-        return np.asarray(static_loads(feet, center).min(axis=1).reshape(shape))
+        standing = map(self.robot.planted, strata)
+        return np.stack([_least_load(feet[..., on, :], center) for on in standing])
 
-    def _combined(self, angles: list[Array]) -> tuple[Array, Array]:
+    def _combined(self, angles: Sequence[Array]) -> tuple[Array, Array]:
         """Feet (P_1, ..., P_G, F, 2) and centre of mass (P_1, ..., P_G, 2).
 
         A leg moves its own foot and its own share of the weight, whatever others do.
         """
-        groups = len(angles)
         shape = [len(angle) for angle in angles]
+        groups = np.arange(len(shape))
+        owner = np.repeat(groups, shape)
+        alone = np.concatenate(angles)[:, None] * (owner[:, None] == groups)
+        stance = self._kinematics.stance(alone)
+        moved = stance.center_of_mass - self._middle
         feet = np.empty((*shape, len(self.robot.legs), 2))
-        center = np.broadcast_to(self._rest.center_of_mass, (*shape, 2)).copy()
-        for g, angle in enumerate(angles):
-            alone = np.zeros((len(angle), groups))
-            alone[:, g] = angle
-            stance = self._kinematics.stance(alone)
-            along = [-1 if i == g else 1 for i in range(groups)]
-            moved = stance.center_of_mass - self._rest.center_of_mass
-            center += moved.reshape(*along, 2)
+        center = np.broadcast_to(self._middle, (*shape, 2)).copy()
+        for g in groups:
+            along = np.where(groups == g, -1, 1)
             own = self.robot.group_of_leg == g
-            feet[..., own, :] = stance.feet[:, own].reshape(*along, own.sum(), 2)
+            center += moved[owner == g].reshape(*along, 2)
+            feet[..., own, :] = stance.feet[owner == g][:, own].reshape(
+                *along, own.sum(), 2
+            )
         return feet, center
 
     @cached_property
-    def _rest(self) -> Stance:
-        return self._kinematics.stance(np.zeros(len(self.robot.groups)))
+    def _middle(self) -> Array:
+        """Centre of mass with all legs at angle 0, shape (2,)."""
+        return self._kinematics.stance(np.zeros(len(self.robot.groups))).center_of_mass
 
     @cached_property
     def _kinematics(self) -> Kinematics:
         return Kinematics(self.robot)
+
+
+def _least_load(feet: Array, center: Array) -> Array:
+    """Smallest share of the weight on any of the feet, shape (...)."""
+    if feet.shape[-2] == 3:
+        return np.asarray(_shares(feet, center).min(axis=-1))
+    rows = static_loads(feet.reshape(-1, *feet.shape[-2:]), center.reshape(-1, 2))
+    return np.asarray(rows.min(axis=-1).reshape(center.shape[:-1]))
 
 
 def _shares(feet: Array, center: Array) -> Array:

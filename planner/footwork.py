@@ -19,7 +19,7 @@ LIFT = 1.0  # what lifting a leg costs, in units of its way
 
 def footwork(
     places: Sequence[Array],
-    steady: Sequence[Array],
+    steady: Array,
     now: Sequence[int],
     goal: Sequence[int],
 ) -> list[tuple[int, float]] | None:
@@ -28,7 +28,7 @@ def footwork(
     Args:
         places: Where each of L legs may stand, shape (P_i,).
         steady: For each leg whether the others stand while it is off the ground, for
-            all combinations of places, shape (P_1, ..., P_L).
+            all combinations of places, shape (L, P_1, ..., P_L), bool.
         now: Where each leg is, as an index of its places.
         goal: Where each is to be, likewise.
 
@@ -58,23 +58,19 @@ def _ways(place: Array) -> Array:
     return np.asarray(way)
 
 
-def _nearer(cost: Array, ways: Sequence[Array], steady: Sequence[Array]) -> Array:
+def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:
     """Cost of reaching the goal, with one more move than before at most."""
     best = cost
     for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
-        landed = np.moveaxis(np.where(free, cost, np.inf), leg, 0)  # (P, ...)
-        onward = np.moveaxis(np.min(_across(way, landed), axis=1), 0, leg)
+        landed = np.where(free, cost, np.inf).swapaxes(leg, 0)  # (P, ...)
+        across = way.reshape(*way.shape, *[1] * (cost.ndim - 1)) + landed
+        onward = across.min(axis=1).swapaxes(leg, 0)
         best = np.minimum(best, np.where(free, onward, np.inf))
     return best
 
 
-def _across(way: Array, landed: Array) -> Array:
-    """Cost by way of each place, shape (P, P, ...)."""
-    return np.asarray(way.reshape(*way.shape, *[1] * (landed.ndim - 1)) + landed)
-
-
 def _next(
-    cost: Array, ways: Sequence[Array], steady: Sequence[Array], here: Sequence[int]
+    cost: Array, ways: Sequence[Array], steady: Array, here: Sequence[int]
 ) -> tuple[int, int]:
     """The leg and place to which a cheapest sequence goes on."""
     best = (np.inf, 0, 0)

@@ -25,9 +25,9 @@ NEGLIGIBLE = 1e-12  # swings shorter than this are rounding
 ROUNDING = 1e-9  # of a sweep that just fits
 MOST_PARTS = 32  # more than a robot takes that can set its legs at all
 
-Poise = Callable[[str, Mapping[str, Array]], Array]
-"""Whether a robot stands on a stratum, for all combinations of places of its shape
-coordinates: from the places by name, shape (P_i,), to bool, shape (P_1, P_2, ...)."""
+Poise = Callable[[Sequence[str], Mapping[str, Array]], Array]
+"""Whether a robot stands on each of S strata, for all combinations of places of its
+shape coordinates: from the places by name, (P_i,), to bool, (S, P_1, P_2, ...)."""
 
 
 def stepped(
@@ -141,7 +141,7 @@ class _Legs:
             return [(i, targets[i]) for i in legs if _apart(now[i], targets[i])]
         places = [self._places(i, now[i], targets[i]) for i in legs]
         named = dict(zip((self.shape.names[i] for i in legs), places, strict=True))
-        steady = [self.poise(self.airs[i][0].stratum, named) for i in legs]
+        steady = self.poise([self.airs[i][0].stratum for i in legs], named)
         goal = [int(_apart(now[i], targets[i])) for i in legs]
         moves = footwork(places, steady, [0] * len(legs), goal)
         return moves and [(legs[leg], place) for leg, place in moves]

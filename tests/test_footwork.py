@@ -34,7 +34,7 @@ def cheapest(steady, now, goal):
 
 
 def test_where_others_always_stand_each_leg_moves_once_or_not_at_all():
-    steady = [np.ones(SIZES, dtype=bool)] * 3
+    steady = np.ones((3, *SIZES), dtype=bool)
     moves = footwork(PLACES, steady, (0, 0, 0), (2, 0, 1))
     assert sorted(moves) == [(0, 0.5), (2, 0.0)]
     assert footwork(PLACES, steady, (0, 0, 0), (0, 0, 0)) == []
@@ -43,7 +43,7 @@ def test_where_others_always_stand_each_leg_moves_once_or_not_at_all():
 @pytest.mark.parametrize("seed", range(40))
 def test_no_leg_lifts_or_lands_where_others_tip_and_no_sequence_is_cheaper(seed):
     random = np.random.default_rng(seed)
-    steady = [random.random(SIZES) < 0.6 for _ in SIZES]
+    steady = random.random((3, *SIZES)) < 0.6
     now, goal = (tuple(random.integers(SIZES)) for _ in range(2))
     moves, least = footwork(PLACES, steady, now, goal), cheapest(steady, now, goal)
     if moves is None:
@@ -60,7 +60,7 @@ def test_no_leg_lifts_or_lands_where_others_tip_and_no_sequence_is_cheaper(seed)
 
 def test_another_leg_stands_elsewhere_for_a_while():
     """Leg 2 can only lift while leg 1 is at its last place, where it is not to stay."""
-    steady = [np.ones(SIZES, dtype=bool) for _ in SIZES]
+    steady = np.ones((3, *SIZES), dtype=bool)
     steady[1][:2] = False
     moves = footwork(PLACES, steady, (0, 0, 0), (0, 1, 0))
     assert moves == [(0, 0.5), (1, 0.4), (0, -0.5)]

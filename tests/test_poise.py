@@ -20,7 +20,7 @@ def test_loads_of_all_combinations_are_those_of_statics(stratum):
     swing = np.stack(np.meshgrid(*ANGLES, indexing="ij"), axis=-1).reshape(-1, 4)
     stance, on = Kinematics(robot).stance(swing), robot.planted(stratum)
     expected = static_loads(stance.feet[:, on], stance.center_of_mass).min(axis=1)
-    got = Poised(robot).least_load(stratum, ANGLES)
+    (got,) = Poised(robot).least_loads([stratum], ANGLES)
     assert got.shape == (3, 2, 4, 3)
     # statics gives none where a foot would have to pull
     assert np.maximum(got.ravel(), 0) == pytest.approx(expected, abs=1e-9)
@@ -29,7 +29,7 @@ def test_loads_of_all_combinations_are_those_of_statics(stratum):
 def test_groups_of_legs_stand_together():
     hexapod = Poised(load("hexapod"))
     # a tripod at rest bears 0.2, 0.6 and 0.2
-    assert hexapod.least_load("1", [np.zeros(1)] * 2) == pytest.approx(0.2, abs=0.01)
+    assert hexapod.least_loads(["1"], [np.zeros(1)] * 2) == pytest.approx(0.2, abs=0.01)
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def test_weight_on_the_line_between_two_feet_is_refused(quadruped, tmp_path):
         for n, leg in QUADRUPED.legs.items()
     }
     robot = _written(replace(QUADRUPED, legs=shifted), quadruped, tmp_path)
-    assert Poised(robot).least_load("234", [np.zeros(1)] * 4).max() < 1e-9
+    assert Poised(robot).least_loads(["234"], [np.zeros(1)] * 4).max() < 1e-9
     described = equations(robot)
     extended = extend(described.system, described.elements)
     with pytest.raises(StratumError, match="the others would tip; put the weight"):
