@@ -9,6 +9,7 @@ from models.compiled import read_spec
 from models.errors import ModelError, UnknownRobotError
 from models.parts import check_parts
 from models.posture import check_posture
+from models.replicas import check_replicas
 from models.robot import FOLDER, Robot
 
 EMBEDDED = "card"  # name of the custom text that may hold the card
@@ -58,6 +59,7 @@ def _find(name: str) -> Path:
 
 def _card(path: Path) -> tuple[str, str]:
     """Text of a robot's card, and where it stands."""
+    check_replicas(path)
     beside, spec = path.with_suffix(".toml"), read_spec(path)
     inside = [text.data for text in spec.texts if text.name == EMBEDDED]
     if inside and beside.is_file():

@@ -4,6 +4,7 @@ import pytest
 
 from models.errors import ModelError
 from models.library import load
+from models.replicas import most_copies
 from models.robot import FOLDER
 from sim.setup import prepare
 
@@ -17,6 +18,7 @@ HIP = '<joint class="lift" name="lift_1"/>'
 KNEE = f'{HIP}<joint name="knee_1" range="-0.2 0.2" limited="true" axis="0 1 0"/>'
 THIRD = (HIP, KNEE, f"{POSE} 0 0", f"{POSE} 0 0 0")  # a joint more, and its angle
 TORSO = '<body name="torso"'
+GHOSTLY = '<option><flag contact="disable"/></option>'
 TOE = '["foot_1"]'
 SECOND = ("?", 'lift = "lift_2"')
 PLANE = '<geom type="plane" size="1 1 1"'
@@ -186,6 +188,14 @@ GROUNDS = {
          "[group.2]", "[group.2]\ntwist = [0.04, 0, -0.5]"],
         "does not stand: it tilts by .* degrees in 0.5 s: .*; put its feet around its",
     ),
+    "there is no weight": (
+        ["<worldbody>\n    <body", '<option gravity="0 0 1"/><worldbody><body'],
+        "does not stand: the foot of leg 1 touches nothing",
+    ),
+    "there are no contacts": (
+        ["<worldbody>\n    <body", f"{GHOSTLY}<worldbody><body"],
+        "does not stand: the foot of leg 1 touches nothing",
+    ),
     "servos are too weak": (
         ['kp="1000" kv="2.81424945589"', 'kp="1" kv="0.1"', "le = 0.3", "le = 0.05"],
         "does not stand: its legs give way by .* mm, and a lifted foot rises by 5.. mm",
@@ -200,6 +210,15 @@ def test_an_unusable_robot_is_refused_by_its_reason(robot, edits, message):
         robot(*edits)
     assert "mine.xml" in str(refusal.value)
     assert "\n" not in str(refusal.value)
+
+
+def test_a_file_that_copies_itself_without_end_is_refused_at_once(tmp_path):
+    path = tmp_path / "many.xml"
+    inner = '<replicate count="300"><body><geom size="1"/></body></replicate>'
+    outer = f'<replicate offset="1 0 0" count="300">{inner}</replicate>'
+    path.write_text(f"<mujoco><worldbody>{outer}</worldbody></mujoco>")
+    with pytest.raises(ModelError, match="replicates an element 90000 times: .*many"):
+        load(str(path))
 
 
 @pytest.mark.parametrize(
@@ -241,3 +260,10 @@ def test_a_robot_without_a_card_is_told_where_one_may_be(tmp_path):
     path.write_text(BODY.replace('model="hexapod"', 'model="mine"'))
     with pytest.raises(ModelError, match="bare.toml is missing; .*custom text 'card'"):
         load(str(path))
+
+
+def test_copies_beside_each_other_do_not_multiply():
+    beside = '<replicate count="6"><body/></replicate>' * 9
+    assert (
+        most_copies(f"<replicate offset='1 0 0' count = '5'>{beside}</replicate>") == 30
+    )

@@ -51,9 +51,9 @@ def check_standing(
     sag = float(height - data.qpos[_height(robot, model)])
     rise = float(Lifting(kinematics).rise(np.array(lift_angle)).min())
     _refuse(robot, _tipped(robot, data))
-    _refuse(robot, _sagged(sag, rise))
     _refuse(robot, _lying(robot, model, data))
     _refuse(robot, _aloft(robot, model, data))
+    _refuse(robot, _sagged(sag, rise))
 
 
 def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:
