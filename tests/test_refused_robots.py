@@ -176,11 +176,11 @@ GROUNDS = {
     ),
     "feet stand on something else": (
         [TORSO, f'<geom type="box" name="slab" size="1 1 0.1" pos="0 0 -0.1"/>{TORSO}'],
-        "foot 'foot_1' stands on 'slab', which is not the floor, 'floor'",
+        "foot 'foot_1' stands on geom 'slab', which is not the floor, geom 'floor'",
     ),
     "the body lies on the floor": (
         [PLATE, f'<geom name="belly" size="0.035" pos="0 0 -0.028"/>{PLATE}'],
-        "does not stand: geom 'belly' lies on 'floor': .*; lift the body off it",
+        "does not stand: geom 'belly' lies on geom 'floor': .*; lift the body off it",
     ),
     "the weight is beside the feet": (
         [PLATE, f'<geom size="0.01" pos="0 0.3 0.1" mass="9"/>{PLATE}',

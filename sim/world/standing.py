@@ -92,13 +92,13 @@ def _lying(
     for own, other in _touched(robot, model, data):
         if own not in feet:
             yield (
-                f"geom {_name(model, own)} lies on {_name(model, other)}",
+                f"{_name(model, own)} lies on {_name(model, other)}",
                 "lift the body off it, or make that geom a foot",
             )
         elif other != floor:
             yield (
-                f"foot {_name(model, own)} stands on {_name(model, other)}, which is "
-                f"not the floor, {_name(model, floor)}",
+                f"foot {model.geom(own).name!r} stands on {_name(model, other)}, which "
+                f"is not the floor, {_name(model, floor)}",
                 "leave one of the two out, or make the former a horizontal plane",
             )
 
@@ -143,4 +143,5 @@ def _touched(
 
 
 def _name(model: mujoco.MjModel, geom: int) -> str:
-    return repr(model.geom(geom).name) if model.geom(geom).name else "without a name"
+    name = model.geom(geom).name
+    return f"geom {name!r}" if name else "a geom without a name"
