@@ -52,6 +52,18 @@ class Poised:
         standing = map(self.robot.planted, strata)
         return np.stack([_least_load(feet[..., on, :], center) for on in standing])
 
+    def at_rest_and_best(self) -> dict[str, tuple[float, float]]:
+        """Least share with all legs at angle 0, and with legs anywhere in range.
+
+        By stratum of the gait with feet in the air; not above 0 where it would tip.
+        """
+        card, spans = self.robot.card, self.robot.swing_range.values()
+        strata = [name for name in dict.fromkeys(card.gait) if name != card.bottom]
+        rest = self.least_loads(strata, [np.zeros(1)] * len(spans))
+        anywhere = self.least_loads(strata, [np.array([a, 0.0, b]) for a, b in spans])
+        found = zip(strata, rest, anywhere, strict=True)
+        return {name: (float(r.max()), float(a.max())) for name, r, a in found}
+
     def _combined(self, angles: Sequence[Array]) -> tuple[Array, Array]:
         """Feet (P_1, ..., P_G, F, 2) and centre of mass (P_1, ..., P_G, 2).
 

@@ -32,6 +32,15 @@ def test_groups_of_legs_stand_together():
     assert hexapod.least_loads(["1"], [np.zeros(1)] * 2) == pytest.approx(0.2, abs=0.01)
 
 
+def test_quadruped_can_lift_front_legs_at_rest_and_hind_ones_elsewhere():
+    robot = load("quadruped")
+    found, asked = Poised(robot).at_rest_and_best(), robot.card.least_load
+    assert set(found) == {"234", "134", "124", "123"}
+    assert all(found[front][0] > asked for front in ("234", "134"))
+    assert all(found[hind][0] < 0 for hind in ("124", "123"))
+    assert all(best > asked for _, best in found.values())
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from sim.errors import UsageError
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from planner.fields import Array
     from planner.strata import StratifiedSystem
 
+Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
 
 
@@ -50,7 +51,7 @@ def execute(options: argparse.Namespace) -> None:
     from planner.controllability import MAX_DEPTH, gait_controllability
     from sim.systems import coordinates, refused
 
-    system, gait, start = _subject(options.system, options.set)
+    system, gait, start, poise = _subject(options.system, options.set)
     with refused(options.system):
         at = coordinates(options.at or (), "--at")
         report = gait_controllability(
@@ -60,27 +61,31 @@ def execute(options: argparse.Namespace) -> None:
             MAX_DEPTH if options.depth is None else options.depth,
         )
     if options.json:
-        print(json.dumps({"system": options.system, **asdict(report)}))
+        print(json.dumps({"system": options.system, **asdict(report), "poise": poise}))
         return
     print(describe(options.system, report))
+    if poise:
+        print(describe_poise(poise))
 
 
 def _subject(
     source: str, settings: Sequence[str]
-) -> tuple[StratifiedSystem, Sequence[str], Array | None]:
-    """The system behind a word, its gait, and where to look at it."""
+) -> tuple[StratifiedSystem, Sequence[str], Array | None, Loads]:
+    """The system behind a word, its gait, where to look at it, and a robot's loads."""
     from sim.systems import find, is_system
 
     if not source.endswith(".xml") and is_system(source, _robots(), "robot"):
         problem = find(source, settings)
-        return problem.system, problem.gait, problem.states[0]
+        return problem.system, problem.gait, problem.states[0], {}
     if settings:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
     from models.equations import equations
     from models.library import load
+    from models.poise import Poised
 
     robot = load(source)
-    return equations(robot).system, robot.card.gait, None
+    poise = Poised(robot).at_rest_and_best()
+    return equations(robot).system, robot.card.gait, None, poise
 
 
 def _robots() -> Sequence[str]:
@@ -111,3 +116,12 @@ def describe(name: str, report: Controllability) -> str:
         lines.append(f"{'missing':12}{', '.join(report.missing)}")
         lines.append(f"{'to do':12}{'; or '.join(report.advice)}")
     return "\n".join(lines)
+
+
+def describe_poise(poise: Loads) -> str:
+    """How surely a robot stands on each stratum."""
+    shares = (
+        f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
+        for stratum, (rest, best) in poise.items()
+    )
+    return f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)"
