@@ -12,7 +12,7 @@ from sim.scenario import Scenario, settings
 from sim.setup import Setup
 
 MOST_STEPS = 1_000_000_000  # eight hours at 35,000 a second
-COPIES = 3  # of a row's numbers while they are judged and written; measured
+COPIES = 2  # of a row, while rows are judged and written; 1.8 measured
 
 
 def check_effort(setup: Setup, steps: int) -> None:

@@ -5,7 +5,7 @@ Definitions are in the README. Writes nothing; `sim.run` does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,8 +109,8 @@ def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
     return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
 
 
-def trajectory(evaluation: Evaluation) -> dict[str, Array]:
-    """The arrays of trajectory.npz."""
+def trajectory(evaluation: Evaluation) -> Iterator[tuple[str, Array]]:
+    """The arrays of trajectory.npz, one after another."""
     walk, achieved = evaluation.walk, evaluation.achieved
     recording, predicted = walk.recording, evaluation.predicted
     moments, ideal = recording.moments, predicted["ideal"]
@@ -138,8 +138,9 @@ def trajectory(evaluation: Evaluation) -> dict[str, Array]:
             arrays[f"{name}_margin"] = prediction.margin
     for name, clearance in evaluation.clearance.items():
         arrays[f"{'predicted' if name == 'ideal' else name}_clearance"] = clearance
-    rows = {name: array[recording.marks.sampled] for name, array in arrays.items()}
-    return rows | {"world_start_pose": walk.origin}
+    for name, array in arrays.items():
+        yield name, array[recording.marks.sampled]
+    yield "world_start_pose", walk.origin
 
 
 def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:

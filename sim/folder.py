@@ -70,7 +70,9 @@ class RunFolder:
         if shutil.disk_usage(self.path).free < size:
             raise _failure(_full(self.path), self.path, size)
 
-    def write_arrays(self, name: str, **arrays: np.ndarray | Pieces) -> None:
+    def write_arrays(
+        self, name: str, arrays: Iterable[tuple[str, np.ndarray | Pieces]]
+    ) -> None:
         """Write named arrays as compressed .npz; equal arrays give equal bytes.
 
         Raises:
@@ -80,7 +82,7 @@ class RunFolder:
             whole(self.path / name) as part,
             zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive,
         ):
-            for key, array in arrays.items():
+            for key, array in arrays:
                 member = zipfile.ZipInfo(f"{key}.npy")  # of no date, for equal bytes
                 member.compress_type = zipfile.ZIP_DEFLATED
                 with archive.open(member, "w", force_zip64=True) as file:

@@ -77,7 +77,7 @@ def run(
         evaluation = evaluate(walked)
         seconds = evaluation.walk.duration
         summary = summarise(evaluation, creep_floor(setup, seconds))
-        folder.write_arrays("trajectory.npz", **trajectory(evaluation))
+        folder.write_arrays("trajectory.npz", trajectory(evaluation))
         folder.write_text("flows.csv", table(walked))
     timing["render"] = 0.0
     summary["timing"] = timing
@@ -105,11 +105,9 @@ def _write_commands(folder: RunFolder, walker: Walker) -> None:
     if not steps:
         return
     rows = np.split(np.arange(steps), range(STRETCH, steps, STRETCH))
-    folder.write_arrays(
-        "commands.npz",
-        time=Pieces((steps,), (row * timestep for row in rows)),
-        ctrl=Pieces((steps, walker.setup.model.nu), walker.commands()),
-    )
+    clock = Pieces((steps,), (row * timestep for row in rows))
+    ctrl = Pieces((steps, walker.setup.model.nu), walker.commands())
+    folder.write_arrays("commands.npz", [("time", clock), ("ctrl", ctrl)])
 
 
 @contextmanager

@@ -100,7 +100,7 @@ def test_json_has_no_nan(tmp_path):
 def test_arrays_read_back_and_equal_arrays_give_equal_bytes(tmp_path):
     arrays = {"time": np.arange(5.0), "contact": np.eye(3, dtype=bool)}
     for name in ("a.npz", "b.npz"):
-        RunFolder(tmp_path).write_arrays(name, **arrays)
+        RunFolder(tmp_path).write_arrays(name, arrays.items())
     with np.load(tmp_path / "a.npz", allow_pickle=False) as read:
         assert {key: read[key].tolist() for key in read} == {
             key: array.tolist() for key, array in arrays.items()

@@ -35,7 +35,7 @@ def run(name, **changes):
     walked = walk(setup, planned)
     evaluation = evaluate(walked)
     summary = summarise(evaluation, creep_floor(setup, walked.duration))
-    return Result(walked, evaluation, summary, trajectory(evaluation))
+    return Result(walked, evaluation, summary, dict(trajectory(evaluation)))
 
 
 SHORT = {"path": {"kind": "line", "goal": [0.015, 0.015, 0.0]}, "segments": 4}

@@ -24,7 +24,7 @@ def run(name, **changes):
     setup = within_bounds(routed(prepare(load(name, changes))))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     evaluation = evaluate(walk(setup, planned))
-    return summarise(evaluation, 0.0), trajectory(evaluation)
+    return summarise(evaluation, 0.0), dict(trajectory(evaluation))
 
 
 @pytest.fixture(scope="module")
