@@ -110,19 +110,30 @@ class MarginBound:
 
     def leeway(self, setup: Setup, stages: Sequence[Stage]) -> Leeway:
         """Margins of the predicted motion against the most that could be."""
-        stratum, most = _standing_margin(setup)
-        if most <= self.least:
-            raise BoundError(
-                f"min_margin of {self.least:.4g} m cannot be kept: standing on "
-                f"S{stratum} with all legs at angle 0 the margin is {most:.4g} m, the "
-                "most that shorter segments come to; ask for less"
-            )
         margins = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
             segment = stage.segment(stage.rows)
             np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
+        if margins.min() >= self.least:
+            room = np.ones(setup.scenario.segments)
+            return Leeway("min_margin", self.least, room, margins - self.least)
+        stratum, most = _standing_margin(setup)
+        if most <= self.least:
+            raise self._refusal(stratum, most, float(margins.min()))
         standing = np.full(setup.scenario.segments, most - self.least)
         return Leeway("min_margin", self.least, standing, margins - self.least)
+
+    def _refusal(self, stratum: str, standing: float, walking: float) -> BoundError:
+        cannot = f"min_margin of {self.least:.4g} m cannot be kept: "
+        if walking > standing:
+            return BoundError(
+                f"{cannot}the walk poses its legs for every lift, keeps {walking:.4g} "
+                "m, and shorter segments need the same lifts; ask for less"
+            )
+        return BoundError(
+            f"{cannot}standing on S{stratum} with all legs at angle 0 the margin is "
+            f"{standing:.4g} m, the most that shorter segments come to; ask for less"
+        )
 
 
 def _standing_margin(setup: Setup) -> tuple[str, float]:

@@ -44,7 +44,7 @@ def engine_clearances(setup):
     walls = [
         i for i in range(model.ngeom) if model.geom(i).name.startswith("obstacle_")
     ]
-    parts = [part.geom for part in around.outline.parts]
+    parts = [part.geom for part in around.outline.solids.parts]
     for stage in foresee(setup):
         schedule = stage.schedule
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
@@ -200,3 +200,12 @@ def test_the_corridor_is_clear_along_the_prediction():
     assert min(engine_clearances(coarse)) < 0
     least = coarse.scenario.min_clearance
     assert min(engine_clearances(within_bounds(coarse))) > least - 1e-6
+
+
+def test_a_robot_that_poses_for_its_lifts_is_judged_by_its_walk():
+    """The quadruped could not lift a leg with all at angle 0; posed, 6.8 mm are left."""
+    small = {"robot": "quadruped", "path.goal": [0.004, 0.004, 0.0], "segments": 4}
+    kept = min(margins(bounded(**small, min_margin=0.0)))
+    assert kept > 0
+    with pytest.raises(BoundError, match=r"poses its legs for every lift, keeps 0\.00"):
+        bounded(**small, min_margin=2 * kept)

@@ -48,7 +48,7 @@ def engine_distance(around, qpos):
     ]
     return min(
         mujoco.mj_geomDistance(model, data, part.geom, solid, 1.0, None)
-        for part in around.outline.parts
+        for part in around.outline.solids.parts
         for solid in solids
     )
 

@@ -8,7 +8,8 @@ import shapely
 from models.kinematics import Kinematics
 from models.library import load
 from models.robot import Robot
-from sim.obstacles.outline import Outline, hulls
+from sim.obstacles.outline import Outline
+from sim.obstacles.solids import hulls
 from sim.poses import rotate
 
 ROUNDING = 1e-12
@@ -45,8 +46,8 @@ def test_feet_are_where_the_kinematics_has_them(hexapod, outline):
     swing = rng.uniform(-0.45, 0.45, (20, 2))
     feet = Kinematics(hexapod).stance(swing).feet  # in the body frame
     expected = pose[:, None, :2] + rotate(feet, pose[:, 2:])
-    cores = outline.cores(outline.configurations(pose, swing, np.zeros((20, 2))))
-    named = {p.name: core for p, core in zip(outline.parts, cores, strict=True)}
+    cores = outline.solids.cores(outline.configurations(pose, swing, np.zeros((20, 2))))
+    named = {p.name: core for p, core in zip(outline.solids.parts, cores, strict=True)}
     found = np.concatenate([named[f"foot_{leg}"] for leg in hexapod.legs], axis=1)
     assert found == pytest.approx(expected, abs=ROUNDING)
 
@@ -54,15 +55,15 @@ def test_feet_are_where_the_kinematics_has_them(hexapod, outline):
 def test_a_lifted_leg_reaches_higher_and_so_less_or_more_far(outline):
     """The foot turns about the lift axis, from 52 mm below it, in its leg's plane."""
     zero, raised = np.zeros((1, 3)), np.full((1, 2), 0.3)
-    cores = outline.cores(outline.configurations(zero, zero[:, :2], raised))
-    named = {p.name: core for p, core in zip(outline.parts, cores, strict=True)}
+    cores = outline.solids.cores(outline.configurations(zero, zero[:, :2], raised))
+    named = {p.name: core for p, core in zip(outline.solids.parts, cores, strict=True)}
     hip, foot = named["hip_3"][0, 0], named["foot_3"][0, 0]
     expected = 0.105 * np.cos(0.3) + 0.052 * np.sin(0.3)
     assert np.linalg.norm(foot - hip) == pytest.approx(expected, abs=1e-9)
 
 
 def test_what_cannot_collide_has_no_outline(outline):
-    names = {part.name for part in outline.parts}
+    names = {part.name for part in outline.solids.parts}
     assert "nose" not in names
     assert "floor" not in names
     assert len(names) == 1 + 4 * 6  # the plate; hip, femur, tibia and foot of each leg
@@ -70,7 +71,7 @@ def test_what_cannot_collide_has_no_outline(outline):
 
 def test_the_outline_at_rest_reaches_to_the_outer_feet(outline):
     rest = outline.configurations(*(np.zeros((1, n)) for n in (3, 2, 2)))[0]
-    x, y, *_ = outline.swept(rest[None]).bounds
+    x, y, *_ = outline.solids.swept(rest[None]).bounds
     # feet at 0.15 and 0.18 m, 8 mm thick
     assert (x, y) == pytest.approx((-0.158, -0.188), abs=1e-6)
     assert outline.radius(rest) == pytest.approx(np.hypot(0.15, 0.18) + 0.008)
@@ -86,14 +87,14 @@ def test_every_solid_lies_within_its_part_s_core_and_radius(monkeypatch):
     """Points on the surface of any geom, projected, are covered by its part."""
     outline = odd_robot(monkeypatch)
     model = outline.model
-    assert {part.name for part in outline.parts} == {"wedge", "drum", "egg"}
+    assert {part.name for part in outline.solids.parts} == {"wedge", "drum", "egg"}
     data = mujoco.MjData(model)
     data.qpos[3:7] = (0.9, 0.1, -0.3, 0.2)
     mujoco.mj_normalizeQuat(model, data.qpos)
     mujoco.mj_forward(model, data)
-    cores = outline.cores(np.array([data.qpos]))
+    cores = outline.solids.cores(np.array([data.qpos]))
     rng = np.random.default_rng(2)
-    for core, part in zip(cores, outline.parts, strict=True):
+    for core, part in zip(cores, outline.solids.parts, strict=True):
         covered = shapely.buffer(hulls(core)[0], part.radius + 1e-9, quad_segs=64)
         hit = _surface(model, data, part.geom, rng)
         assert len(hit) > 20

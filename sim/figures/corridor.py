@@ -117,14 +117,14 @@ def draw_place(
     near = shapely.buffer(around.area, outline.radius(rest))
     closest = int(clearance.argmin())
     rows = np.linspace(0, len(qpos) - 1, SWEEPS).astype(int)
-    swept = outline.swept(qpos[np.append(rows, closest)])
+    swept = outline.solids.swept(qpos[np.append(rows, closest)])
     for area, colour in ((near, NEAR_WALL), (swept, SWEPT), (around.area, WALL)):
         _fill(axes, area, scale, facecolor=colour, edgecolor="none", zorder=0)
     for row, colour, width in (
         (0, WALL, 0.5), (-1, WALL, 0.5), (closest, PHYSICS, 1.2),
     ):  # fmt: skip
         _fill(
-            axes, outline.swept(qpos[[row]]), scale, facecolor="none", zorder=3,
+            axes, outline.solids.swept(qpos[[row]]), scale, facecolor="none", zorder=3,
             edgecolor=colour, linewidth=width,
         )  # fmt: skip
     x, y, right, top = scale * np.array(around.area.bounds)

@@ -66,7 +66,7 @@ def _legend(walk: Walk) -> Panel:
     """Top left: what is walked, and what the colours mean."""
     scenario, entries = walk.scenario, _entries(walk)
     robot = Path(scenario.robot).stem  # of a user's own, the file
-    about = f"{robot}, {scenario.fields} fields, {scenario.segments} segments"
+    about = f"{robot}, {scenario.fields} fields, {walk.segments} segments"
     labels = [_length(label) + SWATCH for label, _, _ in entries]
     still, draw = _empty(
         max(_length(about), _length(scenario.name, LARGE), *labels) + 2 * PAD,
@@ -94,11 +94,13 @@ def _clock(walk: Walk, playback: float) -> Panel:
 
 
 def _bar(walk: Walk) -> Panel:
-    """At the bottom: stratum, feet in contact, margin, distance to the prediction."""
+    """At the bottom: stratum, feet in contact, and what is measured at the moment."""
     width, height = WIDTH - 2 * EDGE, 92
     still, draw = _empty(width, height)
     off = np.hypot(*(walk.achieved - walk.ideal)[:, :2].T)
     numbers = {"stability margin": walk.margin, "off the ideal prediction": off}
+    if walk.clearance is not None:
+        numbers["clear of obstacles"] = walk.clearance
     ends = [width - PAD - i * COLUMN for i in range(len(numbers))]
     for end, label in zip(ends, numbers, strict=True):
         _text(draw, (end, 54), label, anchor="ra", colour=style.FAINT)
@@ -132,7 +134,13 @@ Sample = Callable[[Draw, int, Colour], None]
 def _entries(walk: Walk) -> list[tuple[str, Colour, Sample]]:
     """Label, colour and sample of every line of the legend."""
     groups = noun(walk.legs_per_group)
+    around: list[tuple[str, Colour, Sample]] = [
+        ("obstacles", style.OBSTACLE, _block),
+        ("floor swept over", style.SWEPT, _block),
+    ]
     return [
+        *(around if walk.scenario.obstacles else []),
+        ("outline of the robot", style.OUTLINE, _line),
         ("nominal path", style.NOMINAL, _dashes),
         *((name, style.PREDICTED[i], _line) for i, name in enumerate(walk.predicted)),
         ("achieved path", style.ACHIEVED, _line),
@@ -156,6 +164,10 @@ def _dashes(draw: Draw, y: int, colour: Colour) -> None:
 
 def _disc(draw: Draw, y: int, colour: Colour) -> None:
     draw.ellipse((PAD + 5, y - 7, PAD + 19, y + 7), fill=colour)
+
+
+def _block(draw: Draw, y: int, colour: Colour) -> None:
+    draw.rectangle((PAD, y - 7, PAD + 24, y + 7), colour)
 
 
 def _area(draw: Draw, y: int, colour: Colour) -> None:

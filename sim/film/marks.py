@@ -1,4 +1,4 @@
-"""What a walk leaves on the floor: footprints, paths, support polygon, weight, goal.
+"""What a walk leaves on the floor: outline, footprints, paths, support, weight, goal.
 
 Turns a walk into coloured ink, frame by frame; where the camera stands and how the ink
 gets into a picture is for `sim.film.stage`.
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from sim.film import style
+from sim.film import style, sweep
 from sim.film.clock import Clock
 from sim.film.ink import Ink, dashes, discs, join, polygons, ribbon
 from sim.film.story import Walk
@@ -47,6 +47,7 @@ def marks(walk: Walk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         frames: Frames to be drawn; what moves with the robot is drawn for these only.
     """
     drawn = (
+        *_covered(walk, clock, frames),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         *_goal(walk),
@@ -56,6 +57,15 @@ def marks(walk: Walk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         *_weight(walk, clock, frames),
     )
     return tuple(mark for mark in drawn if len(mark.ink))
+
+
+def _covered(walk: Walk, clock: Clock, frames: range) -> Iterator[Mark]:
+    """The robot's outline; beside obstacles also the floor that it swept over."""
+    robot = sweep.solids(walk)
+    if walk.scenario.obstacles:
+        yield Mark("floor swept over", sweep.swept(robot, walk, clock), style.SWEPT)
+    edge = sweep.edge(robot, walk, clock, frames, THIN * walk.reach)
+    yield Mark("outline of the robot", edge, style.OUTLINE)
 
 
 def _nominal(walk: Walk) -> Ink:

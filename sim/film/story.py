@@ -34,6 +34,7 @@ class FlowRow(NamedTuple):
     kind: str  # hold, lift, swing or land
     stratum: str  # groups in contact
     group: str  # that move; empty in a hold
+    segment: int = 0
 
 
 @dataclass(frozen=True)
@@ -53,12 +54,18 @@ class Walk:
     contact_point: Array  # where each foot stands, or last stood, (T, F, 2) [m]
     center_of_mass: Array  # projected on the floor, (T, 2) [m]
     margin: Array  # (T,) [m]
+    clearance: Array | None  # from obstacles, where there are any, (T,) [m]
     nominal: Array  # (N, 3)
 
     @property
     def ideal(self) -> Array:
         """Poses predicted by the paper's fields, (T, 3)."""
         return self.predicted[IDEAL]
+
+    @property
+    def segments(self) -> int:
+        """How many were walked; bounds may have cut those of the scenario."""
+        return 1 + max(flow.segment for flow in self.flows)
 
     @cached_property
     def groups(self) -> tuple[str, ...]:
@@ -129,6 +136,7 @@ def _read(folder: Path) -> Walk:
             contact_point=_points_in_world(start, arrays["contact_point"]),
             center_of_mass=_points_in_world(start, arrays["center_of_mass"][:, :2]),
             margin=arrays["achieved_margin"],
+            clearance=arrays.get("achieved_clearance"),
             nominal=_in_world(start, _nominal(scenario)),
         )
 
@@ -136,7 +144,7 @@ def _read(folder: Path) -> Walk:
 def _read_flows(path: Path) -> tuple[FlowRow, ...]:
     with path.open(newline="") as file:
         return tuple(
-            FlowRow(row["kind"], row["stratum"], row["group"])
+            FlowRow(row["kind"], row["stratum"], row["group"], int(row["segment"]))
             for row in csv.DictReader(file)
         )
 

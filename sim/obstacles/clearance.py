@@ -14,8 +14,9 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from sim.obstacles.outline import Outline, hulls
+from sim.obstacles.outline import Outline
 from sim.obstacles.shapes import Obstacle
+from sim.obstacles.solids import hulls
 from sim.setup import Setup
 
 Array = np.ndarray
@@ -65,8 +66,8 @@ class Surroundings:
         Args:
             qpos: Joint positions at samples, in the frame of the obstacles, (T, nq).
         """
-        cores = self.outline.cores(qpos)
-        radii = [part.radius for part in self.outline.parts]
+        cores = self.outline.solids.cores(qpos)
+        radii = [part.radius for part in self.outline.solids.parts]
         clearance = [
             _distance(hulls(core), self.area) - radius
             for core, radius in zip(cores, radii, strict=True)
@@ -83,16 +84,16 @@ class Surroundings:
         Args:
             qpos: Joint positions, shape (nq,).
         """
-        cores = self.outline.cores(qpos[None])
+        cores = self.outline.solids.cores(qpos[None])
         each = [
             [
                 float(_distance(hulls(core), obstacle.area)[0]) - part.radius
                 for obstacle in self.obstacles
             ]
-            for core, part in zip(cores, self.outline.parts, strict=True)
+            for core, part in zip(cores, self.outline.solids.parts, strict=True)
         ]
         part, obstacle = np.unravel_index(np.argmin(each), np.shape(each))
-        return self.outline.parts[part].name, int(obstacle) + 1
+        return self.outline.solids.parts[part].name, int(obstacle) + 1
 
 
 def surroundings(setup: Setup) -> Surroundings:

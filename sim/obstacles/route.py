@@ -92,7 +92,7 @@ class _Search:
         rest = around.standing(np.zeros((1, 3)))
         self.radius = around.outline.radius(rest[0])
         self._area = around.area
-        self._body = around.outline.swept(rest).buffer(least + room)
+        self._body = around.outline.solids.swept(rest).buffer(least + room)
         self._near = self._area.buffer(self.radius + least + room)
         shapely.prepare(self._area)
         shapely.prepare(self._near)
