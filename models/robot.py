@@ -18,6 +18,7 @@ import numpy as np
 from models.card import Card
 from models.compiled import actuators_of, compile_model, read_spec, root_body
 
+START = ("start", "home")  # names of the keyframe to start from
 FOLDER = Path(str(files("models")))
 
 
@@ -89,7 +90,7 @@ class Robot:
 
     @cached_property
     def start_qpos(self) -> np.ndarray:
-        """Configuration of keyframe `start`, or the initial one, with joints held."""
+        """Configuration in the keyframe to start from, or the file's, joints held."""
         key, model = self._start, self.model
         qpos = np.array(model.qpos0 if key is None else model.key_qpos[key])
         for leg in self.card.legs.values():
@@ -99,15 +100,15 @@ class Robot:
 
     @property
     def start_ctrl(self) -> np.ndarray:
-        """Commands of keyframe `start`, or none, of the file's own actuators."""
+        """Commands in the keyframe to start from, or none, of the file's actuators."""
         key, model = self._start, self.model
         return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
 
     @property
     def _start(self) -> int | None:
-        """Index of keyframe `start`, if there is one."""
+        """Index of the keyframe to start from: the first of `START` that there is."""
         names = [self.model.key(i).name for i in range(self.model.nkey)]
-        return names.index("start") if "start" in names else None
+        return next((names.index(name) for name in START if name in names), None)
 
     @property
     def root_address(self) -> int:

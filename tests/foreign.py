@@ -26,8 +26,8 @@ def mantis(folder):
     """Three joints a leg, the knee held; motors, degrees, nested defaults.
 
     Its feet are the lower ends of its shanks; the body is defined away from the origin,
-    turned and above the ground; the only plane is a wall; a sensor watches a motor; its
-    keyframe has another name.
+    turned and above the ground; the only plane is a wall; a sensor watches a motor; it
+    starts from its keyframe `home`, with its shanks upright.
     """
     hips = {
         "lf": (0.12, 0.06, 45),
@@ -90,11 +90,14 @@ def mantis(folder):
   </worldbody>
   <actuator>{motors}</actuator>
   <sensor><actuatorfrc actuator="m_lf_1"/></sensor>
-  <keyframe><key name="home" ctrl="{"0.1 " * 18}"/></keyframe>
+  <keyframe>
+    <key name="folded" qpos="0 0 0.1 1 0 0 0 {"0 1 1 " * 6}"/>
+    <key name="home" qpos="0 0 0.1 1 0 0 0 {"0 -0.1 0.1 " * 6}" ctrl="{"0.1 " * 18}"/>
+  </keyframe>
 </mujoco>"""
     legs = "".join(
         f'[leg.{i}]\nswing = "{n}_1"\nlift = "{n}_2"\nraise = -1\n'
-        f'foot = ["shank_{n}"]\nhold = {{ {n}_3 = 0.2 }}\n'
+        f'foot = ["shank_{n}"]\nhold = {{ {n}_3 = 0.1 }}\n'
         for i, n in enumerate(hips, start=1)
     )
     servo = "[servo]\nstiffness = 1000.0\ndamping = 6.0\n"
