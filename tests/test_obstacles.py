@@ -12,6 +12,7 @@ from sim.obstacles.walls import Touches
 from sim.physics import Engine
 from sim.scenario import Scenario
 from sim.scenario_file import dumps, load
+from sim.setup import prepare
 from sim.world.model import build
 from sim.world.model import load as load_world
 
@@ -177,3 +178,10 @@ def test_a_scenario_without_obstacles_has_none(scenario):
     assert isinstance(scenario(), Scenario)
     assert scenario().obstacles == ()
     assert "[[obstacles]]" not in dumps(scenario())
+
+
+def test_a_robot_that_starts_in_an_obstacle_is_told_which(scenario):
+    box = {"kind": "box", "center": [0.15, 0.18], "size": [0.1, 0.1]}
+    inside = scenario(obstacles=shapes.decode([WALL, box]))
+    with pytest.raises(UsageError, match=r"\w+_1 \d+\.\d mm deep in obstacle 2: obst"):
+        prepare(inside)

@@ -16,6 +16,7 @@ from models.kinematics import Kinematics
 from models.lifting import Lifting
 from models.posture import UPRIGHT
 from models.robot import Robot
+from sim.errors import UsageError
 from sim.obstacles.walls import PREFIX
 from sim.physics import silence_the_engine
 from sim.world.sensors import contact_sensor
@@ -38,11 +39,13 @@ def check_standing(
 
     Raises:
         ModelError: If it tips, sags or lies on something.
+        UsageError: If it starts inside an obstacle.
     """
     silence_the_engine()
     robot, data = kinematics.robot, mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_forward(model, data)
+    _refuse_obstacles(model, data)
     _refuse(robot, _lying(robot, model, data))
     height = data.qpos[_height(robot, model)]
     mujoco.mj_step(model, data, nstep=min(round(SETTLING / model.opt.timestep), MOST))
@@ -59,6 +62,20 @@ def check_standing(
 def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:
     for what, remedy in problems:
         raise ModelError(f"it does not stand: {what}: {robot.path}; {remedy}")
+
+
+def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    for contact in data.contact:
+        names = sorted(model.geom(g).name for g in contact.geom)
+        for own, other in (names, names[::-1]):
+            if other.startswith(PREFIX) and contact.dist < 0:
+                number = other.removeprefix(PREFIX).split("_")[0]
+                raise UsageError(
+                    f"the robot starts with {own} {-1e3 * contact.dist:.1f} mm deep in "
+                    f"obstacle {number}",
+                    "obstacles",
+                    "move the obstacle; poses are measured from the start",
+                )
 
 
 def _height(robot: Robot, model: mujoco.MjModel) -> int:
