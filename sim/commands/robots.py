@@ -1,4 +1,4 @@
-"""`stratawalk robots`: the robots that come with the package."""
+"""`stratawalk robots`: the robots that come with the package, or one in numbers."""
 
 from __future__ import annotations
 
@@ -9,15 +9,24 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from models.card import Card
 
-HELP = "list the shipped robots"
+HELP = "list the shipped robots, or check one and show it in numbers"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command; it has none of its own."""
+    """Add the options of the command."""
+    parser.add_argument(
+        "robot",
+        metavar="ROBOT",
+        nargs="?",
+        help="a shipped robot, or your FILE.xml with its card (README, Adding a robot)",
+    )
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print names and descriptions."""
+    """Print names and descriptions, or everything about one robot."""
+    if options.robot is not None:
+        _show(options.robot, as_json=options.json)
+        return
     from models.library import load, robots
 
     cards = {name: load(name).card for name in robots()}
@@ -28,6 +37,15 @@ def execute(options: argparse.Namespace) -> None:
         return
     for name, card in cards.items():
         print(f"{name:20}{len(card.legs)} legs  {card.description}")
+
+
+def _show(robot: str, as_json: bool) -> None:
+    from sim.robot_facts import describe, facts
+    from sim.scenario_file import load
+    from sim.setup import prepare
+
+    found = facts(prepare(load("line", {"robot": robot})))
+    print(json.dumps(found, indent=1) if as_json else describe(found))
 
 
 def _facts(name: str, card: Card) -> dict[str, object]:
