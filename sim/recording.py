@@ -172,7 +172,8 @@ class Recorder:
         contact = bridge(loaded, self._shortest, before)
         count = len(contact) if last else decided(loaded, self._shortest, before)
         self._bounces += count_bounces(loaded[: count + 1], contact[: count + 1])
-        self._pending = [states.at(slice(count, None))]
+        if count < len(contact):
+            self._pending = [states.at(slice(count, None))]
         if count:
             judged = states._replace(contact=contact).at(slice(count))
             self._note_changes(judged)
@@ -215,5 +216,5 @@ def _joined(parts: list[T]) -> Iterator[Array]:
     columns = [list(column) for column in zip(*parts, strict=True)]
     parts.clear()
     for column in columns:
-        yield np.concatenate(column)
+        yield column[0] if len(column) == 1 else np.concatenate(column)
         column.clear()

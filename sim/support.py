@@ -69,9 +69,18 @@ def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
         contact: Shape (T, F), bool.
         center_of_mass: Shape (T, 3) [m].
     """
+    standing = np.asarray(contact.any(axis=1))
+    if standing.all():
+        return contact
     far = np.linalg.norm(points - center_of_mass[:, None, :2], axis=2)
     nearest = far == far.min(axis=1, keepdims=True)
-    return np.asarray(contact | (nearest & ~contact.any(axis=1, keepdims=True)))
+    return np.asarray(contact | (nearest & ~standing[:, None]))
+
+
+def _way(places: Array, since: Array) -> Array:
+    """At least the way from earlier places to these; (T, ..., 2) to (T, ...)."""
+    step = np.abs(places - places[since])
+    return np.asarray(step[..., 0] + step[..., 1])
 
 
 class LeastMargin:
@@ -98,8 +107,7 @@ class LeastMargin:
         self.value = min(self.value, float(known.min()))
         of = np.cumsum(anchors) - 1  # the anchor before each state
         at = count[anchors][of]
-        moved = np.linalg.norm(points - points[at], axis=2).max(axis=1)
-        moved += np.linalg.norm(center_of_mass - center_of_mass[at], axis=1)
+        moved = _way(points, at).max(axis=1) + _way(center_of_mass, at)
         near = ~anchors & (known[of] - moved < self.value)
         if near.any():
             margin = stability_margin(points[near], contact[near], center_of_mass[near])
