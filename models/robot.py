@@ -1,7 +1,8 @@
-"""A robot: an MJCF file and its card, checked against each other.
+"""A robot: an MJCF file and its card, and where in the model the card's parts are.
 
-Shipped robots and a user's own take the same path. Knows names and addresses; the
-equations are in `models.equations`, the physics in `sim`.
+Shipped robots and a user's own are the same here. Whether the two fit is for
+`models.parts` and `models.posture` to say; the equations are in `models.equations`, the
+physics in `sim`.
 """
 
 from __future__ import annotations

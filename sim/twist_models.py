@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache
 
 from models.ground import ground_of
 from models.twists import IdealTwists, QuasiStaticTwists, TwistModel
 from sim.identify import identify
-from sim.schedule import Limits
 from sim.setup import Setup, prepare
 
 
@@ -31,6 +30,7 @@ MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
 }
 
 
+@lru_cache(maxsize=len(MODELS))
 def twist_model(setup: Setup, name: str) -> TwistModel:
     """A prediction's twist model, made when first asked for.
 
@@ -38,20 +38,4 @@ def twist_model(setup: Setup, name: str) -> TwistModel:
         setup: Robot, world and limits; the path does not matter.
         name: One of `MODELS`.
     """
-    card, world = setup.robot.card_text, setup.world.text
-    return _made(_Walker(card, world, setup.limits, setup), name)
-
-
-@dataclass(frozen=True)
-class _Walker:
-    """A setup, equal to every other of the same robot, world and limits."""
-
-    card: str
-    world: str
-    limits: Limits
-    setup: Setup = field(compare=False)
-
-
-@lru_cache(maxsize=len(MODELS))
-def _made(walker: _Walker, name: str) -> TwistModel:
-    return MODELS[name](walker.setup)
+    return MODELS[name](setup)
