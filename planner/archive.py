@@ -61,7 +61,7 @@ def system_from(table: Mapping[str, Any]) -> StratifiedSystem:
         ValueError: A key is missing or unknown, or the system is not sound.
     """
     _require_keys(table, {"state", "bottom", "strata"}, {"level_sets"}, "system")
-    state = [sp.Symbol(str(name)) for name in table["state"]]
+    state = [sp.Symbol(str(name), real=True) for name in table["state"]]
     return StratifiedSystem(
         state=tuple(state),
         bottom=table["bottom"],

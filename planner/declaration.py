@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from planner.errors import point, unknown
+from planner.expressions import RESERVED, read
 from planner.fields import (
     STEP,
     NumericField,
@@ -40,6 +41,8 @@ def checked_state(state: Iterable[Any]) -> Symbols:
             raise ValueError(
                 f"state has {s!s}, which is not a name; use letters, digits, _"
             )
+        if str(s) in RESERVED:
+            raise ValueError(f"state has {s}, which formulas use; rename it")
         if names.count(str(s)) > 1:
             raise ValueError(f"state names {s} twice")
     return symbols
@@ -80,11 +83,11 @@ def _field(what: str, value: Any, state: Symbols) -> VectorField:
         field = value if isinstance(value, NumericField) else NumericField(value)
         _require_differentiable(what, field, len(state))
         return field
-    column = sp.ImmutableMatrix(value)
+    entries = np.atleast_1d(np.asarray(value, dtype=object))
+    read_all = np.vectorize(lambda e: _expression(what, e, state), otypes=[object])
+    column = sp.ImmutableMatrix(read_all(entries))
     if column.shape != (len(state), 1):
         raise ValueError(f"{what} has shape {column.shape}, expected ({len(state)}, 1)")
-    for entry in column:
-        _require_known(what, entry, state)
     return column
 
 
@@ -102,6 +105,17 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
             )
 
 
+def _expression(what: str, value: Any, state: Symbols) -> sp.Expr:
+    """A number or expression as it is, a text as the formula it writes."""
+    try:
+        text = isinstance(value, str)
+        expression = read(value, state) if text else sp.sympify(value, strict=True)
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from None
+    _require_known(what, expression, state)
+    return expression
+
+
 def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
     strangers = sorted(map(str, expression.free_symbols - set(state)))
     if strangers:
@@ -109,10 +123,16 @@ def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
         raise ValueError(
             f"{what} uses {strangers[0]}, which is not in the state ({listed})"
         )
-    if expression.has(sp.nan, sp.oo, -sp.oo, sp.zoo, sp.I):
-        raise ValueError(
-            f"{what} has the entry {expression}, which is not a real number"
-        )
+    for part in sp.preorder_traversal(expression):
+        if part.is_number and not _is_real(part):
+            raise ValueError(f"{what} has {part}, which is no finite real number")
+
+
+def _is_real(number: sp.Expr) -> bool:
+    try:
+        return bool(np.isfinite(float(number)))
+    except (TypeError, OverflowError):
+        return False
 
 
 def checked_level_sets(
@@ -131,10 +151,8 @@ def checked_level_sets(
                 f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
             )
         listed = functions if isinstance(functions, (tuple, list)) else [functions]
-        names = {str(s): s for s in state}
-        checked[stratum] = tuple(sp.sympify(f, locals=names) for f in listed)
-        for function in checked[stratum]:
-            _require_known(f"level set of S{stratum}", function, state)
+        what = f"level set of S{stratum}"
+        checked[stratum] = tuple(_expression(what, f, state) for f in listed)
         if checked[stratum] and _dependent(checked[stratum], state):
             raise ValueError(
                 f"level sets of S{stratum} are not independent: "

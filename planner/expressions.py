@@ -28,6 +28,7 @@ FUNCTIONS: Mapping[str, Callable[..., sp.Expr]] = {
     "sign": sp.sign,
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
+RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # no coordinate can be told from them
 BINARY: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -40,15 +41,21 @@ UNARY: Mapping[type, Callable[[Any], Any]] = {
     ast.UAdd: operator.pos,
 }
 LONGEST = 10_000  # characters of one formula
-MOST_BITS = 1024  # of a whole number
+MOST_BITS = 1024  # of a whole number, or of either part of a fraction
+SHOWN = 60  # characters of a formula that a message repeats
 
 
-def read(text: str | float, names: Iterable[sp.Symbol]) -> sp.Expr:
+def read(
+    text: str | float,
+    names: Iterable[sp.Symbol],
+    values: Mapping[str, float] | None = None,
+) -> sp.Expr:
     """The expression that a text or number stands for.
 
     Args:
         text: Formula in the given names, numbers, `+ - * / **` and common functions.
         names: Symbols it may use.
+        values: Numbers it may use by name.
 
     Raises:
         ValueError: It is no such formula; the message says what is in the way.
@@ -57,17 +64,27 @@ def read(text: str | float, names: Iterable[sp.Symbol]) -> sp.Expr:
         return sp.sympify(text)
     if len(text) > LONGEST:
         raise ValueError(f"formula is {len(text)} characters long, {LONGEST} at most")
-    known = {str(s): s for s in names} | dict(CONSTANTS)
+    numbers = {name: sp.sympify(value) for name, value in (values or {}).items()}
+    known = {str(s): s for s in names} | numbers | dict(CONSTANTS)
     try:
         return _expression(ast.parse(text.strip(), mode="eval").body, known, text)
     except (SyntaxError, TypeError, RecursionError, MemoryError) as error:
-        raise ValueError(f"formula {text!r} cannot be read: {error}") from None
+        raise ValueError(f"formula {_short(text)} cannot be read: {error}") from None
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}...")
 
 
 def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    whole = base.is_Integer and exponent.is_Integer
-    if whole and int(base).bit_length() * abs(int(exponent)) > MOST_BITS:
-        raise ValueError(f"{base}**{exponent} is too large a number for a formula")
+    """A power whose numbers, which sympy multiplies out, stay of a sensible size."""
+    if exponent.is_Rational:
+        parts = [n for r in base.atoms(sp.Rational) for n in (r.p, r.q)]
+        bits = max((int(n).bit_length() for n in parts), default=0)
+        if bits * abs(exponent) > MOST_BITS:
+            raise ValueError(
+                f"{_short(str(base))} to the power {exponent} is too large a number"
+            )
     return base**exponent
 
 
@@ -89,8 +106,8 @@ def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.E
         ):
             return FUNCTIONS[name](*map(part, args))
     raise ValueError(
-        f"formula {text!r} has {ast.unparse(node)!r}, which is neither a number nor "
-        f"one of {', '.join([*names, *FUNCTIONS])}"
+        f"formula {_short(text)} has {_short(ast.unparse(node))}, which is neither a "
+        f"number nor one of {', '.join([*names, *FUNCTIONS])}"
     )
 
 

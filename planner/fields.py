@@ -23,6 +23,9 @@ VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
 STEP = 0.02  # of central differences; their sixth-order extrapolation errs by its power
 SAMPLES = 12  # an analytic field that vanishes at so many random points is zero
 
+KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
+"""Derivatives of `sign`: zero but for where it jumps, and has none."""
+
 
 def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
     """The Lie bracket [f, g] = (dg/dx) f - (df/dx) g of symbolic fields, Sec. 2.
@@ -194,7 +197,9 @@ def compile_fields(
         names=tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields))),
         constant=constant,
         varying=tuple(varying),
-        function=sp.lambdify(state, expressions, modules="numpy", cse=True),
+        function=sp.lambdify(
+            state, expressions, modules=[KINKS, "numpy"], cse=True, dummify=True
+        ),
         numeric=tuple(numeric),
     )
 

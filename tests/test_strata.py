@@ -87,13 +87,22 @@ def test_field_may_be_tangent_on_its_curved_stratum_alone():
         ),
         (
             {"strata": {"1": {"g": [1, sp.nan]}}},
-            "has the entry nan, which is not a real",
+            "field g of S1 has nan, which is no finite real number",
         ),
         ({"strata": {"1": {"g 1": [1, 0]}}}, "field name 'g 1' of S1: use letters"),
         (
             {"strata": {"1": {"g": [1, 0]}, "2": {"g": [1, 0]}}},
             "field g is in S1 and S2; rename one",
         ),
+        ({"strata": {"1": {"g": ["9**x", "__import__('os')"]}}}, "g of S1: formula"),
+        ({"strata": {"1": {"g": [[1], [1, 2]]}}}, "field g of S1: SympifyError"),
+        ({"strata": {"1": {"g": 1}}}, r"field g of S1 has shape \(1, 1\)"),
+        ({"state": "x sin"}, "state has sin, which formulas use; rename it"),
+        (
+            {"level_sets": {"1": ["__import__('os')"]}},
+            "set of S1: formula .* neither",
+        ),
+        ({"level_sets": {"1": ["sqrt(-2) + y"]}}, "level set of S1 has sqrt.2..I, whi"),
         ({"level_sets": {"2": [X]}}, "level set of stratum '2', which is unknown"),
         ({"level_sets": {"1": [sp.Symbol("z")]}}, "level set of S1 uses z"),
         (

@@ -6,6 +6,7 @@ import pytest
 from models.errors import ProblemError
 from models.systems.file import load
 from models.systems.library import shipped
+from planner.archive import system_table
 from planner.controllability import gait_controllability
 from planner.extended import extend
 from planner.plan import plan
@@ -103,12 +104,19 @@ def test_parameters_can_be_set_from_outside(read):
 
 def test_written_biped_is_the_shipped_one(read):
     ours, theirs = shipped("biped"), read(BIPED)
-    assert theirs.system.state == ours.system.state
-    assert theirs.system.strata == ours.system.strata
-    assert theirs.system.level_sets == ours.system.level_sets
+    assert system_table(theirs.system) == system_table(ours.system)
     assert theirs.limits == {"phi_1": (-2, 2)}
     start = theirs.states[0]
     assert gait_controllability(theirs.system, theirs.gait, start).controllable
+
+
+@pytest.mark.parametrize("kink", ["Abs(x - 9)", "(x - 9)*sign(x - 9)"])
+def test_kink_away_from_the_path_is_as_smooth_as_its_side(read, kink):
+    problems = [read(WHEEL.replace("radius*c", f"({k})*c")) for k in (kink, "9 - x")]
+    bent, smooth = (plan(p.system, p.path, 2).flows for p in problems)
+    assert [flow[:2] for flow in bent] == [flow[:2] for flow in smooth]
+    durations = [[flow.duration for flow in flows] for flows in (bent, smooth)]
+    assert durations[0] == pytest.approx(durations[1], rel=1e-12)  # rounding
 
 
 def test_gait_left_out_visits_every_neighbour(read):
@@ -148,8 +156,18 @@ def test_python_file_may_have_fields_known_as_functions(read):
         (("cos(theta)", "(lambda: 1)()"), "field roll: formula .* neither a number"),
         (("cos(theta)", "9**9**9**9"), "field roll: .*too large a number"),
         (("cos(theta)", "cos(theta"), "field roll: formula .* cannot be read"),
-        (("cos(theta)", "1/0"), "field roll of S0 has the entry zoo, .* not a real"),
+        (("cos(theta)", "1/0"), "field roll of S0 has zoo, which is no finite real"),
         (("radius = 0.5", "theta = 0.5"), "theta is a parameter and a coordinate"),
+        (
+            ("cos(theta)", "x*asin(2)"),
+            r"S0 has asin\(2\), which is no finite real",
+        ),
+        (
+            ("cos(theta)", "(-8)**(1/3)"),
+            r"S0 has .*\(-1\)\*\*\(1/3\), which is no finite",
+        ),
+        (("cos(theta)", "exp(exp(exp(9)))"), "which is no finite real number"),
+        (("radius = 0.5", "sin = 0.5"), "sin is a parameter, but formulas use it"),
         (("radius = 0.5", "radius = 'big'"), "parameters: radius is 'big'; give a nu"),
         (("{ y = 1 }", "{ z = 1 }"), "goal has z, which is unknown; there are x, y, "),
         (("{ y = 1 }", "{ y = inf }"), "goal has y = inf; give a finite number"),
@@ -175,6 +193,12 @@ def test_what_makes_no_sense_is_refused(read, change, message):
 def test_unknown_parameter_from_outside_is_refused(read):
     with pytest.raises(ProblemError, match="parameter 'rad' is unknown; .* mean rad"):
         read(WHEEL, values={"rad": 1})
+
+
+def test_power_of_a_parameter_is_too_large_like_a_written_one(read):
+    text = WHEEL.replace("radius*cos", "2**radius*cos")
+    with pytest.raises(ProblemError, match="2' to the power 99999999999 is too large"):
+        read(text, values={"radius": 99999999999})
 
 
 def test_file_that_is_no_text_is_refused(tmp_path):

@@ -30,7 +30,7 @@ import sympy as sp
 from models.errors import ProblemError
 from models.systems.problem import Problem
 from planner.errors import PlannerError, unknown
-from planner.expressions import read
+from planner.expressions import RESERVED, read
 from planner.strata import StratifiedSystem
 
 REQUIRED = ("state", "goal", "strata")
@@ -111,7 +111,7 @@ def _system(
     for key in values:
         if key not in parameters:
             raise ValueError(f"parameter {key!r} {unknown(key, parameters)}")
-    state = _names(table, "state")
+    state = tuple(sp.Symbol(name, real=True) for name in _names(table, "state"))
     formula = _reader(state, _numbers({**parameters, **values}, "parameters"))
     strata = {
         stratum: {
@@ -126,22 +126,22 @@ def _system(
         for functions in [_list(table["level_sets"], stratum)]
     }
     bottom = str(table.get("bottom", next(iter(strata), "")))
-    return StratifiedSystem(tuple(map(sp.Symbol, state)), strata, bottom, level_sets)
+    return StratifiedSystem(state, strata, bottom, level_sets)
 
 
-def _reader(state: tuple[str, ...], parameters: Mapping[str, float]) -> Reader:
+def _reader(state: tuple[sp.Symbol, ...], parameters: Mapping[str, float]) -> Reader:
     """Reads formulas over the state, with numbers for the parameters."""
     for name in parameters:
-        if name in state:
+        if name in map(str, state):
             raise ValueError(f"{name} is a parameter and a coordinate; rename one")
-    numbers = {sp.Symbol(name): value for name, value in parameters.items()}
-    symbols = (*map(sp.Symbol, state), *numbers)
+        if name in RESERVED:
+            raise ValueError(f"{name} is a parameter, but formulas use it; rename it")
 
     def formula(what: str, text: object) -> sp.Expr:
         if isinstance(text, bool) or not isinstance(text, str | int | float):
             raise ValueError(f"{what} has {text!r}; write a number or a formula")
         try:
-            return read(text, symbols).subs(numbers)
+            return read(text, state, parameters)
         except ValueError as error:
             raise ValueError(f"{what}: {error}") from error
 
@@ -149,14 +149,15 @@ def _reader(state: tuple[str, ...], parameters: Mapping[str, float]) -> Reader:
 
 
 def _field(
-    what: str, rates: object, state: tuple[str, ...], formula: Reader
+    what: str, rates: object, state: tuple[sp.Symbol, ...], formula: Reader
 ) -> list[sp.Expr]:
+    names = tuple(map(str, state))
     if not isinstance(rates, dict):
-        raise ValueError(f"{what} is {rates!r}; give rates, as in {{ {state[0]} = 1 }}")
+        raise ValueError(f"{what} is {rates!r}; give rates, as in {{ {names[0]} = 1 }}")
     for name in rates:
-        if name not in state:
-            raise ValueError(f"{what} moves {name}, which {unknown(name, state)}")
-    return [formula(what, rates.get(name, 0)) for name in state]
+        if name not in names:
+            raise ValueError(f"{what} moves {name}, which {unknown(name, names)}")
+    return [formula(what, rates.get(name, 0)) for name in names]
 
 
 def _gait(system: StratifiedSystem) -> tuple[str, ...]:
