@@ -19,7 +19,7 @@ from planner.errors import BoundError
 from planner.fields import Array
 
 MOST_SEGMENTS = 1000  # a walk of an hour and more
-MOST_PIECES = 16  # a segment is cut into at once: the law holds for short ones only
+MOST_PIECES = 3  # a segment is cut into at once: the law holds for short ones only
 
 
 class Leeway(NamedTuple):

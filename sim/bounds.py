@@ -12,18 +12,17 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.errors import BoundError, RangeError, point
+from planner.errors import BoundError, RangeError
 from planner.paths import grid
 from planner.plan import plan
 from planner.subdivide import Leeway, subdivide
 from sim.forecast import Stage, foresee
-from sim.obstacles.clearance import Surroundings, surroundings
+from sim.obstacles.bound import ClearanceBound
+from sim.obstacles.clearance import surroundings
 from sim.setup import Setup
 from sim.support import stability_margin
 
 Array = np.ndarray
-
-NOMINAL_SAMPLES = 400  # of the nominal path, spread over its segments
 
 
 class Bound(Protocol):
@@ -138,81 +137,8 @@ class MarginBound:
 
 def _standing_margin(setup: Setup) -> tuple[str, float]:
     """The gait's least stable stratum with legs at angle 0, and its margin [m]."""
-    robot, strata = setup.robot, tuple(dict.fromkeys(setup.robot.card.gait))
-    up = np.array([[g not in stratum for g in robot.groups] for stratum in strata])
-    lift = setup.limits.lift_angle * up
+    strata, lift = tuple(setup.raised), np.array(list(setup.raised.values()))
     stance = setup.kinematics.stance(np.zeros_like(lift), lift)
-    contact = np.array([robot.planted(stratum) for stratum in strata])
+    contact = np.array([setup.robot.planted(stratum) for stratum in strata])
     margin = stability_margin(stance.feet, contact, stance.center_of_mass)
     return strata[int(margin.argmin())], float(margin.min())
-
-
-@dataclass(frozen=True)
-class ClearanceBound:
-    """The robot's outline keeps a least distance from all obstacles [m]."""
-
-    surroundings: Surroundings
-    least: float
-
-    def leeway(self, setup: Setup, stages: Sequence[Stage]) -> Leeway:
-        """Clearance of the swept outline against that of the nominal path."""
-        standing = self._standing(setup)
-        walking = np.full(setup.scenario.segments, np.inf)
-        for stage in stages:
-            rows, clearance = self._swept(stage)
-            np.minimum.at(walking, stage.segment(rows), clearance)
-        return Leeway(
-            "min_clearance", self.least, standing - self.least, walking - self.least
-        )
-
-    def _standing(self, setup: Setup) -> Array:
-        """Clearance along the nominal path with legs at angle 0, (segments,) [m]."""
-        segments = setup.scenario.segments
-        samples = 1 + -(-NOMINAL_SAMPLES // segments)
-        inner = np.arange(segments)[:, None] + np.linspace(0, 1, samples)
-        poses = setup.scenario.path.curve.at(inner.ravel() / segments)
-        qpos = self.surroundings.standing(poses)
-        clearance = self.surroundings.sweep(qpos).least
-        worst = int(clearance.argmin())
-        if clearance[worst] <= self.least:
-            raise self._refusal(poses[worst], qpos[worst], float(clearance[worst]))
-        return np.asarray(clearance.reshape(segments, samples).min(axis=1))
-
-    def _refusal(self, pose: Array, qpos: Array, clearance: float) -> BoundError:
-        part, obstacle = self.surroundings.nearest(qpos)
-        missing = 1e3 * (self.least - clearance)
-        return BoundError(
-            f"the nominal path itself has {part} {1e3 * clearance:.1f} mm from "
-            f"obstacle {obstacle} at {point(pose)}, where more than "
-            f"{1e3 * self.least:.1f} mm are asked; make {missing:.1f} mm more room "
-            "there, or lower min_clearance"
-        )
-
-    def _swept(self, stage: Stage) -> tuple[Array, Array]:
-        """Rows, and what the clearance after each does not fall below (T,) [m]."""
-        rows = stage.rows
-        clearance = self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
-        return rows[:-1], clearance
-
-    def _between(self, stage: Stage, pairs: Array) -> Array:
-        """A lower bound of the clearance between pairs of rows, shape (K, 2).
-
-        Exact where it is below `least`; intervals are halved until that is decided.
-        """
-        sweep = self.surroundings.sweep(
-            self.surroundings.outline.configurations(
-                *stage.configurations(pairs.ravel())
-            )
-        )
-        seen = sweep.least.reshape(-1, 2).min(axis=1)
-        bound = np.minimum(seen, sweep.bound[::2])
-        far = np.diff(pairs)[:, 0] > 1
-        open_ = far & (bound < self.least) & (seen >= self.least)
-        if open_.any():
-            middle = pairs[open_].mean(axis=1).astype(int)
-            first, last = pairs[open_].T
-            halves = np.concatenate(
-                [np.stack([first, middle], axis=1), np.stack([middle, last], axis=1)]
-            )
-            bound[open_] = self._between(stage, halves).reshape(2, -1).min(axis=0)
-        return np.asarray(np.where(seen < self.least, seen, bound))

@@ -79,6 +79,15 @@ class Setup:
         """Legs at angle 0, all feet down."""
         return Shape((0.0,) * len(self.robot.groups), self.robot.card.bottom)
 
+    @property
+    def raised(self) -> dict[str, Array]:
+        """How far each group is raised on each of the gait's strata, (G,) [rad]."""
+        return {
+            stratum: np.array([g not in stratum for g in self.robot.groups])
+            * self.limits.lift_angle
+            for stratum in self.robot.card.gait
+        }
+
     def execution(self, finish: bool = True) -> Execution:
         """How plans are carried out.
 

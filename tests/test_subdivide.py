@@ -48,8 +48,10 @@ def test_the_tightest_of_several_bounds_decides():
 
 
 def test_needed_pieces_follow_the_square_of_what_swings_out():
-    leeway = Leeway("tube", 0.0, np.array([1.0, 1.0, 1.0]), np.array([0.1, -1.0, -2.0]))
-    assert needed(leeway).tolist() == [1, 4, 9]
+    walking = np.array([0.1, -0.3, -0.6])
+    leeway = Leeway("tube", 0.0, np.ones(3), walking)
+    assert needed(leeway).tolist() == [1, 2, 3]
+    assert needed(leeway._replace(walking=20 * walking)).max() == module.MOST_PIECES
 
 
 def test_refining_keeps_the_cuts_there_are():
@@ -62,7 +64,7 @@ def test_too_many_segments_are_refused_with_what_can_be_kept(monkeypatch):
     with pytest.raises(
         BoundError,
         match=r"tube of 0 would need more than 50 segments, above all between "
-        r"s = 0 and 0\.\d+ of the path; -0\.\d+ is kept with 16: ask for less",
+        r"s = 0 and 0\.\d+ of the path; -0\.\d+ is kept with 27: ask for less",
     ):
         subdivide(np.array([0.0, 1.0]), lambda cuts: tube(cuts, room=0.01))
 

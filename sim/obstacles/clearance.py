@@ -55,10 +55,18 @@ class Surroundings:
         """The floor that the obstacles cover."""
         return shapely.union_all([obstacle.area for obstacle in self.obstacles])
 
-    def standing(self, pose: Array) -> Array:
-        """Joint positions at poses (T, 3), all legs down and at angle 0, (T, nq)."""
-        angles = np.zeros((len(pose), len(self.outline.robot.groups)))
-        return self.outline.configurations(pose, angles, angles)
+    def postures(self, pose: Array, raised: Array) -> Array:
+        """Joint positions of a robot whose legs are all at angle 0.
+
+        Args:
+            pose: x, y [m], yaw [rad], shape (T, 3).
+            raised: How far each group is, shape (G,) [rad].
+
+        Returns:
+            Shape (T, nq).
+        """
+        angles = np.zeros((len(pose), len(raised)))
+        return self.outline.configurations(pose, angles, angles + raised)
 
     def sweep(self, qpos: Array) -> Sweep:
         """Clearances along a motion.

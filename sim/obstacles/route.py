@@ -9,7 +9,7 @@ what is left of it is kept on both sides.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,7 +26,7 @@ from sim.setup import Setup
 Array = np.ndarray
 
 ROOMS = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
-TRIALS = 2000  # samples of a search; a second where there is no way
+TRIALS = 5000  # samples of a search; two seconds where there is no way
 SEARCHES = 8  # of which the shortest way is taken
 TIGHTEST = 0.5  # arc, in radii of the robot's outline
 CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
@@ -55,10 +55,11 @@ def _around(around: Surroundings, setup: Setup) -> NominalPath:
     """The first way found, asking for as much room as there may be."""
     scenario = setup.scenario
     least, goal = max(scenario.min_clearance, 0.0), scenario.path.goal
+    postures = list(setup.raised.values())
     for name, pose in (("start", nominal.START), ("goal", goal)):
-        _require_room(around, name, pose, least)
+        _require_room(around, name, pose, postures, least)
     for room in ROOMS:
-        search = _Search(around, goal, least, room)
+        search = _Search(around, goal, postures, least, room)
         found = search.run(scenario.seed, scenario.segments)
         if found is not None:
             path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
@@ -69,13 +70,17 @@ def _around(around: Surroundings, setup: Setup) -> NominalPath:
     )
 
 
-def _require_room(around: Surroundings, name: str, pose: Pose, least: float) -> None:
-    """Refuse a start or a goal at which the robot cannot stand."""
-    qpos = around.standing(np.array([pose]))
-    clearance = float(around.sweep(qpos).least[0])
+def _require_room(
+    around: Surroundings, name: str, pose: Pose, postures: Sequence[Array], least: float
+) -> None:
+    """Refuse a start or a goal at which the robot cannot stand, or raise its legs."""
+    qpos = np.concatenate([around.postures(np.array([pose]), up) for up in postures])
+    clearances = around.sweep(qpos).least
+    worst = int(clearances.argmin())
+    clearance = float(clearances[worst])
     if clearance > least:
         return
-    part, obstacle = around.nearest(qpos[0])
+    part, obstacle = around.nearest(qpos[worst])
     raise BoundError(
         f"the {name} {point(pose)} has {part} {1e3 * clearance:.1f} mm from obstacle "
         f"{obstacle}, where more than {1e3 * least:.1f} mm are asked; move one of them"
@@ -86,13 +91,19 @@ class _Search:
     """Searches for a way that keeps a distance from obstacles."""
 
     def __init__(
-        self, around: Surroundings, goal: Pose, least: float, room: float
+        self,
+        around: Surroundings,
+        goal: Pose,
+        postures: Sequence[Array],
+        least: float,
+        room: float,
     ) -> None:
         self.goal, self.room = goal, room
-        rest = around.standing(np.zeros((1, 3)))
-        self.radius = around.outline.radius(rest[0])
+        origin = np.zeros((1, 3))
+        qpos = np.concatenate([around.postures(origin, up) for up in postures])
+        self.radius = max(map(around.outline.radius, qpos))
         self._area = around.area
-        self._body = around.outline.solids.swept(rest).buffer(least + room)
+        self._body = around.outline.solids.swept(qpos).buffer(least + room)
         self._near = self._area.buffer(self.radius + least + room)
         shapely.prepare(self._area)
         shapely.prepare(self._near)
@@ -132,6 +143,9 @@ class _Search:
         step = self.room / (1 + 1 / TIGHTEST)
         information.setStateValidityCheckingResolution(step / space.getMaximumExtent())
         ends = [_state(space, pose) for pose in (nominal.START, self.goal)]
+        straight = geometric.PathGeometric(information, *ends)
+        if straight.check():
+            return straight
         setup.setStartAndGoalStates(*ends, 1e-9)
         setup.setPlanner(geometric.RRTConnect(information))
         setup.solve(base.PlannerTerminationCondition(_after(TRIALS)))
