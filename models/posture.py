@@ -19,7 +19,7 @@ from models.robot import Robot
 UPRIGHT = np.deg2rad(3)  # tilts by less change no length by more than 0.2 %
 STEEP = np.deg2rad(20)  # a swing axis farther off the vertical lifts rather than swings
 APART = 0.02  # of the stance's size, by which feet may be off one plane
-CLEAR = 1e-3  # [m]; a lifted foot is farther off the ground than soft feet sink in
+CLEAR = 2e-4  # [m]; a lifted foot is farther off the ground than soft feet sink in
 
 
 def check_posture(robot: Robot) -> None:

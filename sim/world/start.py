@@ -11,7 +11,7 @@ from models.robot import Robot
 from sim.world.floor import Floor
 
 START = "start"
-AJAR = 1e-3  # [m]; feet of a robot's own keyframe that are off the floor by less stay
+AJAR = 1e-4  # [m]; feet of a robot's own keyframe that are off the floor by less stay
 
 
 def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> None:
