@@ -1,9 +1,14 @@
-"""Robots as other people write them: three hexapods in three styles of MJCF.
+"""Robots as other people write them: hexapods in three styles of MJCF, and any size.
 
 Each function writes a robot into a folder and returns the path of its MJCF.
 """
 
+from dataclasses import replace
 from math import atan2, cos, degrees, hypot, pi, sin
+
+from models.mjcf import write as shape_to_mjcf
+from models.robot import FOLDER
+from models.shapes import HEXAPOD
 
 TRIPODS = """
 [group]
@@ -233,3 +238,32 @@ def star(folder):
         for n, k in names.items()
     )
     return write(folder, "star", body, f"lift_angle = 0.3\n{legs}{TRIPODS}")
+
+
+def scaled(folder, size):
+    """The shipped hexapod at another size, of the same stuff, its servos to match."""
+
+    def longer(point):
+        return tuple(size * x for x in point)
+
+    legs = {
+        number: replace(leg, hip=longer(leg.hip), foot=longer(leg.foot))
+        for number, leg in HEXAPOD.legs.items()
+    }
+    shape = replace(
+        HEXAPOD,
+        legs=legs,
+        hip_height=size * HEXAPOD.hip_height,
+        plate=longer(HEXAPOD.plate),
+        body_mass=size**3 * HEXAPOD.body_mass,
+        leg_mass=size**3 * HEXAPOD.leg_mass,
+        leg_radius=size * HEXAPOD.leg_radius,
+        hip_radius=size * HEXAPOD.hip_radius,
+        foot_radius=size * HEXAPOD.foot_radius,
+        stiffness=size**4 * HEXAPOD.stiffness,
+        damping=size**4.5 * HEXAPOD.damping,
+        armature=size**5 * HEXAPOD.armature,
+    )
+    (folder / "scene.xml").write_text((FOLDER / "scene.xml").read_text())
+    body = shape_to_mjcf(shape, [(1, 4, 5), (2, 3, 6)])
+    return write(folder, "scaled", body, (FOLDER / "hexapod.toml").read_text())

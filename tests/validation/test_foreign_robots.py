@@ -54,6 +54,19 @@ def test_its_folder_replays_in_bare_mujoco(walked):
     assert (data.qpos == np.load(folder / "trajectory.npz")["qpos"][-1]).all()
 
 
+@pytest.mark.parametrize("size", [0.2, 5.0])
+def test_small_and_large_robots_are_predicted_as_closely(size, tmp_path):
+    """A robot of 8 g that fits on a palm, and one of 159 kg as wide as a car."""
+    robot, folder = str(foreign.scaled(tmp_path, size)), tmp_path / "run"
+    folder.mkdir()
+    path = line((0.005 * size, 0.005 * size, 0.0))
+    scenario = Scenario(name="short", robot=robot, path=path, segments=1)
+    summary = run(scenario, RunFolder(folder))
+    assert summary["contact_switches_achieved"] == summary["contact_switches"]
+    farthest = summary["error"]["quasi_static"]["farthest"]
+    assert farthest < 0.003 * summary["distance_walked"]  # 0.001 measured for both
+
+
 def test_it_starts_from_keyframe_home_with_its_knees_held(tmp_path, scenario):
     robot = load(str(foreign.mantis(tmp_path)))
     model = load_world(build(robot, scenario()))
