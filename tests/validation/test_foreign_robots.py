@@ -56,7 +56,7 @@ def test_its_folder_replays_in_bare_mujoco(walked):
 
 @pytest.mark.parametrize("size", [0.2, 5.0])
 def test_small_and_large_robots_are_predicted_as_closely(size, tmp_path):
-    """A robot of 8 g that fits on a palm, and one of 159 kg as wide as a car."""
+    """A robot of 10 g that fits on a palm, and one of 159 kg as wide as a car."""
     robot, folder = str(foreign.scaled(tmp_path, size)), tmp_path / "run"
     folder.mkdir()
     path = line((0.005 * size, 0.005 * size, 0.0))
