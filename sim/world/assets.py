@@ -49,6 +49,18 @@ def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
     return content
 
 
+def sources(robot: Robot) -> set[Path]:
+    """Where a robot's files are."""
+    spec = robot.read()
+    paths = set()
+    for element, folder, found in _elements(spec, robot.model):
+        base = Path(spec.modelfiledir) / folder
+        if element.file:
+            paths.add(found or base / element.file)
+        paths |= {base / file for file in getattr(element, "cubefiles", ()) if file}
+    return paths
+
+
 def _elements(
     spec: mujoco.MjSpec, model: mujoco.MjModel
 ) -> Iterator[tuple[Any, str, Path | None]]:

@@ -13,6 +13,7 @@ import mujoco
 
 from models.library import has_card_inside
 from models.robot import FOLDER, Robot
+from sim.world.assets import sources
 
 COPY = "robot"  # folder in the run folder
 
@@ -28,13 +29,16 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
     """
     if robot.path.parent == FOLDER:
         return robot.name, {}
-    used = [Path(p) for p in mujoco.mju_getXMLDependencies(str(robot.path.resolve()))]
+    mjcf = robot.path.resolve()
+    named = map(Path, mujoco.mju_getXMLDependencies(str(mjcf)))
+    included = {path for path in named if path.is_file()}  # of assets a guess
+    used = {path.resolve() for path in included | sources(robot)}
     above = os.path.commonpath([path.parent for path in used])
     copies = {
         Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()
-        for path in used
+        for path in sorted(used)
     }
-    main = Path(COPY, robot.path.resolve().relative_to(above))
+    main = Path(COPY, mjcf.relative_to(above))
     if not has_card_inside(robot.path):
         copies[main.with_suffix(".toml").as_posix()] = robot.card_text.encode()
     return main.as_posix(), copies
