@@ -75,8 +75,8 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         ),
         (
             "[gait]",
-            '[lean.1]\npattern = "x"\ngroups = ["2"]\nat = 1\n[gait]',
-            "lean.1: 'x' is no pattern of S12",
+            '[pattern.turn]\nstrata = ["12"]\ngroups = { 3 = 1 }\n[gait]',
+            r"pattern turn: there is no group \['3'\]",
         ),
     ],
 )
