@@ -75,8 +75,8 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         ),
         (
             "[gait]",
-            '[pattern.turn]\nstrata = ["12"]\ngroups = { 3 = 1 }\n[gait]',
-            r"pattern turn: there is no group \['3'\]",
+            '[pattern.turn]\nstrata = ["1"]\ngroups = { 2 = 1 }\n[gait]',
+            r"pattern.turn: groups \['2'\] are in the air on S1",
         ),
     ],
 )
