@@ -132,15 +132,15 @@ def load(path: Path | str) -> Plan:
     """
     try:
         table = json.loads(Path(path).read_text())
-    except ValueError:
+    except (ValueError, RecursionError):
         raise ValueError(
             f"{path} is not JSON; give a file that a plan was saved to"
         ) from None
     if not isinstance(table, dict) or table.get("format") != FORMAT:
-        raise ValueError(f"{path} is not a plan of the format {FORMAT!r}")
+        raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
     try:
         return _plan(table)
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None
 
 

@@ -70,23 +70,38 @@ class RangeError(PlannerError):
     """
 
     def __init__(
-        self, name: str, reached: float, low: float, high: float, segments: int | None
+        self,
+        name: str,
+        reached: float,
+        low: float,
+        high: float,
+        segments: int | None = None,
+        hopeless: str = "",
     ) -> None:
+        """Compose the message.
+
+        Args:
+            name: The shape variable.
+            reached: The value that it would have.
+            low: The lowest that it may have.
+            high: The highest.
+            segments: Number of segments that would do.
+            hopeless: Why there is no such number, as far as that is known.
+        """
         self.name, self.reached, self.low, self.high = name, reached, low, high
         self.segments = segments
-        way_out = (
-            f"plan at least {segments} segments"
-            if segments
-            else "no number of segments would do; widen the range or shorten the path"
-        )
+        widen = "widen the range or shorten the path"
+        why = f"{hopeless}; {widen}" if hopeless else widen
+        way_out = f"plan at least {segments} segments" if segments else why
         super().__init__(
             f"{name} would reach {reached:.4g}, outside its range {low:.4g} to "
             f"{high:.4g}; {way_out}"
         )
 
-    def with_segments(self, segments: int | None) -> RangeError:
-        """The same refusal with a number of segments that would do."""
-        return RangeError(self.name, self.reached, self.low, self.high, segments)
+    def with_segments(self, segments: int | None, hopeless: str = "") -> RangeError:
+        """The same refusal with a number of segments that would do, or why none."""
+        place = self.name, self.reached, self.low, self.high
+        return RangeError(*place, segments, hopeless)
 
 
 class BoundError(PlannerError):

@@ -6,13 +6,14 @@ the next is inserted here from the fields that move foot heights (eq. 12).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from planner.collocation import follow
-from planner.errors import StratumError
+from planner.errors import StratumError, unknown
 from planner.fields import Array, NumericField, VectorField
 from planner.level_sets import LevelSet
 from planner.strata import StratifiedSystem, steps
@@ -39,6 +40,27 @@ class Word(NamedTuple):
 
     fields: tuple[str, ...]
     durations: Sequence[float]
+
+
+def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
+    """Refuse flows that a system does not have.
+
+    Raises:
+        ValueError: A stratum is unknown, or lacks a field, or a time is not finite.
+    """
+    for stratum, field in dict.fromkeys(flow[:2] for flow in flows):
+        if stratum not in system.strata:
+            known = unknown(stratum, system.strata)
+            raise ValueError(f"flow on stratum {stratum!r}, which {known}")
+        if field not in system.fields:
+            raise ValueError(f"field {field} {unknown(field, system.fields)}")
+        if (owner := system.stratum_of[field]) != stratum:
+            raise ValueError(
+                f"flow along {field} on S{stratum}; the field belongs to S{owner}"
+            )
+    for flow in flows:
+        if not math.isfinite(flow.duration):
+            raise ValueError(f"flow {flow} is not of a finite time")
 
 
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.choice import choose_elements
-from planner.errors import RangeError
+from planner.elements import parse
+from planner.errors import RangeError, unknown
 from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem, extend
 from planner.fields import Array
-from planner.flows import Flow, contact_switches, visits
+from planner.flows import Flow, contact_switches, require_flows, visits
 from planner.nominal import default_nodes, fictitious_inputs, sample
 from planner.paths import Path, as_path
 from planner.shape import Limits
@@ -22,7 +23,8 @@ from planner.stepping import Poise
 from planner.strata import StratifiedSystem
 
 CHOICE_NODES = 7  # configurations of a path that chosen elements must span
-MOST_SEGMENTS = 10_000  # tried when a plan's range asks for more segments
+MOST_SEGMENTS = 100_000  # of one plan; these take a minute and a gigabyte
+MOST_TRIED = 10_000  # when a plan's range asks for more segments
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +44,9 @@ class Plan:
         goal: Configuration that the path ends in, shape (n,).
         depart: Stratum at rest before the first flow.
         arrive: Stratum at rest after the last one.
+
+    Raises:
+        ValueError: Something is misshapen, not finite, or not of the system.
     """
 
     system: StratifiedSystem
@@ -55,6 +60,36 @@ class Plan:
     goal: Array
     depart: str
     arrive: str
+
+    def __post_init__(self) -> None:
+        require_flows(self.system, self.flows)
+        for element in self.elements:
+            parse(element, self.system)
+        for name in (self.depart, self.arrive):
+            if name not in self.system.strata:
+                known = unknown(name, self.system.strata)
+                raise ValueError(f"stratum {name!r} {known}")
+        ends = (0, *self.segment_ends)
+        if list(ends) != sorted(ends) or ends[-1] != len(self.flows):
+            raise ValueError(
+                f"segment_ends do not ascend to the number of flows, {len(self.flows)}"
+            )
+        self._require_shapes()
+
+    def _require_shapes(self) -> None:
+        segments, state = len(self.segment_ends), (self.system.dimension,)
+        nodes = self.inputs.shape[1:2]
+        for name, shape in (
+            ("start", state),
+            ("goal", state),
+            ("hall_coordinates", (segments, len(self.basis))),
+            ("inputs", (segments, *nodes, len(self.elements))),
+        ):
+            value = getattr(self, name)
+            if value.shape != shape or not np.isfinite(value).all():
+                raise ValueError(
+                    f"{name} of shape {value.shape} should be {shape} finite numbers"
+                )
 
     @property
     def contact_switches(self) -> int:
@@ -123,10 +158,9 @@ def plan(
         PlannerError: The elements lose rank on the path, or do not reach its velocity.
         RangeError: The plan leaves the limits; it says how many segments would do.
     """
+    require_segments(segments)
     nominal = as_path(path)
     extended = _extended(system, elements, nominal)
-    if not isinstance(segments, Integral) or segments < 1:
-        raise ValueError(f"segments is {segments}; a whole number from 1 on is needed")
     execution = Execution(
         stance=stance,
         coordinates=coordinates,
@@ -139,8 +173,21 @@ def plan(
     try:
         return follow_path(extended, nominal, segments, execution, nodes)
     except RangeError as error:
-        enough = enough_segments(extended, nominal, segments, execution)
-        raise error.with_segments(enough) from None
+        raise with_remedy(error, extended, nominal, segments, execution) from None
+
+
+def require_segments(segments: int) -> None:
+    """Refuse what is no number of segments, or one beyond all use.
+
+    Raises:
+        ValueError: It is not a whole number from 1 to `MOST_SEGMENTS`.
+    """
+    whole = isinstance(segments, Integral) and not isinstance(segments, bool)
+    if not whole or not 1 <= segments <= MOST_SEGMENTS:
+        raise ValueError(
+            f"segments is {segments}; a whole number from 1 to {MOST_SEGMENTS} is "
+            "needed"
+        )
 
 
 def follow_path(
@@ -196,22 +243,27 @@ def assemble(
     )
 
 
-def enough_segments(
-    extended: ExtendedSystem, path: Path, segments: int, execution: Execution
-) -> int | None:
-    """The smallest number of segments found, open loop, that keeps the limits.
+def with_remedy(
+    refusal: RangeError,
+    extended: ExtendedSystem,
+    path: Path,
+    segments: int,
+    execution: Execution,
+) -> RangeError:
+    """A refusal with the smallest number of segments found to keep the limits.
 
     Args:
+        refusal: What the plan was refused with.
         extended: System to steer.
         path: Configurations on the bottom stratum for s in [0, 1].
-        segments: A number that does not do.
+        segments: A number that does not do; others are tried open loop.
         execution: How to carry them out.
     """
     for end in (path(0.0), path(1.0)):
         try:
             extended.shape.require_within(execution.limits, (), end)
         except RangeError:
-            return None
+            return refusal.with_segments(None, "no number of segments would do")
 
     def fits(segments: int) -> bool:
         try:
@@ -223,12 +275,12 @@ def enough_segments(
     low, high = segments, 2 * segments
     while not fits(high):
         low, high = high, 2 * high
-        if high > MOST_SEGMENTS:
-            return None
+        if high > MOST_TRIED:
+            return refusal.with_segments(None, f"{low} segments would not do")
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if fits(middle) else (middle, high)
-    return high
+    return refusal.with_segments(high)
 
 
 def _extended(

@@ -8,7 +8,7 @@ import numpy as np
 
 from planner.collocation import follow
 from planner.fields import Array
-from planner.flows import Flow
+from planner.flows import Flow, require_flows
 from planner.plan import Plan
 from planner.strata import StratifiedSystem
 
@@ -32,12 +32,19 @@ def play(
     """States along any flows, as `rollout` gives them.
 
     Raises:
-        ValueError: A flow names a field that the system does not have.
+        ValueError: A flow names a field that its stratum does not have, or the start
+            is misshapen.
         ConvergenceError: A flow escapes.
     """
     if samples < 1:
         raise ValueError(f"samples is {samples}; at least 1 is needed")
+    require_flows(system, flows)
     states = [np.asarray(start, dtype=float)]
+    if states[0].shape != (system.dimension,):
+        raise ValueError(
+            f"start has shape {states[0].shape}; {system.dimension} coordinates are "
+            "needed"
+        )
     for flow in flows:
         velocity = system.compiled(flow.field).velocity
         for _ in range(samples):

@@ -35,7 +35,8 @@ class Shape:
     @cached_property
     def rates(self) -> dict[str, Array]:
         """For each field the rates of all coordinates, nan where not constant."""
-        return {name: _rates(field) for name, field in self.system.fields.items()}
+        size = self.system.dimension
+        return {name: _rates(field, size) for name, field in self.system.fields.items()}
 
     @cached_property
     def coordinates(self) -> frozenset[int]:
@@ -91,23 +92,26 @@ class Shape:
             )
             worst = values[np.maximum(values - high, low - values).argmax()]
             if not low - SLACK <= worst <= high + SLACK:
-                raise RangeError(name, float(worst), low, high, None)
+                raise RangeError(name, float(worst), low, high)
 
     def _index(self, name: str, low: float, high: float) -> int:
         if name not in self.names:
             raise ValueError(f"limit of {name}, which {unknown(name, self.names)}")
         if not low < high:
-            raise ValueError(f"limits of {name} are empty: {low} to {high}")
+            raise ValueError(
+                f"limits of {name} are empty: {low} to {high}; give the lower one first"
+            )
         if (index := self.names.index(name)) not in self.coordinates:
             raise ValueError(
-                f"limit of {name}: some field moves it at a rate that varies"
+                f"limit of {name}: some field moves it at a rate that varies, or that "
+                "only a function knows; limit coordinates of constant rates"
             )
         return index
 
 
-def _rates(field: VectorField) -> Array:
+def _rates(field: VectorField, size: int) -> Array:
     if isinstance(field, NumericField):
-        return np.full(0, np.nan)
+        return np.full(size, np.nan)
     return np.array([float(e) if e.is_number else np.nan for e in field])
 
 

@@ -19,7 +19,7 @@ from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.nominal import fictitious_inputs, sample
 from planner.paths import Path, as_path, grid, line
-from planner.plan import Plan, assemble, enough_segments
+from planner.plan import Plan, assemble, require_segments, with_remedy
 from planner.replan import FINEST, NODES
 from planner.rollout import play
 
@@ -67,11 +67,13 @@ def aim(
         tolerance: Distance to the segments' ends to stay within.
 
     Raises:
-        ValueError: The execution leaves the choice of coordinates open.
+        ValueError: The execution leaves the choice of coordinates open, or there is no
+            such number of segments.
         ConvergenceError: A segment is too long to be aimed at.
         RangeError: The plan leaves the limits; about how many segments would do is
             judged open loop.
     """
+    require_segments(segments)
     nominal = as_path(path)
     targets = nominal.at(grid(nominal, segments))
     shots, here = [], targets[0]
@@ -87,8 +89,7 @@ def aim(
     try:
         return _assembled(extended, shots, (targets[0], targets[-1]), execution)
     except RangeError as error:
-        enough = enough_segments(extended, nominal, segments, execution)
-        raise error.with_segments(enough) from None
+        raise with_remedy(error, extended, nominal, segments, execution) from None
 
 
 def _aimed(
@@ -144,13 +145,14 @@ def steer(
         max_shots: Number of shots after which to give up.
 
     Raises:
-        ValueError: The execution leaves the choice of coordinates open.
+        ValueError: The execution leaves the choice of coordinates open, or an end is
+            misshapen or not finite.
         ConvergenceError: The shots do not come closer, or not within `max_shots`.
     """
-    goal = np.asarray(goal, dtype=float)
-    here = np.asarray(start, dtype=float)
+    way = line(start, goal)
+    ends = here, end = way(0.0), way(1.0)
     shots: list[_Shot] = []
-    distances = [float(np.linalg.norm(goal - here))]
+    distances = [float(np.linalg.norm(end - here))]
     part, critical = 1.0, np.inf
     while distances[-1] > tolerance:
         if len(shots) >= max_shots or part < FINEST:
@@ -158,7 +160,7 @@ def steer(
                 f"{len(shots)} shots end {distances[-1]:.3g} from the goal, beyond the "
                 f"tolerance {tolerance:.3g}; allow more, or cut the path into segments"
             )
-        target = here + part * (goal - here)
+        target = here + part * (end - here)
         shot = _shot(extended, here, target, execution)
         length = float(np.linalg.norm(target - here))
         if np.linalg.norm(target - shot.end) > length / 2:
@@ -166,9 +168,9 @@ def steer(
             continue
         here, part = shot.end, min(1.0, 2 * part)
         shots.append(shot)
-        distances.append(float(np.linalg.norm(goal - here)))
+        distances.append(float(np.linalg.norm(end - here)))
     return Steered(
-        _assembled(extended, shots, (np.asarray(start, float), goal), execution),
+        _assembled(extended, shots, ends, execution),
         tuple(distances),
         float(critical),
     )

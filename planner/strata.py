@@ -1,9 +1,9 @@
 """Stratified systems as data: a state, strata with their fields, foot heights (Def. 1).
 
 A stratum's contacts are its level sets; where none are given they are read from its
-name, one character a contact and `0` for none, so that S12 is `"12"`. Two strata are
-neighbours in the graph of Figs. 2 and 3 when one's contacts contain the other's and no
-third stratum lies between. Planning happens elsewhere.
+name, one character a contact and `0` for none, so that S12 is `"12"`. No two strata
+have the same. Two are neighbours in the graph of Figs. 2 and 3 when one's contacts
+contain the other's and no third stratum lies between. Planning happens elsewhere.
 """
 
 from __future__ import annotations
@@ -66,6 +66,7 @@ class StratifiedSystem:
             ("level_sets", level_sets),
         ):
             object.__setattr__(self, name, value)
+        self._require_distinct_contacts()
         for stratum in self.strata:
             self._require_tangent_fields(stratum)
 
@@ -185,6 +186,22 @@ class StratifiedSystem:
     def walks(self) -> dict[str, dict[str, tuple[str, ...]]]:
         """Shortest walks from each stratum to those that the graph joins to it."""
         return {s: _walks(s, self.neighbours) for s in self.strata}
+
+    def _require_distinct_contacts(self) -> None:
+        for name in self.strata if len(self.strata) > 1 else ():
+            clear = len(set(name)) == len(name) and ("0" not in name or name == "0")
+            if not (clear or self.level_sets):
+                raise ValueError(
+                    f"stratum {name!r} has a contact for each character of its name, "
+                    "0 for none; name every contact once, or give level_sets"
+                )
+        seen: dict[frozenset[str], str] = {}
+        for name, contacts in self.contacts.items():
+            if (other := seen.setdefault(contacts, name)) != name:
+                raise ValueError(
+                    f"strata S{other} and S{name} have the same contacts; make them "
+                    "one, or give level_sets that tell them apart"
+                )
 
     def _require_tangent_fields(self, stratum: str) -> None:
         level_set = self.level_set(stratum)

@@ -39,6 +39,7 @@ def test_system_survives_its_table():
     ("text", "message"),
     [
         ("{", "is not JSON"),
+        ("[" * 99_999, "is not JSON"),
         ("[]", "is not a plan of the format"),
         ('{"format": "stratified plan, version 1"}', "is damaged: 'system'"),
     ],
@@ -47,6 +48,42 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
     (tmp_path / "plan.json").write_text(text)
     with pytest.raises(ValueError, match=message):
         load(tmp_path / "plan.json")
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        ({"flows": [["12", "g9", 1.0]]}, "field g9 is unknown"),
+        ({"flows": [["12", "g1_1", 1.0]]}, "the field belongs to S1; save the plan ag"),
+        ({"flows": [["9", "g1_1", 1.0]]}, "stratum '9', which is unknown"),
+        ({"flows": [["1", "g1_1", float("nan")]]}, "is not of a finite time"),
+        ({"flows": [["1", "g1_1", "long"]]}, "could not convert string to float"),
+        (
+            {"segment_ends": [99]},
+            "segment_ends do not ascend to the number of flows, ",
+        ),
+        ({"segment_ends": ["all"]}, "is damaged: .* not supported"),
+        ({"start": [0, 0]}, r"start of shape \(2,\) should be \(5,\) finite numbers"),
+        ({"start": [float("nan")] * 5}, "start of shape .* finite numbers"),
+        ({"goal": "home"}, "goal of shape"),
+        ({"inputs": 5}, r"inputs of shape \(\) should be \(1, 5\) finite numbers"),
+        ({"hall_coordinates": [[0, 0]]}, "hall_coordinates of shape"),
+        ({"elements": 5}, "is damaged: "),
+        ({"elements": [1]}, "is damaged: "),
+        ({"elements": ["g9"]}, "element g9: field g9 is unknown"),
+        ({"depart": "9"}, "stratum '9' is unknown; there are 12, 1, 2"),
+        ({"depart": 9}, "is damaged: "),
+        ({"system": 5}, "is damaged: "),
+        ({"system": {"state": ["x"], "bottom": "0", "strata": [1]}}, "is damaged: "),
+    ],
+)
+def test_plans_of_another_shape_are_refused(tmp_path, damage, message):
+    path = tmp_path / "plan.json"
+    save(plan(hexapod(), line(np.zeros(5), [1, 1, 0, 0, 0]), 1, LIFTED), path)
+    path.write_text(json.dumps(json.loads(path.read_text()) | damage))
+    with pytest.raises(ValueError, match=message) as refusal:
+        load(path)
+    assert str(refusal.value).startswith(f"{path} is damaged: ")
 
 
 def test_plan_of_functions_is_not_saved(tmp_path):

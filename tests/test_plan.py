@@ -162,8 +162,10 @@ def test_numeric_fields_are_steered_as_symbolic_ones(paper):
 @pytest.mark.parametrize(
     ("path", "segments", "message"),
     [
-        (DIAGONALLY, 0, "segments is 0; a whole number from 1 on"),
-        (DIAGONALLY, 2.5, "segments is 2.5; a whole number from 1 on"),
+        (DIAGONALLY, 0, "segments is 0; a whole number from 1 to 100000"),
+        (DIAGONALLY, True, "segments is True; a whole number"),
+        (DIAGONALLY, 100_001, "segments is 100001; a whole number from 1 to 100000"),
+        (DIAGONALLY, 2.5, "segments is 2.5; a whole number from 1 to 100000"),
         (lambda s: [s, s, 0], 1, r"path returns shape \(3,\), expected \(5,\): x, y"),
         (lambda s: [s, s, 0, 0, np.nan], 1, "path is not finite at s = 0"),
         ([0, 1], 1, r"path is \[0, 1\]; give a function"),

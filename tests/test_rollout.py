@@ -43,9 +43,23 @@ def test_flows_back_and_forth_return():
     )
 
 
-def test_unknown_field_of_a_flow_is_refused():
-    with pytest.raises(ValueError, match="field g1_9 is unknown; there are"):
-        play(hexapod(), [Flow("1", "g1_9", 1.0)], np.zeros(5))
+@pytest.mark.parametrize(
+    ("flow", "size", "message"),
+    [
+        (Flow("1", "g1_9", 1.0), 5, "field g1_9 is unknown; there are"),
+        (Flow("3", "g1_1", 1.0), 5, "flow on stratum '3', which is unknown; there are"),
+        (Flow("2", "g1_1", 1.0), 5, "along g1_1 on S2; the field belongs to S1"),
+        (Flow("1", "g1_1", np.nan), 5, "flow S1: .nan g1_1 is not of a finite time"),
+        (
+            Flow("1", "g1_1", 1.0),
+            4,
+            r"start has shape \(4,\); 5 coordinates are needed",
+        ),
+    ],
+)
+def test_flow_that_the_system_does_not_have_is_refused(flow, size, message):
+    with pytest.raises(ValueError, match=message):
+        play(hexapod(), [flow], np.zeros(size))
 
 
 def test_samples_below_one_are_refused():

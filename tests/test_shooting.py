@@ -75,6 +75,23 @@ def test_shots_that_run_out_are_refused(paper):
         steer(paper, AT_REST, [1, 1, 0, 0, 0], BACKWARD, max_shots=2)
 
 
+@pytest.mark.parametrize(
+    ("goal", "message"),
+    [
+        ([np.nan, 1, 0, 0, 0], "point 2 is not finite"),
+        ([1, 1, 0], r"point 2 has shape \(3,\), the first \(5,\)"),
+    ],
+)
+def test_goal_that_is_no_configuration_is_refused(paper, goal, message):
+    with pytest.raises(ValueError, match=message):
+        steer(paper, AT_REST, goal, BACKWARD)
+
+
+def test_no_segments_to_aim_are_refused(paper):
+    with pytest.raises(ValueError, match="segments is 0; a whole number from 1 to"):
+        aim(paper, line(AT_REST, [1, 1, 0, 0, 0]), 0, BACKWARD)
+
+
 def test_choice_of_coordinates_must_be_made_for_shots(paper):
     with pytest.raises(ValueError, match="choose backward, forward or sh"):
         steer(paper, AT_REST, [1, 1, 0, 0, 0], Execution())

@@ -10,6 +10,7 @@ from planner.paths import ellipse, line
 from planner.plan import plan
 from planner.rollout import rollout
 from planner.shape import Shape
+from planner.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, PAPER, chained, hexapod
 
 ROUNDING = 1e-12
@@ -157,6 +158,15 @@ def test_range_that_no_number_of_segments_keeps_is_refused(robot):
     assert refusal.value.segments is None
 
 
+def test_range_that_needs_more_segments_than_are_tried_is_not_called_hopeless(
+    robot, monkeypatch
+):
+    monkeypatch.setattr("planner.plan.MOST_TRIED", 8)
+    limits = {"phi_1": (-1e-3, 1e-3)}
+    with pytest.raises(RangeError, match="; 8 segments would not do; widen the range"):
+        plan(robot, WAYS["line"][0], 1, limits=limits)
+
+
 def test_words_that_keep_the_range_are_preferred_to_fewer_switches(robot):
     path, segments = WAYS["diagonal"]
     limits = {"phi_1": (-0.4, 0.4), "phi_2": (-0.4, 0.4)}
@@ -176,6 +186,17 @@ def test_words_that_keep_the_range_are_preferred_to_fewer_switches(robot):
 def test_limits_that_bound_no_shape_are_refused(robot, limits, message):
     with pytest.raises(ValueError, match=message):
         plan(robot, line(AT_REST, [0.01, 0, 0, 0, 0]), 1, limits=limits)
+
+
+@pytest.mark.parametrize("stance", ["centred", "stepped"])
+def test_fields_known_as_functions_have_no_known_shape(stance):
+    strata = {"12": {}, "1": {"a": [1, 0]}, "2": {"b": lambda x: [0, 1]}}
+    mixed = StratifiedSystem("x y", strata, "12")
+    straight = line([0, 0], [1, 1])
+    planned = plan(mixed, straight, 2, ["a", "b"], stance=stance)
+    assert rollout(planned)[-1] == pytest.approx([1, 1], abs=ROUNDING)
+    with pytest.raises(ValueError, match="limit of x: .* only a function knows; limit"):
+        plan(mixed, straight, 2, ["a", "b"], limits={"x": (-1, 1)})
 
 
 def test_switches_of_centred_plans_are_those_of_their_flows(robot):

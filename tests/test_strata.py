@@ -96,6 +96,19 @@ def test_field_may_be_tangent_on_its_curved_stratum_alone():
         ),
         ({"strata": {"1": {"g": ["9**x", "__import__('os')"]}}}, "g of S1: formula"),
         ({"strata": {"1": {"g": [[1], [1, 2]]}}}, "field g of S1: SympifyError"),
+        (
+            {"strata": {"1": {"g": [1, 0]}, "10": {}}},
+            "stratum '10' has a contact for each character of its name, 0 for none; na",
+        ),
+        ({"strata": {"1": {"g": [1, 0]}, "1213": {}}}, "stratum '1213' has a contact"),
+        (
+            {"strata": {"1": {}, "12": {"g": [1, 0]}, "21": {}}},
+            "strata S12 and S21 have the same contacts; make them one",
+        ),
+        (
+            {"strata": {"1": {}, "2": {"g": [1, 0]}}, "level_sets": {"1": [], "2": []}},
+            "strata S1 and S2 have the same contacts",
+        ),
         ({"strata": {"1": {"g": 1}}}, r"field g of S1 has shape \(1, 1\)"),
         ({"state": "x sin"}, "state has sin, which formulas use; rename it"),
         (
