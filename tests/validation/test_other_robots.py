@@ -75,4 +75,5 @@ def test_scaled_walks_end_at_the_goal_without_tipping(robot, scenario):
     summary = walked(robot, (way, way, YAW[scenario]), segments)
     check_steady(summary)
     goal = summary["error"]["goal"]
+    # the quadruped: 0.005, 0.006 measured in 6 segments, 0.0007 the line in 12
     assert goal["position"] < 0.01 * summary["path_length"]
