@@ -26,7 +26,7 @@ from sim.setup import Setup
 Array = np.ndarray
 
 ROOMS = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
-TRIALS = 5000  # samples of a search; two seconds where there is no way
+TRIALS = 5000  # samples for all searches; some seconds where there is no way
 SEARCHES = 8  # of which the shortest way is taken
 TIGHTEST = 0.5  # arc, in radii of the robot's outline
 CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
@@ -120,17 +120,18 @@ class _Search:
         """
         if not all(self.is_free(*pose) for pose in (nominal.START, self.goal)):
             return None
-        first = self._once(SEARCHES * seed)
-        if first is None:
+        budget = _after(TRIALS)
+        seeds = range(SEARCHES * seed, SEARCHES * (seed + 1))
+        ways = [way for way in (self._once(s, budget) for s in seeds) if way]
+        if not ways:
             return None
-        later = (self._once(SEARCHES * seed + i) for i in range(1, SEARCHES))
-        best = min(filter(None, (first, *later)), key=lambda way: way.length())
+        best = min(ways, key=lambda way: way.length())
         pieces = segments * math.ceil(best.length() / (segments * CHORD) or 1)
         best.interpolate(pieces + 1)
         return self._joined([_pose(state) for state in best.getStates()])
 
-    def _once(self, seed: int) -> Any:
-        """A way, shortened, as OMPL has it; None if none is found."""
+    def _once(self, seed: int, done: Callable[[], bool]) -> Any:
+        """A way, shortened, as OMPL has it; None if none is found until `done`."""
         base, geometric, util = _ompl()
         util.setLogLevel(util.LOG_NONE)
         util.RNG.setSeed(seed + 1)  # 0 would mean the time of day
@@ -148,7 +149,7 @@ class _Search:
             return straight
         setup.setStartAndGoalStates(*ends, 1e-9)
         setup.setPlanner(geometric.RRTConnect(information))
-        setup.solve(base.PlannerTerminationCondition(_after(TRIALS)))
+        setup.solve(base.PlannerTerminationCondition(done))
         if not setup.haveExactSolutionPath():
             return None
         way = setup.getSolutionPath()
