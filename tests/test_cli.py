@@ -148,6 +148,14 @@ def test_plan_goes_nowhere_when_the_goal_is_here(stratawalk):
     assert facts["contact_switches"] == 0
 
 
+def test_a_whole_turn_ends_at_yaw_0(stratawalk):
+    around = "path.goal=[0, 0, 6.283185307179586]"
+    done = stratawalk("plan", "diagonal", "--replan", "--set", around, "--json")
+    facts = json.loads(done.stdout)
+    assert abs(facts["pose"][2]) < 1e-6
+    assert facts["error"]["yaw"] < 1e-6
+
+
 def test_finer_plans_end_nearer_the_goal(stratawalk):
     def missed(segments):
         done = stratawalk("plan", "line", "--segments", str(segments), "--json")

@@ -73,6 +73,7 @@ def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
     """What flows do on the exact kinematics, in the words of summary.json."""
     from planner.flows import contact_switches
     from planner.rollout import play
+    from sim.poses import wrap
 
     scenario, system = setup.scenario, setup.equations.system
     states = play(system, flows, setup.nominal()(0.0))
@@ -86,10 +87,10 @@ def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
         "replan": scenario.replan,
         "goal": goal,
         "path_length": scenario.path.length,
-        "pose": pose.tolist(),
+        "pose": [*pose[:2].tolist(), float(wrap(pose[2]))],
         "error": {
             "position": math.dist(pose[:2], goal[:2]),
-            "yaw": abs(float(pose[2]) - goal[2]),
+            "yaw": abs(float(wrap(pose[2] - goal[2]))),
         },
         "contact_switches": contact_switches(system, flows),
         "largest_swing": float(abs(states[:, 3 : 3 + len(setup.robot.groups)]).max()),
