@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -112,15 +111,17 @@ def save(plan: Plan, path: Path | str) -> None:
         "arrive": plan.arrive,
     }
     path = Path(path)
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
-        try:
+    part = Path(f"{path}.{os.getpid()}.part")
+    try:
+        with part.open("w") as file:
             json.dump(table, file)
             file.flush()
             os.fsync(file.fileno())
-            os.replace(file.name, path)
-        except BaseException:
-            os.unlink(file.name)
-            raise
+        os.replace(part, path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def load(path: Path | str) -> Plan:

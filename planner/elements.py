@@ -17,6 +17,7 @@ from planner.strata import StratifiedSystem
 
 Tree = Any  # a field's name, or a pair of trees
 
+MOST_BRACKETS = 20  # in one element; the Hall basis up to it has 200 000 elements
 TOKEN = re.compile(r"\s*([\[\],]|\w+)")
 
 
@@ -48,6 +49,8 @@ def parse_names(text: str) -> Tree:
     tokens = TOKEN.findall(text)
     if "".join(tokens) != re.sub(r"\s", "", text):
         raise ValueError(f"element {text!r} is neither a field nor a bracket [a,b]")
+    if text.count("[") > MOST_BRACKETS:
+        raise ValueError(f"element has more than {MOST_BRACKETS} brackets; use fewer")
     stream = iter(tokens)
     tree = _read(stream, text)
     if next(stream, None) is not None:

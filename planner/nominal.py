@@ -1,19 +1,44 @@
-"""Samples of a nominal path, and the fictitious inputs that follow it (eq. 5)."""
+"""What a nominal path asks for: segments, samples, elements, inputs (eq. 5)."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from numbers import Integral
 
 import numpy as np
 
+from planner.choice import choose_elements
 from planner.collocation import collocation
-from planner.errors import point
-from planner.extended import ExtendedSystem
+from planner.errors import PlannerError, point
+from planner.extended import ExtendedSystem, extend
 from planner.fields import Array
 from planner.paths import Path, grid
 from planner.strata import StratifiedSystem
 
+CHOICE_NODES = 7  # configurations of a path that chosen elements must span
+MOST_SEGMENTS = 100_000  # of one plan; these take a minute and a gigabyte
 OFF_BOTTOM = 1e-6  # of the level sets, in their unit, that a path may miss
+
+
+def require_segments(segments: int, path: Path) -> None:
+    """Refuse what is no number of segments, one beyond all use, or one too small.
+
+    Raises:
+        ValueError: It is not a whole number from 1 to `MOST_SEGMENTS`.
+        PlannerError: The path has as many corners, some of which would be cut.
+    """
+    whole = isinstance(segments, Integral) and not isinstance(segments, bool)
+    if not whole or not 1 <= segments <= MOST_SEGMENTS:
+        raise ValueError(
+            f"segments is {segments}; a whole number from 1 to {MOST_SEGMENTS} is "
+            "needed"
+        )
+    if segments <= len(path.corners):
+        raise PlannerError(
+            f"segments is {segments}, which cuts corners of a path that has "
+            f"{len(path.corners)}; plan at least {len(path.corners) + 1} segments"
+        )
 
 
 def default_nodes(segments: int) -> int:
@@ -55,6 +80,32 @@ def _require_sound(values: Array, parameters: Array, system: StratifiedSystem) -
             f"path leaves S{system.bottom} at s = {parameters[k]:.6g}, where "
             f"{bottom.functions[i]} is not 0 at {point(values[k])}"
         )
+
+
+def extend_along(
+    system: StratifiedSystem | ExtendedSystem,
+    elements: Sequence[str] | None,
+    path: Path,
+) -> ExtendedSystem:
+    """The extended system by given elements, or by those that serve along a path.
+
+    Args:
+        system: System to extend; one that is extended already is left as it is.
+        elements: Fields and brackets, chosen by `planner.choice` if not given.
+        path: Configurations that they are to serve at.
+
+    Raises:
+        ValueError: An element is unknown or no element, or they are given twice.
+        PlannerError: No elements serve, or those given do not.
+    """
+    if isinstance(system, ExtendedSystem):
+        if elements is not None:
+            raise ValueError("elements are given twice: the system is extended already")
+        return system
+    if elements is None:
+        (samples,) = sample(path, system, 1, CHOICE_NODES)
+        elements = choose_elements(system, samples).elements
+    return extend(system, elements)
 
 
 def fictitious_inputs(extended: ExtendedSystem, samples: Array) -> Array:

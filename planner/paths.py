@@ -101,16 +101,19 @@ def as_path(path: Path | Callable[[float], ArrayLike]) -> Path:
 def grid(path: Path, segments: int) -> Array:
     """Parameters that divide a path into segments, uniform but for its corners.
 
-    Each corner draws the nearest inner division to itself, the nearest corner first.
+    Each corner draws the nearest inner division to itself that leaves one to each of
+    the others. Where there are too few divisions they are uniform and cut the corners.
     """
     parameters = np.linspace(0.0, 1.0, segments + 1)
-    taken = set()
-    for corner in sorted(path.corners, key=lambda s: abs(s * segments % 1 - 0.5))[::-1]:
-        k = int(np.clip(round(corner * segments), 1, max(segments - 1, 1)))
-        if k not in taken and k < segments:
-            parameters[k] = corner
-            taken.add(k)
-    return np.maximum.accumulate(parameters)
+    corners = np.array(path.corners)
+    spare = segments - 1 - corners.size
+    if spare >= 0:
+        before = np.arange(
+            1, corners.size + 1
+        )  # divisions that each leaves, and its own
+        later = np.clip(np.rint(corners * segments) - before, 0, spare)
+        parameters[np.maximum.accumulate(later).astype(int) + before] = corners
+    return parameters
 
 
 def recut(path: Path, cuts: Array) -> Path:

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.choice import choose_elements
 from planner.elements import parse
 from planner.errors import RangeError, unknown
 from planner.execution import Coordinates, Execution, Stance
-from planner.extended import ExtendedSystem, extend
+from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.flows import Flow, contact_switches, require_flows, visits
-from planner.nominal import default_nodes, fictitious_inputs, sample
+from planner.nominal import (
+    default_nodes,
+    extend_along,
+    fictitious_inputs,
+    require_segments,
+    sample,
+)
 from planner.paths import Path, as_path
 from planner.shape import Limits
 from planner.stepping import Poise
 from planner.strata import StratifiedSystem
 
-CHOICE_NODES = 7  # configurations of a path that chosen elements must span
-MOST_SEGMENTS = 100_000  # of one plan; these take a minute and a gigabyte
 MOST_TRIED = 10_000  # when a plan's range asks for more segments
 
 
@@ -155,12 +157,13 @@ def plan(
     Raises:
         ValueError: An argument is out of range or misshapen, or the path is not finite
             or not on the bottom stratum.
-        PlannerError: The elements lose rank on the path, or do not reach its velocity.
+        PlannerError: The elements lose rank on the path, or do not reach its velocity,
+            or the path has a corner for every segment.
         RangeError: The plan leaves the limits; it says how many segments would do.
     """
-    require_segments(segments)
     nominal = as_path(path)
-    extended = _extended(system, elements, nominal)
+    require_segments(segments, nominal)
+    extended = extend_along(system, elements, nominal)
     execution = Execution(
         stance=stance,
         coordinates=coordinates,
@@ -174,20 +177,6 @@ def plan(
         return follow_path(extended, nominal, segments, execution, nodes)
     except RangeError as error:
         raise with_remedy(error, extended, nominal, segments, execution) from None
-
-
-def require_segments(segments: int) -> None:
-    """Refuse what is no number of segments, or one beyond all use.
-
-    Raises:
-        ValueError: It is not a whole number from 1 to `MOST_SEGMENTS`.
-    """
-    whole = isinstance(segments, Integral) and not isinstance(segments, bool)
-    if not whole or not 1 <= segments <= MOST_SEGMENTS:
-        raise ValueError(
-            f"segments is {segments}; a whole number from 1 to {MOST_SEGMENTS} is "
-            "needed"
-        )
 
 
 def follow_path(
@@ -281,18 +270,3 @@ def with_remedy(
         middle = (low + high) // 2
         low, high = (low, middle) if fits(middle) else (middle, high)
     return refusal.with_segments(high)
-
-
-def _extended(
-    system: StratifiedSystem | ExtendedSystem,
-    elements: Sequence[str] | None,
-    path: Path,
-) -> ExtendedSystem:
-    if isinstance(system, ExtendedSystem):
-        if elements is not None:
-            raise ValueError("elements are given twice: the system is extended already")
-        return system
-    if elements is None:
-        (samples,) = sample(path, system, 1, CHOICE_NODES)
-        elements = choose_elements(system, samples).elements
-    return extend(system, elements)

@@ -55,8 +55,9 @@ def word(
         ValueError: The coordinates are not finite or have another shape, or the order
             has another name.
     """
-    h = lie_algebra(tuple(basis)).vector(hall_coordinates)
-    return words(basis, h[None], order, vanishing)[0]
+    h = _shaped(1, lie_algebra(tuple(basis)).vector(hall_coordinates))
+    (found,) = words(basis, h[None], order, vanishing)
+    return found
 
 
 def words(
@@ -92,7 +93,7 @@ def spellings(
         vanishing: As in `word`.
     """
     algebra = lie_algebra(tuple(basis))
-    h = algebra.vector(hall_coordinates)
+    h = _shaped(2, algebra.vector(hall_coordinates))
     if order == "backward":
         return _spelled(algebra, _amounts(algebra, h, vanishing))
     if order != "forward":
@@ -100,6 +101,15 @@ def spellings(
     # -f are the backward coordinates of the flow back, whose word is then run back.
     way_back = _amounts(algebra, -forward(basis, h), vanishing)
     return _spelled(algebra, way_back, back=True)
+
+
+def _shaped(axes: int, h: Array) -> Array:
+    if h.ndim != axes:
+        raise ValueError(
+            f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give word "
+            "those of one segment, words those of many as rows"
+        )
+    return h
 
 
 def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> Array:

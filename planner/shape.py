@@ -76,6 +76,15 @@ class Shape:
         steps = [self.rates[flow.field][coordinate] * flow.duration for flow in flows]
         return np.cumsum([start, *steps])
 
+    def require_limits(self, limits: Limits) -> None:
+        """Refuse limits that bound nothing.
+
+        Raises:
+            ValueError: A limit names no shape coordinate, or is empty.
+        """
+        for name, (low, high) in limits.items():
+            self._index(name, low, high)
+
     def require_within(
         self, limits: Limits, flows: Iterable[Flow], start: Array
     ) -> None:

@@ -17,9 +17,9 @@ from planner.errors import ConvergenceError, RangeError
 from planner.execution import CHOICES, Execution
 from planner.extended import ExtendedSystem
 from planner.fields import Array
-from planner.nominal import fictitious_inputs, sample
+from planner.nominal import fictitious_inputs, require_segments, sample
 from planner.paths import Path, as_path, grid, line
-from planner.plan import Plan, assemble, require_segments, with_remedy
+from planner.plan import Plan, assemble, with_remedy
 from planner.replan import FINEST, NODES
 from planner.rollout import play
 
@@ -73,8 +73,8 @@ def aim(
         RangeError: The plan leaves the limits; about how many segments would do is
             judged open loop.
     """
-    require_segments(segments)
     nominal = as_path(path)
+    require_segments(segments, nominal)
     targets = nominal.at(grid(nominal, segments))
     shots, here = [], targets[0]
     for number, target in enumerate(targets[1:], start=1):

@@ -245,7 +245,7 @@ class Gait:
         if self.strata[0] != self.strata[-1]:
             raise StratumError(
                 f"gait {self} does not close: it starts in S{self.strata[0]} and "
-                f"ends in S{self.strata[-1]} (eq. 11)"
+                f"ends in S{self.strata[-1]}; end it in S{self.strata[0]} (eq. 11)"
             )
         for a, b in steps(self.strata):
             if b not in (a, *self.system.neighbours[a]):

@@ -81,13 +81,15 @@ def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
     """Values of coordinates from words `NAME=VALUE`.
 
     Raises:
-        UsageError: A word is not of that form.
+        UsageError: A word is not of that form, or a coordinate comes twice.
     """
-    values = {}
+    values: dict[str, float] = {}
     for word in words:
-        name, _, value = word.partition("=")
+        name, _, value = (part.strip() for part in word.partition("="))
+        if name in values:
+            raise UsageError(f"{name} is given twice", option, "keep one of them")
         try:
-            values[name.strip()] = float(value)
+            values[name] = float(value)
         except ValueError:
             raise UsageError(
                 f"{word!r} is no coordinate", option, "write NAME=VALUE, as in x=1"
@@ -112,12 +114,10 @@ def extended(problem: Problem) -> ExtendedSystem:
         UsageError: An element is unknown or no element.
         PlannerError: The elements do not serve.
     """
-    from planner.choice import choose_elements
-    from planner.extended import extend
+    from planner.nominal import extend_along
 
     with refused(problem.name):
-        system, names = problem.system, problem.elements
-        return extend(system, names or choose_elements(system, problem.states).elements)
+        return extend_along(problem.system, problem.elements or None, problem.path)
 
 
 def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Plan:

@@ -30,6 +30,7 @@ def test_leaves_count_the_degree():
         ("[1,2", r"lacks a '\]'"),
         ("[1 2]", "lacks a ','"),
         ("1 2", "goes on after its end"),
+        ("[" * 999 + "1", "element has more than 20 brackets; use fewer"),
     ],
 )
 def test_texts_that_are_no_elements_are_refused(text, message):

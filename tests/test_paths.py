@@ -49,6 +49,17 @@ def test_divisions_are_uniform_but_for_corners():
     assert grid(bent, 1).tolist() == [0, 1]
 
 
+@pytest.mark.parametrize(
+    "corners", [[0.3, 0.31, 0.32], [0.01, 0.02, 0.03], [0.2, 0.98, 0.99], [0.5, 0.6]]
+)
+@pytest.mark.parametrize("segments", [4, 5, 9])
+def test_close_corners_are_all_divisions(corners, segments):
+    path = waypoints([[s, k % 2 * 1e-6] for k, s in enumerate([0, *corners, 1])])
+    cuts = grid(path, segments)
+    assert set(path.corners) < set(cuts.tolist())
+    assert (np.diff(cuts) > 0).all()
+
+
 def test_function_is_called_once_a_parameter():
     path = as_path(lambda s: [s, 2 * s])
     assert path.at(np.array([0, 0.5])).tolist() == [[0, 0], [0.5, 1]]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from planner.errors import (
+    PlannerError,
     RankError,
     StratumError,
 )
@@ -133,6 +134,14 @@ def test_corners_are_met_by_segments(paper):
     # no segment turns the corner: each goes along x or along y alone
     goals = planned.inputs.mean(axis=1) @ paper.columns(AT_REST).T
     assert np.abs(goals[:, :2]).min(axis=1) == pytest.approx(np.zeros(4), abs=ROUNDING)
+
+
+def test_segments_too_few_to_meet_the_corners_are_refused(paper):
+    there = [0.2, 0, 0, 0, 0]
+    back_and_forth = waypoints([AT_REST, there, AT_REST, there])
+    assert len(plan(paper, back_and_forth, 3).segment_ends) == 3
+    with pytest.raises(PlannerError, match="cuts corners .* has 2; plan at least 3 se"):
+        plan(paper, back_and_forth, 2)
 
 
 def test_start_and_goal_may_be_in_different_strata():

@@ -106,6 +106,12 @@ def test_coordinates_of_another_shape_are_refused():
         word(hall_basis(2, 2), [1.0, 2.0])
 
 
+@pytest.mark.parametrize(("make", "shape"), [(word, (2, 3)), (words, (3,))])
+def test_one_segment_is_told_from_many(make, shape):
+    with pytest.raises(ValueError, match=r"\) have \d axes, not \d; give word those"):
+        make(hall_basis(2, 2), np.ones(shape))
+
+
 def test_other_orders_are_refused():
     with pytest.raises(ValueError, match="order is 'paper'; choose backward"):
         word(hall_basis(2, 2), [1.0, 2.0, 3.0], "paper")

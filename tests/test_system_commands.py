@@ -2,7 +2,9 @@
 
 import json
 import math
+import os
 import re
+from pathlib import Path
 
 import pytest
 
@@ -116,6 +118,37 @@ def test_saved_plan_is_played_again(facts):
     assert played == {**kept, "system": "turn"}
 
 
+def test_saved_plan_may_be_read_by_all_who_may_read_new_files(facts, tmp_path):
+    umask = os.umask(0o022)
+    try:
+        facts("plan", "car", "--segments", "1", "--save", "car.json")
+    finally:
+        os.umask(umask)
+    assert (tmp_path / "car.json").stat().st_mode & 0o777 == 0o644
+
+
+def test_saved_plan_has_a_name(stratawalk):
+    code, _, err = stratawalk("plan", "car", "--save", "")
+    assert (code, "an empty name: --save; name a file" in err) == (2, True)
+
+
+def test_strata_may_be_written_as_they_are_printed(facts):
+    plain, printed = (
+        facts("check", "biped", "--gait", f"{s}12", f"{s}1", f"{s}12")
+        for s in ("", "S")
+    )
+    assert plain == printed
+
+
+def test_elements_are_chosen_to_serve_all_along_the_way(facts, tmp_path):
+    """Beside x = 0, and so at both ends, the bracket is not needed."""
+    fields = 'a = { x = 1 }\nb = { y = "x" }'
+    text = LINE.replace("ahead = { x = 1 }", fields) + "[start]\nx = -1\n"
+    (tmp_path / "pinched.toml").write_text(text)
+    planned = facts("plan", "pinched.toml", "--goal", "x=1", "y=1")
+    assert planned["elements"] == ["a", "b", "[a,b]"]
+
+
 def test_user_s_file_is_planned_and_checked(facts, tmp_path):
     (tmp_path / "wheel.toml").write_text(
         LINE.replace("ahead = { x = 1 }", 'a = { x = 1 }\nb = { y = "x" }')
@@ -156,15 +189,35 @@ def test_list_of_systems_has_parameters(facts):
         ("plan car --elements drive stear", 2, "is unknown: car; there are drive, st"),
         ("plan car --elements drive", 4, "no plan: .* nothing along y, theta, phi"),
         ("plan car --set lenght=1", 2, "lenght is unknown; .* did you mean length?"),
-        ("plan car --segments 0", 2, "segments is 0: car; at least 1 is needed"),
+        ("plan car --segments 0", 2, "segments is 0: car; a whole number from 1 to"),
         ("plan finger-gaiting --segments 3", 4, "plan at least 7 segments"),
         ("check hexapod --set radius=1", 2, "a robot has no parameters: --set"),
         ("check car --depth 0", 2, "depth is 0: car; at least 1 is needed"),
         ("check car --at x=y", 2, "'x=y' is no coordinate: --at"),
-        ("check biped --gait 12 1", 4, "does not close"),
+        ("check car --at x=1 x=2", 2, "x is given twice: --at; keep one of them"),
+        (
+            "check biped --gait 12 1",
+            2,
+            "does not close: .* in S1: --gait; end it in S12",
+        ),
+        ("check biped --gait S12 S7 S12", 2, "is unknown: --gait; there are 12, 1, 2"),
+        (
+            "plan line --save x.json",
+            2,
+            "--save is for systems: line; leave it out, run",
+        ),
+        ("plan line --elements g1", 2, "--elements is for systems: line; set a scenar"),
+        (
+            "plan car --save gone/x.json",
+            6,
+            "No such file or directory: gone/x.json; ch",
+        ),
+        ("plan car --save .", 6, ": \\.; check the path"),
+        ("run mine.toml", 2, "a system of strata is no scenario: mine.toml; use the c"),
     ],
 )
 def test_refusal_is_one_line_and_a_code(stratawalk, words, code, said):
+    Path("mine.toml").write_text(LINE)
     ended, out, err = stratawalk(*words.split())
     assert (ended, out) == (code, "")
     (line,) = err.splitlines()

@@ -172,7 +172,22 @@ def test_python_file_may_have_fields_known_as_functions(read):
         (("{ y = 1 }", "{ z = 1 }"), "goal has z, which is unknown; there are x, y, "),
         (("{ y = 1 }", "{ y = inf }"), "goal has y = inf; give a finite number"),
         (("{ y = 1 }", "1"), "goal is 1; make it a table"),
-        (("segments = 4", "segments = 0"), "segments is 0; at least 1 is needed"),
+        (
+            ("segments = 4", "segments = 0"),
+            "segments is 0; a whole number from 1 to 100000",
+        ),
+        (("segments = 4", "segments = 1_000_000"), "from 1 to 100000"),
+        (("segments = 4", "stance = 'jump'"), "stance 'jump' is unknown; there are p"),
+        (("segments = 4", "stance = ['paper']"), r"stance is \['paper'\]; give a text"),
+        (("segments = 4", "limits = { q = [0, 1] }"), "limit of q, which is unknown"),
+        (
+            ("segments = 4", "limits = { x = [0, 1] }"),
+            "limit of x: some field moves it",
+        ),
+        (
+            ("segments = 4", "limits = { x = [1, 0] }"),
+            "limits of x are empty: 1 to 0; ",
+        ),
         (("segments = 4", "segments = 4.5"), "segments is 4.5; give a whole number"),
         (("segments = 4", "gait = ['0', '1']"), "stratum '1' of gait .* is unknown"),
         (("segments = 4", "bottom = '1'"), "bottom '1' is unknown; there are 0"),

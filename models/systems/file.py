@@ -82,7 +82,7 @@ def _decode(
     system = _system(table, _table(table, "parameters"), values)
     return Problem(
         name=name,
-        description=str(table.get("description", "")),
+        description=_text(table.get("description", ""), "description"),
         system=system,
         gait=_names(table, "gait") or _gait(system),
         elements=_names(table, "elements"),
@@ -90,7 +90,7 @@ def _decode(
         goal=_numbers(_table(table, "goal"), "goal"),
         segments=_whole(table.get("segments", 1)),
         limits={key: _span(key, v) for key, v in _table(table, "limits").items()},
-        stance=table.get("stance", "paper"),
+        stance=_text(table.get("stance", "paper"), "stance"),
     )
 
 
@@ -185,6 +185,12 @@ def _names(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
     if not all(isinstance(name, str) for name in names):
         raise ValueError(f"{key} is {names}; make it a list of texts")
     return tuple(names)
+
+
+def _text(value: object, key: str) -> Any:
+    if not isinstance(value, str):
+        raise ValueError(f"{key} is {value!r}; give a text")
+    return value
 
 
 def _numbers(table: Mapping[str, Any], what: str) -> dict[str, float]:

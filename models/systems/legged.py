@@ -103,7 +103,7 @@ def hexapod_with_trailer(length: float = 1, heights: bool = True) -> Problem:
     sideways = "[g1_1,g2_2]"
     return Problem(
         name="hexapod-trailer",
-        description="the paper's hexapod with a trailer, sideways; needs degree 3",
+        description="the paper's hexapod with a trailer; degree 3, needs --replan",
         system=system,
         gait=ALTERNATING,
         elements=("g1_1", "g2_2", *AIR_SWINGS, sideways, f"[g1_1,{sideways}]"),

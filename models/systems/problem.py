@@ -11,8 +11,9 @@ import numpy as np
 from planner.errors import StratumError, unknown
 from planner.execution import Execution, Stance
 from planner.fields import Array
+from planner.nominal import require_segments
 from planner.paths import Path, line
-from planner.shape import Limits
+from planner.shape import Limits, Shape
 from planner.strata import Gait, StratifiedSystem
 
 State = Mapping[str, float]  # values of coordinates by name
@@ -36,7 +37,8 @@ class Problem:
         stance: As in `planner.execution.Execution`.
 
     Raises:
-        ValueError: A coordinate is unknown or not finite, or there is nothing to do.
+        ValueError: A coordinate or the stance is unknown, a value is not finite, a
+            limit bounds no shape coordinate, or there is nothing to do.
         StratumError: The gait is not a closed walk from the bottom stratum.
     """
 
@@ -58,9 +60,9 @@ class Problem:
                 f"gait of {self.name} starts in S{self.gait[0]}; start in the bottom "
                 f"stratum S{self.system.bottom}"
             )
-        if self.segments < 1:
-            raise ValueError(f"segments is {self.segments}; at least 1 is needed")
-        _ = self.states  # refuses unknown coordinates
+        require_segments(self.segments, self.path)
+        Shape(self.system).require_limits(self.limits)
+        _ = self.states, self.execution  # refuse unknown coordinates and stances
 
     @cached_property
     def states(self) -> tuple[Array, Array]:

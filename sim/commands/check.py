@@ -52,11 +52,13 @@ def execute(options: argparse.Namespace) -> None:
     from sim.systems import coordinates, refused
 
     system, gait, start, poise = _subject(options.system, options.set)
+    if options.gait:
+        gait = _gait(system, options.gait)
     with refused(options.system):
         at = coordinates(options.at or (), "--at")
         report = gait_controllability(
             system,
-            options.gait or gait,
+            gait,
             configuration(system, "--at", at, start).tolist(),
             MAX_DEPTH if options.depth is None else options.depth,
         )
@@ -66,6 +68,20 @@ def execute(options: argparse.Namespace) -> None:
     print(describe(options.system, report))
     if poise:
         print(describe_poise(poise))
+
+
+def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
+    """Strata by name, written with the S of the paper or without."""
+    from planner.errors import StratumError
+    from planner.strata import Gait
+
+    known = system.strata
+    bare = [w[1:] if w not in known and w[:1] == "S" else w for w in words]
+    try:
+        return Gait(system, tuple(bare)).strata
+    except StratumError as error:
+        what, _, remedy = str(error).partition("; ")
+        raise UsageError(what, "--gait", remedy) from None
 
 
 def _subject(

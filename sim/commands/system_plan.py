@@ -6,7 +6,7 @@ import argparse
 import json
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +16,16 @@ if TYPE_CHECKING:
     from planner.fields import Array
     from planner.plan import Plan
 
-FOR_ROBOTS = ("robot", "fields", "steer")
-FOR_SYSTEMS = ("start", "goal", "elements", "save")
-SETTLED = ("start", "goal", "elements", "segments", "replan", "set")
+FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
+FOR_SYSTEMS = {
+    "start": "leave it out, scenarios start at the origin",
+    "goal": "set a scenario's path.goal",
+    "elements": "set a scenario's fields",
+    "save": "leave it out, run keeps what it walks",
+}
+SETTLED = dict.fromkeys(
+    ("start", "goal", "elements", "segments", "replan", "set"), "leave it out"
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,19 +58,20 @@ def is_for_systems(options: argparse.Namespace) -> bool:
 
     source = options.scenario
     if source.endswith(".json"):
-        _refuse(options, SETTLED, "what is saved is settled; leave it out")
+        _refuse(options, SETTLED, "cannot change what is saved")
     elif not is_system(source, shipped()):
-        _refuse(options, FOR_SYSTEMS, "is for systems; set a scenario's path.goal")
+        _refuse(options, FOR_SYSTEMS, "is for systems")
         return False
-    _refuse(options, FOR_ROBOTS, "is for robots; leave it out")
+    _refuse(options, FOR_ROBOTS, "is for robots")
+    if options.save == "":
+        raise UsageError("an empty name", "--save", "name a file, or leave it out")
     return True
 
 
-def _refuse(options: argparse.Namespace, names: Sequence[str], why: str) -> None:
-    what, _, remedy = why.partition("; ")
-    for name in names:
-        if getattr(options, name):
-            raise UsageError(f"--{name} {what}", options.scenario, remedy)
+def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> None:
+    for name, remedy in names.items():
+        if getattr(options, name) not in (None, []):
+            raise UsageError(f"--{name} {why}", options.scenario, remedy)
 
 
 def execute(options: argparse.Namespace) -> None:
