@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 
 from planner.closure import involutive_closure
 from planner.elements import Tree, leaves, parse_names
-from planner.errors import PlannerError, RankError
-from planner.fields import Array, VectorField, compile_fields
+from planner.errors import PlannerError, RankError, SingularConfigurationError
+from planner.fields import Array, VectorField
 from planner.hall_fields import hall_fields
+from planner.rounding import Evaluation
 from planner.strata import StratifiedSystem, steps
 from planner.subspaces import column_space, in_words
 from planner.tangency import on_bottom
@@ -90,7 +91,7 @@ def choose_elements(
     usable = _usable_fields(system)
     fields = _candidates(system, list(usable), list(usable.values()), x)
     few = _enlarged([], fields, system, x)
-    independent = involutive_closure(usable, system.state, max_depth=1).names
+    independent = involutive_closure(usable, system.state, x[0], max_depth=1).names
     spanning = [field for field in fields if field.name in independent]
     for first, degree in product((few, spanning), range(1, max_degree + 1)):
         generators = [candidate.name for candidate in first]
@@ -125,14 +126,18 @@ def _candidates(
     fields: Sequence[VectorField],
     x: Array,
 ) -> list[_Candidate]:
-    columns = np.moveaxis(compile_fields(fields, system.state, names)(x), -1, 0)
-    lengths = np.linalg.norm(columns, axis=-1, keepdims=True)
-    columns = columns / np.where(lengths > 0, lengths, 1.0)
-    trees = [parse_names(name) for name in names]
-    return [
-        _Candidate(name, len(leaves(tree)), _switches(system, tree), column)
-        for name, tree, column in zip(names, trees, columns, strict=True)
-    ]
+    evaluation = Evaluation(system.state, x)
+
+    def candidate(name: str, field: VectorField) -> _Candidate:
+        column = evaluation(field)
+        if not (sound := np.isfinite(column).all(axis=1)).all():
+            raise SingularConfigurationError(name, x[~sound][0])
+        lengths = np.linalg.norm(column, axis=-1, keepdims=True)
+        directions = column / np.where(lengths > 0, lengths, 1.0)
+        tree = parse_names(name)
+        return _Candidate(name, len(leaves(tree)), _switches(system, tree), directions)
+
+    return [candidate(*named) for named in zip(names, fields, strict=True)]
 
 
 def _switches(system: StratifiedSystem, tree: Tree) -> int:

@@ -2,7 +2,8 @@
 
 Left-normed brackets [g, B] of generators with what is known span each next degree. A
 degree that adds nothing, as fields and not merely at one point, ends the algebra: then
-its rank anywhere is final. A rank that stalls at one point says nothing.
+its rank anywhere is final. A rank that stalls at one point says nothing. Fields are
+compared around the configuration that is asked about, itself included.
 """
 
 from __future__ import annotations
@@ -11,21 +12,20 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
 
 from planner.elements import name_of
-from planner.fields import (
-    Array,
-    Symbols,
-    VectorField,
-    compile_fields,
-    lie_bracket,
-    sample_configurations,
-)
+from planner.errors import SingularConfigurationError
+from planner.fields import Array, NumericField, Symbols, VectorField, lie_bracket
+from planner.rounding import Evaluation
 
 LARGEST = 150  # fields, beyond which an algebra is not followed further
+OPERATIONS = 50_000  # in their formulas, likewise; some two seconds
+CALL = 10  # operations that a call of a function is worth
 INDEPENDENT = 1e-8  # part of a field's size that must be new
-ZERO = 1e-9  # size of a field that counts as none
 POINTS = 80  # configurations at which fields are compared
+NEAREST = 1e-3  # half of them within 1 in each coordinate, the others down to this
 Named = tuple[str, VectorField]
 
 
@@ -36,47 +36,48 @@ class Involution:
     Attributes:
         names: Names of the fields, generators first.
         fields: The fields, linearly independent over the reals.
+        columns: Their values at the configuration asked about, shape (n, fields).
         depth: Highest degree that was looked at.
         complete: Whether the next degree adds nothing.
-        state: Symbols of the state.
     """
 
     names: tuple[str, ...]
     fields: tuple[VectorField, ...]
+    columns: Array
     depth: int
     complete: bool
-    state: Symbols
-
-    def at(self, x: Array) -> Array:
-        """The fields at a configuration, as columns of shape (n, fields)."""
-        return compile_fields(self.fields, self.state, self.names)(x)
 
 
 def involutive_closure(
     generators: Mapping[str, VectorField],
     state: Symbols,
+    at: ArrayLike,
     max_depth: int,
     until: Callable[[Involution], bool] = lambda algebra: False,
 ) -> Involution:
     """The Lie algebra of fields: complete, or as far as asked for.
 
+    It ends incomplete, below the depth asked for, where its fields or their formulas
+    become too many.
+
     Args:
         generators: Fields by name.
         state: Symbols of the state.
+        at: Configuration around which they are compared, shape (n,).
         max_depth: Highest degree of brackets to form, at least 1.
         until: Says after each degree whether the algebra found suffices.
+
+    Raises:
+        ValueError: The depth is below 1.
+        SingularConfigurationError: A field is not finite at the configuration.
     """
     if max_depth < 1:
         raise ValueError(f"depth is {max_depth}; at least 1 is needed")
-    span = _Span(state, generators.values())
-    roots = span.extend(generators.items())
-    known, newest = roots, roots
-    algebra = _algebra(known, 1, not newest, state)
+    span = _Span(state, np.asarray(at, dtype=float))
+    roots = newest = span.extend(generators.items())
+    algebra = span.algebra(1, complete=not newest)
     while not (
-        algebra.complete
-        or algebra.depth == max_depth
-        or len(known) > LARGEST
-        or until(algebra)
+        algebra.complete or algebra.depth == max_depth or span.full or until(algebra)
     ):
         newest = span.extend(
             (name_of((a, b)), lie_bracket(f, g, state))
@@ -84,46 +85,81 @@ def involutive_closure(
             for b, g in newest
             if a != b
         )
-        known = known + newest
-        algebra = _algebra(known, algebra.depth + bool(newest), not newest, state)
+        algebra = span.algebra(algebra.depth + bool(newest), complete=not newest)
     return algebra
 
 
-def _algebra(
-    known: list[Named], depth: int, complete: bool, state: Symbols
-) -> Involution:
-    names = tuple(name for name, _ in known)
-    return Involution(names, tuple(f for _, f in known), depth, complete, state)
-
-
 class _Span:
-    """Real span of fields, each a vector of its values at random configurations."""
+    """Real span of fields, each a vector of its values around a configuration."""
 
-    def __init__(self, state: Symbols, generators: Iterable[VectorField]) -> None:
-        self._state = state
-        points = sample_configurations(len(state), POINTS)
-        values = compile_fields(list(generators), state).values(points)
-        self._points = points[np.isfinite(values).all(axis=(1, 2))]
-        self._directions = np.empty((0, self._points.size))
+    def __init__(self, state: Symbols, at: Array) -> None:
+        spread = np.ones((POINTS, 1))
+        spread[POINTS // 2 :, 0] = np.geomspace(1.0, NEAREST, POINTS - POINTS // 2)
+        spread[0] = 0.0  # the configuration itself
+        offsets = np.random.default_rng(0).uniform(-1.0, 1.0, (POINTS, at.size))
+        self._evaluation = Evaluation(state, at + spread * offsets)
+        self._sound = np.ones(POINTS, dtype=bool)  # points where all fields are finite
+        self._directions = np.empty((POINTS * at.size, 0))
+        self._columns = np.empty((at.size, 0))
+        self._known: list[Named] = []
+        self._operations = 0  # in the formulas of all fields met
 
-    def extend(self, fields: Iterable[tuple[str, VectorField]]) -> list[Named]:
-        """Take in fields; those that are new are returned."""
-        fields = list(fields)
-        compiled = compile_fields([field for _, field in fields], self._state)
-        values = np.moveaxis(compiled.values(self._points), -1, 0)
-        vectors = values.reshape(len(fields), self._points.size)
-        return [
-            f for f, vector in zip(fields, vectors, strict=True) if self._is_new(vector)
-        ]
+    @property
+    def full(self) -> bool:
+        """Whether more fields would be too many, for us or for the points."""
+        told_apart = int(self._sound.sum()) * len(self._columns) // 2
+        many = len(self._known) > min(LARGEST, told_apart)
+        return many or self._operations > OPERATIONS
+
+    def algebra(self, depth: int, complete: bool) -> Involution:
+        """What is known by now, of which the depth is not reached if it is full."""
+        names = tuple(name for name, _ in self._known)
+        fields = tuple(field for _, field in self._known)
+        if self.full:
+            depth, complete = max(1, depth - 1), False
+        return Involution(names, fields, self._columns, depth, complete)
+
+    def extend(self, fields: Iterable[Named]) -> list[Named]:
+        """Take in fields until they are too many; those that are new are returned."""
+        before = len(self._known)
+        for name, field in fields:
+            self._operations += _operations(field)
+            self._take_in(name, field)
+            if self.full:
+                break
+        return self._known[before:]
+
+    def _take_in(self, name: str, field: VectorField) -> None:
+        values = self._evaluation(field)  # (POINTS, n)
+        sound = np.asarray(np.isfinite(values).all(axis=1))
+        if not sound[0]:
+            raise SingularConfigurationError(name, self._evaluation.points[0])
+        if not sound[self._sound].all():
+            self._leave_out(~sound)
+        vector = np.where(self._sound[:, None], values, 0.0).ravel()
+        if self._is_new(vector):
+            self._known.append((name, field))
+            self._columns = np.column_stack([self._columns, values[0]])
+
+    def _leave_out(self, points: Array) -> None:
+        self._sound &= ~points
+        rows = np.repeat(self._sound, len(self._columns))
+        self._directions, _ = np.linalg.qr(self._directions * rows[:, None])
 
     def _is_new(self, vector: Array) -> bool:
         size = np.linalg.norm(vector)
-        if not size > ZERO:
+        if size == 0.0:
             return False
         rest = vector / size
         for _ in range(2):  # once more against rounding
-            rest = rest - self._directions.T @ (self._directions @ rest)
+            rest = rest - self._directions @ (self._directions.T @ rest)
         left = np.linalg.norm(rest)
         if left > INDEPENDENT:
-            self._directions = np.vstack([self._directions, rest / left])
+            self._directions = np.column_stack([self._directions, rest / left])
         return bool(left > INDEPENDENT)
+
+
+def _operations(field: VectorField) -> int:
+    if isinstance(field, NumericField):
+        return CALL * field.calls
+    return int(sp.count_ops(field))

@@ -20,7 +20,7 @@ from planner.fields import Array
 from planner.level_sets import LevelSet
 from planner.strata import Gait, StratifiedSystem, steps
 from planner.subspaces import column_space, null_space, rank
-from planner.tangency import tangent_field
+from planner.tangency import coupled, lifts, tangent_field
 
 OFF_STRATUM = 1e-9  # of the level sets at the configuration
 MAX_DEPTH = 12
@@ -34,7 +34,8 @@ class Controllability:
         gait: The gait in words.
         at: Configuration that was looked at.
         controllable: Whether some test reaches the whole tangent space.
-        conclusive: Whether more depth could not change the answer.
+        conclusive: Whether nothing was left out that could change the answer: depth, or
+            what lifts do to fields where Assumption 2 fails.
         rank: The larger of the two dimensions reached.
         dimension: Dimension of the gait's first stratum.
         filtration: Dimension that the filtration reaches.
@@ -98,17 +99,22 @@ def gait_controllability(
     dimension = system.dimension - len(home.functions)
     algebras = _algebras(system, walk, x, max_depth)
     filtered = _filtration(system, walk, algebras, x)
-    union = _closure(system, walk.strata, x, max_depth)
-    closed = column_space(union.at(x))
+    union = (
+        _closure(system, walk.strata, x, max_depth)
+        if len(algebras) > 1
+        else algebras[walk.strata[0]]
+    )
+    closed = column_space(union.columns)
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
     missing = () if controllable else system.missing(reached, x, walk.strata[0])
+    unjudged = () if controllable else _unjudged(system, walk.strata)
     tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
     return Controllability(
         gait=str(walk),
         at=tuple(x.tolist()),
         controllable=controllable,
-        conclusive=controllable or union.complete,
+        conclusive=controllable or (union.complete and not unjudged),
         rank=reached.shape[1],
         dimension=dimension,
         **tests,
@@ -117,7 +123,9 @@ def gait_controllability(
         ),
         depth=max(union.depth, *(algebra.depth for algebra in algebras.values())),
         missing=missing,
-        advice=() if controllable else _advice(system, walk, x, union, missing),
+        advice=()
+        if controllable
+        else (*unjudged, *_advice(system, walk, x, union, max_depth, missing)),
     )
 
 
@@ -150,8 +158,9 @@ def _algebras(
         return involutive_closure(
             system.strata[stratum],
             system.state,
+            x,
             max_depth,
-            until=lambda algebra: rank(algebra.at(x)) == size,
+            until=lambda algebra: rank(algebra.columns) == size,
         )
 
     return {stratum: closure(stratum) for stratum in dict.fromkeys(walk.strata)}
@@ -161,11 +170,11 @@ def _filtration(
     system: StratifiedSystem, walk: Gait, algebras: dict[str, Involution], x: Array
 ) -> Array:
     """D_{n+1} of Sec. 4 in the numbering of eq. (11), as orthonormal columns."""
-    space = column_space(algebras[walk.strata[0]].at(x))
+    space = column_space(algebras[walk.strata[0]].columns)
     for before, here in steps(walk.strata):
         if system.contacts[before] < system.contacts[here]:
             space = _within_tangent_space(space, system.level_set(here), x)
-        space = column_space(np.hstack([space, algebras[here].at(x)]))
+        space = column_space(np.hstack([space, algebras[here].columns]))
     return space
 
 
@@ -184,16 +193,40 @@ def _closure(
     return involutive_closure(
         fields,
         system.state,
+        x,
         max_depth,
-        until=lambda algebra: rank(algebra.at(x)) == size,
+        until=lambda algebra: rank(algebra.columns) == size,
     )
+
+
+def _unjudged(system: StratifiedSystem, strata: Sequence[str]) -> tuple[str, ...]:
+    """What the closure leaves out, as advice: nothing under Assumption 2."""
+    home, *others = dict.fromkeys(strata)
+    advice = []
+    for stratum in others:
+        lifting = lifts(system, stratum, home)
+        fields = {
+            name: tangent_field(system, name, home) for name in system.strata[stratum]
+        }
+        advice += [
+            f"let a lift of S{stratum} hold {name} on S{home}"
+            for name, field in fields.items()
+            if field is None and name not in lifting
+        ]
+        held = {name: field for name, field in fields.items() if field is not None}
+        raised = {name: system.fields[name] for name in lifting}
+        advice += [
+            f"make {name} independent of what {lift} lifts (eq. 13)"
+            for lift, name in coupled(system, raised, held | raised)
+        ]
+    return tuple(advice)
 
 
 def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
     """The part of a space, given by orthonormal columns, on which all d Phi vanish."""
     if not level_set.functions:
         return space
-    slopes = level_set.gradients(x).T @ space  # (codimension, rank)
+    slopes = column_space(level_set.gradients(x)).T @ space  # (codimension, rank)
     return space @ null_space(slopes)
 
 
@@ -202,16 +235,19 @@ def _advice(
     walk: Gait,
     x: Array,
     union: Involution,
+    max_depth: int,
     missing: Sequence[str],
 ) -> tuple[str, ...]:
     """What would help: a further stratum, more depth, or another field."""
-    reached = rank(union.at(x))
+    reached = rank(union.columns)
     advice = []
     for stratum in system.strata:
         if stratum not in walk.strata:
             wider = _closure(system, (*walk.strata, stratum), x, union.depth)
-            if rank(wider.at(x)) > reached:
+            if rank(wider.columns) > reached:
                 advice.append(f"visit S{stratum}")
-    if not union.complete:
-        advice.append(f"form brackets beyond degree {union.depth}")
+    if not union.complete and union.depth == max_depth:
+        advice.append(f"form brackets beyond degree {max_depth}")
+    elif not union.complete:
+        advice.append(f"simplify the fields: too much beyond degree {union.depth}")
     return (*advice, f"give some stratum a field that moves along {missing[0]}")

@@ -15,8 +15,9 @@ import numpy as np
 
 from planner.elements import column, leaves, name_of, parse
 from planner.errors import PlannerError, RankError, point
-from planner.fields import Array, CompiledFields, compile_fields, vanishing
+from planner.fields import Array, CompiledFields, compile_fields
 from planner.grouping import Grouper
+from planner.rounding import vanishing
 from planner.shape import Shape
 from planner.steering import Steering, steering
 from planner.strata import StratifiedSystem

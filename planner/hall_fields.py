@@ -10,10 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from planner.elements import Tree, name_of, parse_names, relabel
-from planner.fields import Symbols, VectorField, lie_bracket, vanishing
+from planner.elements import Tree, name_of
+from planner.fields import Symbols, VectorField, lie_bracket
 from planner.free_lie import structure_constants
 from planner.hall import Bracket, Element, hall_basis
+from planner.rounding import vanishing
 from planner.strata import StratifiedSystem
 
 
@@ -140,4 +141,6 @@ def _largest_ideal(
 
 def _tree(element: Element, generators: Sequence[str]) -> Tree:
     """A Hall element with fields for its generators' numbers."""
-    return relabel(parse_names(str(element)), lambda i: generators[int(i) - 1])
+    if isinstance(element, Bracket):
+        return (_tree(element.left, generators), _tree(element.right, generators))
+    return generators[element - 1]

@@ -21,6 +21,10 @@ from planner.fields import (
     compile_fields,
     sample_configurations,
 )
+from planner.rounding import TRUSTED, Evaluation
+from planner.subspaces import rank
+
+SWEEPS = 30  # of Newton's method, which needs far fewer where it converges
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,18 +46,24 @@ class LevelSet:
 
     def leaves(self, field: VectorField) -> bool:
         """Whether a field is not tangent to the set."""
-        return bool(np.abs(self.rates(field)).max(initial=0.0) > 1e-7)
+        return bool(self.rates(field).any())
 
     def rates(self, field: VectorField) -> Array:
-        """Rates <d Phi_i, field> at `points`, shape (points, codimension)."""
+        """Rates <d Phi_i, field> at `points`, shape (points, codimension).
+
+        What rounding leaves of a rate is zero; points where it is singular are passed
+        over.
+        """
         if not isinstance(field, NumericField):
-            rates = self.differential * field
-            if rates.is_zero_matrix:
+            formulas = self.differential * field
+            if formulas.is_zero_matrix:
                 return np.zeros((1, len(self.functions)))
-            return _stack(rates, self.state)(self.points)[..., 0]
-        slopes = np.swapaxes(self.gradients(self.points), -1, -2)
-        velocities = compile_fields([field], self.state).values(self.points)
-        return (slopes @ velocities)[..., 0]
+            rates = Evaluation(self.state, self.points)(formulas)
+            return np.where(np.isfinite(rates), rates, 0.0)
+        velocities = Evaluation(self.state, self.points)(field)[:, None]
+        terms = np.swapaxes(self.gradients(self.points), -1, -2) * velocities
+        rates, sizes = terms.sum(axis=-1), np.abs(terms).sum(axis=-1)
+        return np.where(np.abs(rates) > TRUSTED * sizes, rates, 0.0)
 
     @cached_property
     def points(self) -> Array:
@@ -62,20 +72,30 @@ class LevelSet:
         Raises:
             ValueError: None is found, or the functions depend on one another (Def. 1).
         """
-        found = [
-            x
-            for x in map(self._project, sample_configurations(len(self.state)))
-            if x.size
-        ]
+        x = sample_configurations(len(self.state))
+        for _ in range(SWEEPS):
+            residual, slopes = self._linear(x)
+            sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all((1, 2))
+            step = np.linalg.pinv(slopes[sound]) @ residual[sound, :, None]
+            x = x[sound] - step[..., 0]
+            if not step.any():
+                break
+        residual, slopes = self._linear(x)
+        there = ~residual.any(axis=1)
         listed = ", ".join(map(str, self.functions))
-        if not found:
+        if not there.any():
             raise ValueError(f"found no configuration where {listed} vanish together")
-        for x in found:
-            if np.linalg.matrix_rank(self.gradients(x), tol=1e-9) < len(self.functions):
-                raise ValueError(
-                    f"{listed} are not independent where they vanish (Def. 1)"
-                )
-        return np.array(found)
+        if any(rank(rows.T) < len(self.functions) for rows in slopes[there]):
+            raise ValueError(f"{listed} are not independent where they vanish (Def. 1)")
+        return x[there]
+
+    def _linear(self, x: Array) -> tuple[Array, Array]:
+        """Values, shape (points, codimension), and slopes (points, codimension, n)."""
+        evaluation = Evaluation(self.state, x)
+        slopes = evaluation(list(self.differential))
+        return evaluation(self.functions), slopes.reshape(
+            len(x), len(self.functions), len(self.state)
+        )
 
     def value(self, x: Array) -> Array:
         """The functions at configurations (..., n), shape (..., codimension)."""
@@ -94,16 +114,6 @@ class LevelSet:
     @cached_property
     def _gradients(self) -> CompiledFields:
         return _stack(self.differential.T, self.state)
-
-    def _project(self, x: Array) -> Array:
-        for _ in range(30):
-            residual = self.value(x)
-            if not np.isfinite(residual).all():
-                break
-            if np.abs(residual).max() < 1e-12:
-                return x
-            x = x - np.linalg.pinv(self.gradients(x).T) @ residual
-        return np.empty(0)
 
 
 def _stack(matrix: sp.Matrix, state: Symbols) -> CompiledFields:

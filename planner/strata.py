@@ -207,7 +207,7 @@ class StratifiedSystem:
         level_set = self.level_set(stratum)
         for name, vector_field in self.strata[stratum].items():
             rates = abs(level_set.rates(vector_field)) if level_set.functions else None
-            if rates is not None and rates.max() > 1e-7:
+            if rates is not None and rates.any():
                 where, which = divmod(int(rates.argmax()), rates.shape[1])
                 raise ValueError(
                     f"field {name} leaves its stratum S{stratum}: it changes "

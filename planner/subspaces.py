@@ -51,7 +51,7 @@ def sparse_basis(columns: Array) -> Array:
 def directions_beyond(columns: Array, names: Iterable[object]) -> tuple[str, ...]:
     """Directions orthogonal to all columns, in words."""
     names = tuple(names)
-    directions = sparse_basis(null_space(columns.T))
+    directions = sparse_basis(null_space(column_space(columns).T))
     return tuple(in_words(direction, names) for direction in directions.T)
 
 

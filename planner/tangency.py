@@ -7,7 +7,7 @@ Assumption 2 guarantees.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,8 +15,17 @@ import sympy as sp
 
 from planner.elements import Tree, leaves, relabel
 from planner.errors import DecouplingError, PlannerError
-from planner.fields import NumericField, VectorField, lie_bracket, vanishing
+from planner.fields import (
+    Array,
+    NumericField,
+    VectorField,
+    compile_fields,
+    lie_bracket,
+)
+from planner.level_sets import LevelSet
+from planner.rounding import vanishing
 from planner.strata import StratifiedSystem
+from planner.subspaces import rank
 
 
 def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
@@ -33,7 +42,7 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
     for name in sorted(leaving, key=lambda n: _size(system.fields[n])):
         rate = level_set.rates(system.fields[name])[0][:, None]
         wider = np.hstack([rates, rate])
-        if np.linalg.matrix_rank(wider) > rates.shape[1]:
+        if rank(wider) > rates.shape[1]:
             chosen, rates = [*chosen, name], wider
     return tuple(chosen)
 
@@ -59,14 +68,31 @@ def tangent_field(
     if not level_set.functions or not level_set.leaves(field):
         return field
     names = lifts(system, system.stratum_of[name], bottom)
-    lift_fields = [system.fields[n] for n in names if n != name]
-    if name in names or any(isinstance(f, NumericField) for f in (field, *lift_fields)):
+    if name in names:
         return None
-    L = sp.Matrix.hstack(*lift_fields)  # (n, lifts)
+    corrected = _corrected(field, [system.fields[n] for n in names], level_set)
+    return None if level_set.leaves(corrected) else corrected
+
+
+def _corrected(
+    field: VectorField, lifting: Sequence[VectorField], level_set: LevelSet
+) -> VectorField:
+    """A field less what of the lifts moves the level set as it does."""
+    if any(isinstance(f, NumericField) for f in (field, *lifting)):
+        columns = compile_fields([field, *lifting], level_set.state)
+
+        def value(x: Array) -> Array:
+            velocities = columns.values(x)  # (n, 1 + lifts)
+            speeds = level_set.gradients(x).T @ velocities
+            amounts = np.linalg.lstsq(speeds[:, 1:], speeds[:, 0], rcond=None)[0]
+            held: Array = velocities[:, 0] - velocities[:, 1:] @ amounts
+            return held
+
+        return NumericField(value)
+    L = sp.Matrix.hstack(*lifting)  # (n, lifts)
     speeds = level_set.differential * L  # (codimension, lifts)
     amounts = (speeds.T * speeds).inv() * speeds.T * level_set.differential * field
-    corrected = sp.ImmutableMatrix(sp.simplify(field - L * amounts))
-    return None if level_set.leaves(corrected) else corrected
+    return sp.ImmutableMatrix(sp.simplify(field - L * amounts))
 
 
 def on_bottom(
@@ -116,18 +142,23 @@ def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
     Raises:
         DecouplingError: A lift does not commute with a field; both are named.
     """
-    pairs = [
-        (lift, name)
-        for name in names
-        for lift in lifts(system, system.stratum_of[name])
-        if lift != name
-    ]
-    brackets = [
-        lie_bracket(system.fields[lift], system.fields[name], system.state)
-        for lift, name in pairs
-    ]
-    for (lift, name), commuting in zip(
-        pairs, vanishing(brackets, system.state), strict=True
-    ):
-        if not commuting:
+    fields = {name: system.fields[name] for name in names}
+    for stratum in system.strata:
+        raised = {n: system.fields[n] for n in lifts(system, stratum)}
+        here = {n: f for n, f in fields.items() if system.stratum_of[n] == stratum}
+        for lift, name in coupled(system, raised, here):
             raise DecouplingError(lift, name)
+
+
+def coupled(
+    system: StratifiedSystem,
+    raised: Mapping[str, VectorField],
+    fields: Mapping[str, VectorField],
+) -> list[tuple[str, str]]:
+    """Lifts and fields that do not commute, by name."""
+    pairs = [(lift, name) for lift in raised for name in fields if lift != name]
+    brackets = [
+        lie_bracket(raised[lift], fields[name], system.state) for lift, name in pairs
+    ]
+    commute = vanishing(brackets, system.state)
+    return [pair for pair, still in zip(pairs, commute, strict=True) if not still]

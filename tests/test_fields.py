@@ -12,8 +12,8 @@ from planner.fields import (
     central_difference,
     compile_fields,
     lie_bracket,
-    vanishing,
 )
+from planner.rounding import vanishing
 
 STATE = sp.symbols("x y z")
 X, Y, Z = STATE

@@ -178,3 +178,22 @@ def test_numeric_field_with_a_jump_is_refused():
 
     with pytest.raises(ValueError, match="correct its jacobian or make it smooth"):
         system(strata={"1": {"g": jump}})
+
+
+def test_rates_count_however_small_and_rounding_does_not():
+    x, h = sp.symbols("x h")
+    heights = {"1": [h]}
+    with pytest.raises(ValueError, match="field a leaves its stratum S1"):
+        StratifiedSystem((x, h), {"1": {"a": [1, 1e-12]}}, "1", heights)
+    level = LevelSet((1e-6 * h,), (x, h))
+    assert level.leaves(sp.ImmutableMatrix([0, 1e-9]))
+    assert not level.leaves(sp.ImmutableMatrix([1, 1e9 * h * sp.exp(x)]))
+    assert not level.leaves(
+        sp.ImmutableMatrix([0, sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1])
+    )
+
+
+def test_functions_that_vanish_nowhere_together_have_no_level_set():
+    x, h = sp.symbols("x h")
+    with pytest.raises(ValueError, match=r"found no configuration where h\*\*2 \+ 1"):
+        _ = LevelSet((h**2 + 1,), (x, h)).points
