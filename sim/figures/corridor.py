@@ -55,11 +55,11 @@ METRES_CAPTION = """
 The scenario `corridor` in the physics, steered on the quasi-static prediction, open
 loop: a passage 0.46 m wide, where `hexapod` needs 0.485 m to turn on the spot. Blue:
 floor that body and legs swept over; outlines at the start, at the end, and (broad)
-where they came closest. (a) The {coarse} segments that the joint range alone asks for:
-{contacts} wall contacts. (b) {fine} segments, no wall touched. (c), (d) Clearance of
-the outline, predicted and achieved. In (a) the physics stops at the walls that the
-prediction goes through. In (b) the plan keeps {least:.1f} mm along the prediction;
-{achieved:.1f} mm were achieved.
+where they came closest. (a) The {coarse} segments of the scenario uncut, two more than
+leave the joint range: {contacts} wall contacts. (b) {fine} segments, no wall touched.
+(c), (d) Clearance of the outline, predicted and achieved. In (a) the physics stops at
+the walls that the prediction goes through. In (b) the plan keeps {least:.1f} mm along
+the prediction; {achieved:.1f} mm were achieved.
 """
 WALKS = {
     "corridor-coarse": Job("corridor", {"min_clearance": -1}),

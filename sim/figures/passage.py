@@ -20,7 +20,7 @@ from sim.setup import prepare
 
 Array = np.ndarray
 
-COARSE_SEGMENTS = 24  # the fewest that keep the robot's joint range
+COARSE_SEGMENTS = 24  # the scenario's own; 22 would leave the joint range
 LEAST = 0.005 / PIVOT  # clearance to keep [l], as the scenario asks for
 SAMPLES = 6  # states looked at a flow
 
