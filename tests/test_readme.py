@@ -73,10 +73,14 @@ def test_every_path_of_this_project_exists():
     assert named
 
 
-def test_the_scenario_shown_is_one(tmp_path):
-    (block,) = (b for b in blocks("toml") if "[path]" in b)
-    (tmp_path / "mine.toml").write_text(block)
-    assert load(str(tmp_path / "mine.toml")).path.kind == "waypoints"
+def test_the_scenarios_shown_are_some(tmp_path):
+    shown = []
+    for block in (b for b in blocks("toml") if "[path]" in b):
+        (tmp_path / "mine.toml").write_text(block)
+        shown.append(load(str(tmp_path / "mine.toml")))
+    around, out = shown
+    assert around.path.kind == "waypoints"
+    assert out.path.kind == "route" and len(out.obstacles) == 3
 
 
 def test_the_system_shown_is_checked_and_planned(tmp_path, capsys):
