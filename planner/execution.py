@@ -18,13 +18,13 @@ from planner.flows import Flow
 from planner.grouping import regroup
 from planner.shape import Limits
 from planner.stance import centred
-from planner.steering import Order
+from planner.steering import Wording
 from planner.stepping import Poise, stepped
 
 Stance = Literal["paper", "centred", "stepped"]
 Coordinates = Literal["backward", "forward", "fewest", "shortest"]
 
-CHOICES: Mapping[str, tuple[tuple[Order, ...], ...]] = {
+CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "backward": (("backward",),),
     "forward": (("forward",),),
     "shortest": (("shortest",),),
@@ -105,7 +105,7 @@ class Execution:
         extended: ExtendedSystem,
         hall_coordinates: Array,
         states: tuple[Array, Array],
-        orders: Sequence[Order],
+        orders: Sequence[Wording],
     ) -> list[list[Flow]]:
         """Flows of words in one of the orders, a segment each."""
         ends = self._ends(extended)

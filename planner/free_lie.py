@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.fields import Array
-from planner.hall import Bracket, Element, degree, hall_basis, is_hall_pair, rank
+from planner.hall import Bracket, Element, degree, hall_basis, is_hall_pair, place
 from planner.tensor import Tensor
 
 Expansion = Mapping[Element, int]
@@ -27,7 +27,7 @@ def structure_constants(a: Element, b: Element) -> Expansion:
     """The bracket [a, b] of two Hall elements, written in the Hall basis."""
     if a == b:
         return {}
-    if rank(a) > rank(b):
+    if place(a) > place(b):
         return {e: -c for e, c in structure_constants(b, a).items()}
     if not isinstance(b, Bracket) or is_hall_pair(a, b):
         return {Bracket(a, b): 1}

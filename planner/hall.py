@@ -13,6 +13,7 @@ The conventions are those of Lafferriere and Sussmann, the paper's [3]:
 from __future__ import annotations
 
 import json
+import reprlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -33,7 +34,7 @@ class Bracket:
 Element = int | Bracket
 """A generator's number, or a bracket of elements."""
 
-Rank = tuple[Any, ...]
+Place = tuple[Any, ...]
 
 
 @cache
@@ -53,7 +54,7 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
         raise ValueError(f"max_degree is {max_degree}; generators have degree 1")
     layers: list[list[Element]] = [[*range(1, generators + 1)]]
     for total in range(2, max_degree + 1):
-        layers.append(sorted(_brackets(layers, total), key=rank))
+        layers.append(sorted(_brackets(layers, total), key=place))
     return tuple(element for layer in layers for element in layer)
 
 
@@ -68,16 +69,16 @@ def _brackets(layers: list[list[Element]], total: int) -> Iterator[Bracket]:
 
 def is_hall_pair(left: Element, right: Element) -> bool:
     """Whether the bracket of two Hall elements is a Hall element."""
-    if rank(left) >= rank(right):
+    if place(left) >= place(right):
         return False
-    return not isinstance(right, Bracket) or rank(right.left) <= rank(left)
+    return not isinstance(right, Bracket) or place(right.left) <= place(left)
 
 
 @cache
-def rank(element: Element) -> Rank:
+def place(element: Element) -> Place:
     """A key that sorts elements in the order of the basis."""
     if isinstance(element, Bracket):
-        return (degree(element), rank(element.left), rank(element.right))
+        return (degree(element), place(element.left), place(element.right))
     return (1, element)
 
 
@@ -89,7 +90,7 @@ def degree(element: Element) -> int:
     return 1
 
 
-def parse(text: str) -> Element:
+def element_of(text: str) -> Element:
     """The element that `str` writes as the text, in the Hall basis or not.
 
     Raises:
@@ -97,10 +98,10 @@ def parse(text: str) -> Element:
     """
     try:
         return _element(json.loads(text))
-    except ValueError:
+    except (ValueError, RecursionError):
         raise ValueError(
-            f"{text!r} is no element; write a generator's number from 1 on, or a "
-            "bracket of two elements such as [1,[1,2]]"
+            f"{reprlib.repr(text)} is no element; write a generator's number from 1 "
+            "on, or a bracket of two elements such as [1,[1,2]]"
         ) from None
 
 

@@ -24,7 +24,6 @@ from planner.free_lie import LieAlgebra, lie_algebra
 from planner.hall import Bracket, Element
 
 Order = Literal["backward", "forward"]
-Word = list[tuple[int, float]]
 Spelling = tuple[tuple[int, ...], list[float]]  # generators, and durations for each
 Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
 T = TypeVar("T", int, Array)
@@ -37,7 +36,7 @@ def word(
     hall_coordinates: ArrayLike,
     order: Order = "backward",
     vanishing: Collection[Element] = (),
-) -> Word:
+) -> list[tuple[int, float]]:
     """Flows of generators that realise backward Hall coordinates.
 
     Args:
@@ -65,7 +64,7 @@ def words(
     hall_coordinates: ArrayLike,
     order: Order = "backward",
     vanishing: Collection[Element] = (),
-) -> list[Word]:
+) -> list[list[tuple[int, float]]]:
     """Words of many segments at once, see `word`.
 
     Args:

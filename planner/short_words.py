@@ -12,8 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner.fields import Array
-
-NEGLIGIBLE = 1e-12  # rounding of this size would become sides of its root
+from planner.realise import NEGLIGIBLE
 
 
 def short_durations(first: Array, second: Array, bracket: Array) -> Array:

@@ -22,7 +22,7 @@ from planner.realise import Spelling, joined, spellings
 from planner.short_words import short_durations
 from planner.strata import StratifiedSystem
 
-Order = Literal["backward", "forward", "shortest"]
+Wording = Literal["backward", "forward", "shortest"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class Steering:
         everywhere[..., list(self.selected)] = inputs
         return integrate(self.hall.elements, everywhere)
 
-    def words(self, hall_coordinates: Array, order: Order) -> list[Word]:
+    def words(self, hall_coordinates: Array, order: Wording) -> list[Word]:
         """Words of the generators that realise Hall coordinates, one a segment.
 
         Args:

@@ -20,8 +20,8 @@ from planner.fields import Array
 from planner.flows import Flow, merged
 from planner.footwork import footwork
 from planner.shape import Limits, Shape
+from planner.stance import NEGLIGIBLE
 
-NEGLIGIBLE = 1e-12  # swings shorter than this are rounding
 ROUNDING = 1e-9  # of a sweep that just fits
 MOST_PARTS = 32  # more than a robot takes that can set its legs at all
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from models.twists import TwistModel
+from planner.nominal import require_segments
 from planner.paths import grid
 from planner.plan import Plan
 from planner.replan import Step
@@ -23,6 +24,7 @@ def plan_open_loop(setup: Setup) -> Plan:
     Raises:
         PlannerError: If there is none, or it leaves the joint range.
     """
+    _require_segments(setup)
     twists = _steered_on(setup)
     if twists is None:
         return plan_along(setup, setup.nominal())
@@ -53,9 +55,18 @@ def plan_segment(
 
 
 def segment_target(setup: Setup, segment: int) -> np.ndarray:
-    """Pose where the nominal path has a segment end, shape (3,)."""
+    """Pose where the nominal path has a segment end, shape (3,).
+
+    Raises:
+        PlannerError: If segments cut the path's corners.
+    """
+    _require_segments(setup)
     nominal = setup.nominal()
     return nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
+
+
+def _require_segments(setup: Setup) -> None:
+    require_segments(setup.scenario.segments, setup.scenario.path.curve)
 
 
 def _steered_on(setup: Setup) -> TwistModel | None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.errors import ConvergenceError
+from planner.errors import ConvergenceError, PlannerError
 from planner.flows import Flow
 from planner.rollout import rollout
 from sim.planning import plan_open_loop, plan_segment
@@ -21,6 +21,17 @@ from sim.walk import joined
 def turning():
     goal = {"kind": "line", "goal": [0.05, 0.05, 0.5]}
     return prepare(load("line", {"path": goal, "segments": 10}))
+
+
+@pytest.mark.parametrize("steer_on", ["ideal", "quasi-static"])
+def test_segments_too_few_to_meet_the_corners_are_refused(steer_on):
+    path = {"kind": "waypoints", "points": [[0, 0, 0], [0.05, 0, 0], [0.05, 0.05, 0]]}
+    given = {"path": path, "segments": 1, "steer": steer_on}
+    setup = prepare(load("line", given))
+    rest = np.zeros(3), (0.0, 0.0)
+    for make in (plan_open_loop, lambda setup: plan_segment(setup, 0, *rest)):
+        with pytest.raises(PlannerError, match="cuts corners .*; plan at least 2 segm"):
+            make(setup)
 
 
 def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):

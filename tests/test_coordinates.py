@@ -20,11 +20,11 @@ from planner.coordinates import (
 )
 from planner.errors import ConvergenceError
 from planner.free_lie import lie_algebra
-from planner.hall import hall_basis, parse
+from planner.hall import element_of, hall_basis
 from planner.tensor import Tensor
 
 BASES = [hall_basis(2, 5), hall_basis(3, 3), hall_basis(4, 2), hall_basis(1, 1)]
-PAPER = tuple(map(parse, ["1", "2", "3", "4", "[1,2]"]))  # the elements of Sec. 6
+PAPER = tuple(map(element_of, ["1", "2", "3", "4", "[1,2]"]))  # the elements of Sec. 6
 ROUNDING = 1e-11  # measured: below 1e-12 for coordinates up to 1
 
 some = settings(max_examples=25, deadline=None)

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planner.free_lie import LieAlgebra, lie_algebra, structure_constants
-from planner.hall import degree, hall_basis, parse
+from planner.hall import degree, element_of, hall_basis
 from planner.tensor import Tensor
 
 BASES = [hall_basis(2, 6), hall_basis(3, 4), hall_basis(4, 3)]
-CHAINED = tuple(map(parse, ["1", "2", "[1,2]", "[1,[1,2]]", "[1,[1,[1,2]]]"]))
+CHAINED = tuple(map(element_of, ["1", "2", "[1,2]", "[1,[1,2]]", "[1,[1,[1,2]]]"]))
 
 few = settings(max_examples=25, deadline=None)  # exact numbers are slow
 
@@ -144,7 +144,7 @@ def test_elements_that_vanish_change_nothing_else(data):
 
 
 def test_a_basis_that_lacks_an_element_of_its_brackets_is_refused():
-    basis = tuple(map(parse, ["1", "2", "[1,[1,2]]"]))
+    basis = tuple(map(element_of, ["1", "2", "[1,[1,2]]"]))
     message = r"has \[1,\[1,2\]\] but not \[1,2\], .*; add \[1,2\], or leave out"
     with pytest.raises(ValueError, match=message):
         LieAlgebra(basis)
@@ -155,7 +155,7 @@ def test_a_basis_out_of_order_or_not_of_hall_elements_is_refused(names):
     with pytest.raises(
         ValueError, match="is not a part of the Hall basis in its order"
     ):
-        LieAlgebra(tuple(map(parse, names)))
+        LieAlgebra(tuple(map(element_of, names)))
 
 
 def test_an_empty_basis_is_refused():
@@ -169,7 +169,7 @@ def test_a_basis_without_generators_is_refused():
     with pytest.raises(
         ValueError, match="is not a part of the Hall basis in its order"
     ):
-        LieAlgebra((parse("[1,2]"),))
+        LieAlgebra((element_of("[1,2]"),))
 
 
 def test_exponentials_and_logarithms_refuse_other_constant_terms():

@@ -18,7 +18,7 @@ from planner.execution import Coordinates, Execution
 from planner.extended import ExtendedSystem, extend
 from planner.flows import merged
 from planner.free_lie import lie_algebra, structure_constants
-from planner.hall import degree, hall_basis, rank
+from planner.hall import degree, hall_basis, place
 from planner.paths import line
 from planner.plan import plan
 from planner.shooting import aim
@@ -63,7 +63,7 @@ def _robot(name: str) -> ExtendedSystem:
 
 def algebra() -> Iterator[Row]:
     """A Hall basis with its structure constants, from nothing."""
-    remembered = (hall_basis, rank, degree, structure_constants, lie_algebra)
+    remembered = (hall_basis, place, degree, structure_constants, lie_algebra)
 
     def structure() -> object:
         for function in remembered:
