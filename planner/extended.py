@@ -15,7 +15,12 @@ import numpy as np
 
 from planner.elements import column, leaves, name_of, parse
 from planner.errors import PlannerError, RankError, point
-from planner.fields import Array, CompiledFields, compile_fields
+from planner.fields import (
+    Array,
+    CompiledFields,
+    compile_fields,
+    sample_configurations,
+)
 from planner.grouping import Grouper
 from planner.rounding import vanishing
 from planner.shape import Shape
@@ -84,11 +89,18 @@ class ExtendedSystem:
         moving[[i for i, _ in self.columns.varying]] = True
         return np.flatnonzero(moving)
 
-    def _least_norm(self, matrix: Array, velocity: Array, x: Array) -> Array:
-        left, singular, right = np.linalg.svd(matrix, full_matrices=False)
+    def _least_norm(
+        self, matrix: Array, velocity: Array, x: Array, sizes: Array | None = None
+    ) -> Array:
+        """Inputs of least norm, in the sizes of the elements where these are given."""
+        unit = matrix if sizes is None else matrix / sizes
+        left, singular, right = np.linalg.svd(unit, full_matrices=False)
         needed = self.system.bottom_dimension
-        kept = singular > singular[..., :1] / CONDITION  # (..., min(n, p))
+        largest = singular[..., :1] if sizes is None else 1.0
+        kept = singular > largest / CONDITION  # (..., min(n, p))
         rank = kept.sum(axis=-1)
+        if (rank < needed).any() and sizes is None:
+            return self._least_norm(matrix, velocity, x, self._sizes(matrix, x))
         if (rank < needed).any():
             worst = np.unravel_index(rank.argmin(), rank.shape)
             reached = left[worst][:, kept[worst]]
@@ -98,7 +110,30 @@ class ExtendedSystem:
         inputs: Array = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[
             ..., 0
         ]
-        return inputs
+        return inputs if sizes is None else inputs / sizes
+
+    def _sizes(self, matrix: Array, x: Array) -> Array:
+        """Largest length of each element on a path and around its start, shape (p,)."""
+        around = x.reshape(-1, x.shape[-1])[0] + sample_configurations(x.shape[-1])
+        near = self.columns.values(around)
+        lengths = [
+            np.linalg.norm(np.where(np.isfinite(columns), columns, 0.0), axis=-2)
+            for columns in (matrix, near)
+        ]
+        flat = [each.reshape(-1, each.shape[-1]) for each in lengths]
+        sizes: Array = np.concatenate(flat).max(axis=0)
+        return np.where(sizes > 0.0, sizes, 1.0)
+
+    def orientations(self, x: Array) -> Array:
+        """Signs of det B(x), shape (...), where B is square; ones where it is not.
+
+        A path along which the sign changes leaves the elements' span, or its bounds.
+        """
+        matrix = self.columns(x)[..., self._moving, :]
+        if matrix.shape[-1] != matrix.shape[-2]:
+            return np.ones(x.shape[:-1])
+        signs: Array = np.linalg.slogdet(matrix)[0]
+        return signs
 
     def _require_reached(
         self, matrix: Array, inputs: Array, velocity: Array, x: Array

@@ -139,6 +139,31 @@ def test_rank_that_is_lost_at_one_configuration_only_is_found():
         extend(pinched, ["a", "b"]).fictitious_inputs(x, np.ones((3, 2)))
 
 
+def test_units_of_fields_do_not_cost_rank():
+    # a square system, one with a field to spare, and one on a slope of its state
+    units = {"a": [1e5, 0], "b": [0, 1e-5]}
+    plane = StratifiedSystem((X, Y), {"0": units}, "0")
+    spare = StratifiedSystem((X, Y), {"0": units | {"c": [1e5, 0]}}, "0")
+    slope = StratifiedSystem((X, Y), {"0": {"a": [1e5, 1e5], "b": [1e-5, 0]}}, "0")
+    velocity = np.array([1.0, 2.0])
+    for system in (plane, spare, slope):
+        extended = extend(system, tuple(system.fields))
+        inputs = extended.fictitious_inputs(np.zeros(2), velocity)
+        # what the sum of terms of 1e5 inputs of 1e-5 rounds by
+        assert extended.columns(np.zeros(2)) @ inputs == pytest.approx(
+            velocity, abs=1e-14
+        )
+
+
+def test_rounding_does_not_count_for_rank():
+    # cos(pi / 2) is 6e-17, and asks for inputs of 1e16
+    pinched = StratifiedSystem((X, Y), {"0": {"a": [1, 0], "b": [0, sp.cos(X)]}}, "0")
+    with pytest.raises(RankError, match=r"rank 1 of 2 at \(1.5708, 0\)"):
+        extend(pinched, ["a", "b"]).fictitious_inputs(
+            np.array([np.pi / 2, 0]), np.array([0.0, 1.0])
+        )
+
+
 def test_velocity_off_the_bottom_stratum_is_refused():
     extended = extend(hexapod(heights=True), LIFTED)
     with pytest.raises(

@@ -1,0 +1,82 @@
+"""What happens to a path's elements between the nodes at which inputs are found.
+
+Inputs are polynomials through their values at nodes. Where the elements lose rank
+between two nodes, or are singular there, no polynomial follows the path, and the nodes
+do not show it. Rank lost at a node is found by `planner.extended`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from planner.collocation import collocation
+from planner.errors import PlannerError, point
+from planner.extended import ExtendedSystem
+from planner.fields import Array
+
+TAIL = (
+    1e-3  # of inputs, in the last terms of their series, that calls for a closer look
+)
+MISSED = 0.2  # of what elements give together: resolved inputs miss a hundredth at most
+
+
+def require_regular(
+    extended: ExtendedSystem, samples: Array, velocity: Array, inputs: Array
+) -> None:
+    """Refuse inputs that do not follow a path between its nodes.
+
+    Args:
+        extended: System to steer.
+        samples: Configurations at nodes of segments in order, (segments, nodes, n).
+        velocity: Velocities there, same shape.
+        inputs: Inputs with B(x) v = velocity, shape (segments, nodes, p).
+
+    Raises:
+        PlannerError: The elements turn inside out from one end of a segment to the
+            other, or inputs midway between nodes fail to give the velocity; the nodes
+            on both sides are named.
+    """
+    ends = extended.orientations(np.append(samples[:, 0], samples[-1:, -1], axis=0))
+    for segment in samples[ends[1:] != ends[:-1]][:1]:
+        signs = extended.orientations(segment)
+        _refuse(segment, int(np.argmax(signs[1:] != signs[:-1])))
+    rule = collocation(samples.shape[1])
+    tails = np.abs(rule.coefficients[-2:] @ inputs).max(axis=1)  # (segments, p)
+    rough = (tails > TAIL * np.abs(inputs).max(axis=1)).any(axis=1)
+    if rough.any():
+        values = samples[rough], velocity[rough], inputs[rough]
+        missed = _missed(extended, *values)
+        if not missed.max() <= MISSED:
+            segment = int(missed.max(axis=-1).argmax())
+            _refuse(samples[rough][segment], _steepest(inputs[rough][segment]))
+
+
+def _missed(
+    extended: ExtendedSystem, samples: Array, velocity: Array, inputs: Array
+) -> Array:
+    """Part of the elements' velocities that is missed midway, (segments, nodes - 1)."""
+    rule = collocation(samples.shape[1])
+    midway = rule.nodes[1:] + rule.nodes[:-1] - 1.0  # of [-1, 1]
+    between = chebyshev.chebvander(midway, len(rule.nodes) - 1) @ rule.coefficients
+    matrix = extended.columns.values(between @ samples)
+    given = matrix * (between @ inputs)[..., None, :]
+    size = np.abs(given).sum(axis=-1).max(axis=1, keepdims=True)
+    missed = np.abs(given.sum(axis=-1) - between @ velocity)
+    parts: Array = (missed / np.where(size > 0.0, size, 1.0)).max(axis=-1)
+    return parts
+
+
+def _steepest(inputs: Array) -> int:
+    """The node from which to the next inputs, shape (nodes, p), are largest."""
+    largest = np.abs(inputs).max(axis=0)
+    sizes = (np.abs(inputs) / np.where(largest > 0.0, largest, 1.0)).sum(axis=-1)
+    return int((sizes[1:] + sizes[:-1]).argmax())
+
+
+def _refuse(x: Array, node: int) -> None:
+    raise PlannerError(
+        f"between {point(x[node])} and {point(x[node + 1])} the elements lose rank or "
+        "are singular (Def. 3), or the path turns too fast to be followed; keep it "
+        "away from there, add fields or brackets, or plan more segments"
+    )
