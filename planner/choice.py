@@ -80,7 +80,7 @@ def choose_elements(
 
     Raises:
         RankError: Nothing up to that degree spans it.
-        ValueError: The configurations are misshapen.
+        ValueError: The configurations are misshapen, or the degree is below 1.
         SingularConfigurationError: A field is not finite at one of them.
     """
     x = np.atleast_2d(np.asarray(at, dtype=float))
@@ -88,6 +88,8 @@ def choose_elements(
         raise ValueError(
             f"configurations have shape {x.shape}, expected (k, {system.dimension})"
         )
+    if max_degree < 1:
+        raise ValueError(f"max_degree is {max_degree}; fields themselves have degree 1")
     usable = _usable_fields(system)
     fields = _candidates(system, list(usable), list(usable.values()), x)
     few = _enlarged([], fields, system, x)

@@ -143,7 +143,7 @@ def _configuration(
     if home.functions and (missed := np.abs(home.value(x))).max() > OFF_STRATUM:
         raise ValueError(
             f"configuration {point(x)} is not in the gait's first stratum: "
-            f"{home.functions[missed.argmax()]} is not 0 there"
+            f"{home.functions[missed.argmax()]} is not 0 there; choose one where it is"
         )
     return x
 

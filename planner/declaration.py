@@ -21,6 +21,7 @@ from planner.fields import (
 )
 from planner.level_sets import LevelSet
 
+LARGEST = 1e100  # size of a number; products of three still fit a float
 NAME = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -44,7 +45,7 @@ def checked_state(state: Iterable[Any]) -> Symbols:
         if str(s) in RESERVED:
             raise ValueError(f"state has {s}, which formulas use; rename it")
         if names.count(str(s)) > 1:
-            raise ValueError(f"state names {s} twice")
+            raise ValueError(f"state names {s} twice; rename one")
     return symbols
 
 
@@ -125,12 +126,12 @@ def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
         )
     for part in sp.preorder_traversal(expression):
         if part.is_number and not _is_real(part):
-            raise ValueError(f"{what} has {part}, which is no finite real number")
+            raise ValueError(f"{what} has {part}, no real number below {LARGEST:.0e}")
 
 
 def _is_real(number: sp.Expr) -> bool:
     try:
-        return bool(np.isfinite(float(number)))
+        return abs(float(number)) < LARGEST
     except (TypeError, OverflowError):
         return False
 

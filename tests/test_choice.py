@@ -75,3 +75,8 @@ def test_what_cannot_be_spanned_is_refused():
 def test_misshapen_configurations_are_refused():
     with pytest.raises(ValueError, match=r"shape \(1, 3\), expected \(k, 5\)"):
         choose_elements(hexapod(), [0, 0, 0])
+
+
+def test_degree_below_one_is_refused():
+    with pytest.raises(ValueError, match="max_degree is 0; fields themselves have"):
+        choose_elements(hexapod(), [0, 0, 0, 0, 0], max_degree=0)
