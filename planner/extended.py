@@ -186,7 +186,7 @@ def _require_distinct(names: Sequence[str]) -> None:
         )
     for name in names:
         if names.count(name) > 1:
-            raise ValueError(f"element {name} is listed twice")
+            raise ValueError(f"element {name} is listed twice; keep one")
 
 
 def _inverse(matrix: Array) -> Array | None:

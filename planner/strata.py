@@ -8,10 +8,11 @@ contain the other's and no third stratum lies between. Planning happens elsewher
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from heapq import heappop, heappush
+from itertools import count
 
 import numpy as np
 import sympy as sp
@@ -160,9 +161,9 @@ class StratifiedSystem:
         }
 
     def route(self, start: str, goal: str) -> tuple[str, ...]:
-        """The walk of fewest steps between strata; feet land before others lift.
+        """The walk of fewest contact events between strata, then of fewest steps.
 
-        A step may be of several contacts, so another walk may have fewer events.
+        Where walks are alike in both, feet land before others lift.
 
         Raises:
             StratumError: A stratum is unknown, or the graph does not join the two.
@@ -184,8 +185,24 @@ class StratifiedSystem:
 
     @cached_property
     def walks(self) -> dict[str, dict[str, tuple[str, ...]]]:
-        """Shortest walks from each stratum to those that the graph joins to it."""
-        return {s: _walks(s, self.neighbours) for s in self.strata}
+        """Walks of fewest events from each stratum to those that the graph joins."""
+        return {s: self._walks(s) for s in self.strata}
+
+    def _walks(self, start: str) -> dict[str, tuple[str, ...]]:
+        """Dijkstra's algorithm; among equal walks the one thought of first."""
+        walks: dict[str, tuple[str, ...]] = {}
+        thought_of = count()
+        alone: tuple[str, ...] = (start,)
+        queue = [(0, 1, next(thought_of), alone)]
+        while queue:
+            events, length, _, walk = heappop(queue)
+            here = walk[-1]
+            for there in self.neighbours[here] if here not in walks else ():
+                more = len(self.contacts[here] ^ self.contacts[there])
+                way = (events + more, length + 1, next(thought_of), (*walk, there))
+                heappush(queue, way)
+            walks.setdefault(here, walk)
+        return walks
 
     def _require_distinct_contacts(self) -> None:
         for name in self.strata if len(self.strata) > 1 else ():
@@ -262,17 +279,3 @@ class Gait:
 def steps(walk: Sequence[str]) -> Iterable[tuple[str, str]]:
     """Consecutive pairs of a walk."""
     return zip(walk, walk[1:], strict=False)
-
-
-def _walks(
-    start: str, neighbours: Mapping[str, Sequence[str]]
-) -> dict[str, tuple[str, ...]]:
-    walks: dict[str, tuple[str, ...]] = {start: (start,)}
-    queue = deque([start])
-    while queue:
-        here = queue.popleft()
-        for there in neighbours[here]:
-            if there not in walks:
-                walks[there] = (*walks[here], there)
-                queue.append(there)
-    return walks

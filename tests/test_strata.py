@@ -1,5 +1,7 @@
 """Stratified systems as data: the graph of strata, gaits, and what is refused."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -49,6 +51,18 @@ def test_level_sets_say_which_strata_are_nested_whatever_the_names():
 
 def test_feet_land_before_others_lift():
     assert hexapod(heights=True).route("1", "2") == ("1", "12", "2")
+
+
+def test_routes_have_the_fewest_contact_events_of_all():
+    names = ("1234", "1", "2", "0", "23", "13")
+    sparse = system(strata={s: {f"g{s}": [1, 0]} for s in names}, bottom="1234")
+    assert sparse.route("1", "2") == ("1", "0", "2")
+    assert sparse.switches("1", "2") == 2
+    assert sparse.route("1", "1234") == ("1", "13", "1234")
+    # so that no detour by another stratum saves any
+    for a, b, c in product(names, repeat=3):
+        through = sparse.switches(a, b) + sparse.switches(b, c)
+        assert sparse.switches(a, c) <= through
 
 
 def test_level_set_finds_points_on_a_curved_stratum():
