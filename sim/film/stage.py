@@ -33,6 +33,7 @@ class Stage:
         self._walk, self._marks, self._camera = walk, marks, camera
         self._model = build(walk, marks, look)
         self._first_face = self._model.mesh_faceadr.copy()
+        self._ink = {self._model.geom(mesh_name(mark)).id for mark in marks}
         self._data = mujoco.MjData(self._model)
         self._view = mujoco.MjvCamera()
         self._options = mujoco.MjvOption()
@@ -83,11 +84,18 @@ class Stage:
             mujoco.mjtCatBit.mjCAT_ALL,
             self._scene,
         )
+        self._let_ink_cast_no_shadow()
         frame_area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
         picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)
         mujoco.mjr_render(frame_area, self._scene, self._brush)
         mujoco.mjr_readPixels(picture, None, frame_area, self._brush)
         return picture[::-1]  # OpenGL counts rows from below
+
+    def _let_ink_cast_no_shadow(self) -> None:
+        """Not even on itself, where it lies nearer to the floor than depth is fine."""
+        for geom in self._scene.geoms[: self._scene.ngeom]:
+            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._ink:
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
     def _look_from(self, frame: int) -> None:
         self._view.lookat[:] = self._camera.target[frame]
