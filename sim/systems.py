@@ -61,10 +61,14 @@ def find(source: str, settings: Sequence[str] = ()) -> Problem:
         settings: `KEY=VALUE` for parameters that are not to have their defaults.
 
     Raises:
-        UsageError: There is no such file, or a setting sets nothing.
+        UsageError: There is no such file, or a setting sets nothing, or comes twice.
         ProblemError: There is no such system, or its file says something impossible.
     """
-    values = dict(parse_override(text) for text in settings)
+    values: dict[str, object] = {}
+    for key, value in map(parse_override, settings):
+        if key in values:
+            raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
+        values[key] = value
     path = Path(source)
     if path.suffix not in SUFFIXES:
         from models.systems.library import shipped

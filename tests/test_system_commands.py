@@ -194,6 +194,7 @@ def test_list_of_systems_has_parameters(facts):
         ("check hexapod --set radius=1", 2, "a robot has no parameters: --set"),
         ("check car --depth 0", 2, "depth is 0: car; at least 1 is needed"),
         ("check car --at x=y", 2, "'x=y' is no coordinate: --at"),
+        ("plan car --set length=1 --set length=2", 2, "given twice: --set length"),
         ("check car --at x=1 x=2", 2, "x is given twice: --at; keep one of them"),
         (
             "check biped --gait 12 1",
