@@ -21,22 +21,25 @@ TAIL = (
 MISSED = 0.2  # of what elements give together: resolved inputs miss a hundredth at most
 
 
-def require_regular(
-    extended: ExtendedSystem, samples: Array, velocity: Array, inputs: Array
-) -> None:
+def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> None:
     """Refuse inputs that do not follow a path between its nodes.
+
+    Shots need no such look ahead: where they end is known.
 
     Args:
         extended: System to steer.
         samples: Configurations at nodes of segments in order, (segments, nodes, n).
-        velocity: Velocities there, same shape.
-        inputs: Inputs with B(x) v = velocity, shape (segments, nodes, p).
+        inputs: Inputs that follow them, shape (segments, nodes, p).
 
     Raises:
         PlannerError: The elements turn inside out from one end of a segment to the
             other, or inputs midway between nodes fail to give the velocity; the nodes
             on both sides are named.
     """
+    moving = np.ptp(samples, axis=1).any(axis=1)
+    if not moving.any():
+        return
+    samples, inputs = samples[moving], inputs[moving]
     ends = extended.orientations(np.append(samples[:, 0], samples[-1:, -1], axis=0))
     for segment in samples[ends[1:] != ends[:-1]][:1]:
         signs = extended.orientations(segment)
@@ -45,22 +48,20 @@ def require_regular(
     tails = np.abs(rule.coefficients[-2:] @ inputs).max(axis=1)  # (segments, p)
     rough = (tails > TAIL * np.abs(inputs).max(axis=1)).any(axis=1)
     if rough.any():
-        values = samples[rough], velocity[rough], inputs[rough]
-        missed = _missed(extended, *values)
+        missed = _missed(extended, samples[rough], inputs[rough])
         if not missed.max() <= MISSED:
             segment = int(missed.max(axis=-1).argmax())
             _refuse(samples[rough][segment], _steepest(inputs[rough][segment]))
 
 
-def _missed(
-    extended: ExtendedSystem, samples: Array, velocity: Array, inputs: Array
-) -> Array:
+def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
     """Part of the elements' velocities that is missed midway, (segments, nodes - 1)."""
     rule = collocation(samples.shape[1])
     midway = rule.nodes[1:] + rule.nodes[:-1] - 1.0  # of [-1, 1]
     between = chebyshev.chebvander(midway, len(rule.nodes) - 1) @ rule.coefficients
     matrix = extended.columns.values(between @ samples)
     given = matrix * (between @ inputs)[..., None, :]
+    velocity = rule.derivative @ samples
     size = np.abs(given).sum(axis=-1).max(axis=1, keepdims=True)
     missed = np.abs(given.sum(axis=-1) - between @ velocity)
     parts: Array = (missed / np.where(size > 0.0, size, 1.0)).max(axis=-1)

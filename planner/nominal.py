@@ -8,7 +8,6 @@ from numbers import Integral
 
 import numpy as np
 
-from planner.between import require_regular
 from planner.choice import choose_elements
 from planner.collocation import collocation
 from planner.errors import PlannerError, point
@@ -128,5 +127,4 @@ def fictitious_inputs(extended: ExtendedSystem, samples: Array) -> Array:
     if moving.any():
         velocity = collocation(nodes).derivative @ samples[moving]
         inputs[moving] = extended.fictitious_inputs(samples[moving], velocity)
-        require_regular(extended, samples[moving], velocity, inputs[moving])
     return inputs

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from planner.between import require_regular
 from planner.elements import parse
 from planner.errors import RangeError, unknown
 from planner.execution import Coordinates, Execution, Stance
@@ -194,6 +195,7 @@ def follow_path(
     nodes = nodes or default_nodes(segments)
     samples = sample(path, extended.system, segments, nodes)
     inputs = fictitious_inputs(extended, samples)
+    require_regular(extended, samples, inputs)
     hall_coordinates = extended.steering.hall_coordinates(inputs)
     ends = samples[0, 0], samples[-1, -1]
     return assemble(extended, inputs, hall_coordinates, ends, execution)

@@ -4,15 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import sympy as sp
 
-from planner.errors import ConvergenceError, RangeError
+from planner.errors import ConvergenceError, PlannerError, RangeError
 from planner.execution import Execution
 from planner.extended import extend
 from planner.paths import ellipse, line
 from planner.plan import plan
 from planner.rollout import play, rollout
 from planner.shooting import aim, steer
-from tests.systems import LIFTED, METRES, PAPER, chained, hexapod
+from planner.strata import StratifiedSystem
+from tests.systems import LIFTED, METRES, PAPER, THETA, X, Y, chained, hexapod
 
 AT_REST = np.zeros(5)
 BACKWARD = Execution(coordinates="backward")
@@ -62,6 +64,19 @@ def test_steps_beyond_the_critical_one_are_cut(paper):
     # where one step of 14 m and 3 rad does not halve the distance
     steered = steer(paper, AT_REST, [10, 10, 3, 0, 0], BACKWARD)
     assert 0 < steered.critical_step < np.linalg.norm([10, 10, 3])
+
+
+def test_step_too_fast_to_be_followed_is_cut_like_one_too_long():
+    fields = {"roll": [sp.cos(THETA), sp.sin(THETA), 0], "turn": [0, 0, 1]}
+    wheel = extend(
+        StratifiedSystem((X, Y, THETA), {"0": fields}, "0"),
+        ["roll", "turn", "[roll,turn]"],
+    )
+    goal = [100, 50, 30]  # nearly five turns, of which nine nodes show nothing
+    with pytest.raises(PlannerError, match="or the path turns too fast to be followed"):
+        plan(wheel, line(np.zeros(3), goal), 1, nodes=9)
+    steered = steer(wheel, np.zeros(3), goal, BACKWARD)
+    assert rollout(steered.plan)[-1] == pytest.approx(goal, abs=1e-9)
 
 
 def test_goal_already_met_needs_no_shot(paper):
