@@ -22,6 +22,7 @@ elements of an ideal vanish (`planner.free_lie.LieAlgebra`).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,8 @@ from planner.hall import Element
 NODES = 16  # of an interval, where inputs are functions of time
 TOLERANCE = 1e-12  # of what halving an interval changes, relative
 SHORTEST = 1e-14  # interval, in which bounded inputs do nothing
+PIECES = 16  # of unit time to begin with; their nodes are at most 1/300 apart
+EVALUATIONS = 100_000  # of inputs before they are given up; a jump needs 2 000
 
 Terms = dict[int, Any]  # coefficients by place in the basis
 
@@ -102,20 +105,31 @@ def backward(
     Args:
         basis: Hall elements, s of them.
         v: Inputs of shape (s,), constant or a function of time in [0, 1] with at most
-            a few jumps.
+            a few jumps. What they do for less than 1/300 may pass unseen.
 
     Raises:
         ValueError: The inputs are not finite or have another shape.
-        ConvergenceError: The inputs are not bounded.
+        ConvergenceError: The inputs are not bounded, or noise throughout.
     """
     algebra = lie_algebra(tuple(basis))
     if not callable(v):
         return exponential(basis, algebra.vector(v, "inputs"))
 
+    evaluations = count(1)
+
     def inputs(t: float) -> Array:
+        if next(evaluations) > EVALUATIONS:
+            raise ConvergenceError(
+                f"inputs still change from one time to the next at {t:.6g}, after "
+                f"{EVALUATIONS} evaluations (eq. 9); make them smooth but for a few "
+                "jumps"
+            )
         return algebra.vector(v(t), f"inputs at {t:.6g}")
 
-    return _adapted(algebra, inputs, 0.0, 1.0, np.zeros(len(algebra.basis)))
+    h = np.zeros(len(algebra.basis))
+    for piece in range(PIECES):
+        h = _adapted(algebra, inputs, piece / PIECES, 1 / PIECES, h)
+    return h
 
 
 def _adapted(

@@ -8,7 +8,7 @@ over the whole plan is taken. Durations play no part here.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, groupby
@@ -68,29 +68,57 @@ class Grouper:
         """
         key = (pattern, start)
         if key not in self._known:
-            self._known[key] = tuple(self._search(pattern, start))
+            self._known[key] = self._search(pattern, start)
         return self._known[key]
 
-    def _search(self, pattern: Pattern, start: str) -> Iterable[Arrangement]:
-        """Dijkstra over the flows done and the stratum; staying on never costs."""
+    def _search(self, pattern: Pattern, start: str) -> tuple[Arrangement, ...]:
+        """One search for each stratum to end in; the cheapest arrangement first."""
+        if not pattern:
+            return (Arrangement((), start, 0),)
         strata = [self.system.stratum_of[name] for name in pattern]
         after = self._prerequisites(pattern)
-        everything = (1 << len(pattern)) - 1
-        queue: list[tuple[int, tuple[int, ...], int, str]] = [(0, (), 0, start)]
+        ends = dict.fromkeys(strata)
+        found = [self._cheapest(strata, after, start, end) for end in ends]
+        return tuple(
+            Arrangement(_late(strata, after, order), end, switches)
+            for switches, order, end in sorted(filter(None, found))
+        )
+
+    def _cheapest(
+        self, strata: Sequence[str], after: Sequence[int], start: str, end: str
+    ) -> tuple[int, tuple[int, ...], str] | None:
+        """A* over the flows done and the stratum; staying on never costs.
+
+        Returns:
+            Switches, the flows in order and the end; None where the end is not last.
+        """
+        queue: list[tuple[int, tuple[int, ...], int, int, str]] = [(0, (), 0, 0, start)]
         settled: set[tuple[int, str]] = set()
         while queue:
-            switches, order, done, here = heapq.heappop(queue)
+            _, order, switches, done, here = heapq.heappop(queue)
+            if len(order) == len(strata):
+                return switches, order, end
             if (done, here) in settled:
                 continue
             settled.add((done, here))
-            if done == everything:
-                yield Arrangement(_late(strata, after, order), here, switches)
-                continue
-            for there in dict.fromkeys(strata):
+            for there in _open(strata, done):
                 run, then = _run(strata, after, done, there)
-                if run and (here, there) in self.price:
-                    price = switches + self.price[here, there]
-                    heapq.heappush(queue, (price, order + run, then, there))
+                rest = _open(strata, then)
+                early = rest and end not in rest  # nothing would be left to end with
+                if run and (here, there) in self.price and not early:
+                    spent = switches + self.price[here, there]
+                    least = spent + self._least(there, rest, end)
+                    heapq.heappush(queue, (least, order + run, spent, then, there))
+        return None
+
+    def _least(self, here: str, rest: Collection[str], end: str) -> int:
+        """Contact events that a walk through the strata left, to the end, must have.
+
+        A contact that is not always as it is here changes, and twice to be so at last.
+        """
+        contacts = self.system.contacts
+        changing = frozenset[str]().union(*(contacts[here] ^ contacts[s] for s in rest))
+        return 2 * len(changing) - len(contacts[here] ^ contacts[end])
 
     def _prerequisites(self, pattern: Pattern) -> tuple[int, ...]:
         """For each flow the bit mask of earlier flows it must not overtake."""
@@ -137,6 +165,11 @@ class Grouper:
             if stratum_of[other] != stratum_of[name] or not self.commute(other, name):
                 return None
         return None
+
+
+def _open(strata: Sequence[str], done: int) -> dict[str, None]:
+    """Strata with flows still to run, in order of appearance."""
+    return dict.fromkeys(s for j, s in enumerate(strata) if not done >> j & 1)
 
 
 def _run(

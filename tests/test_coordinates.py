@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from planner import coordinates
 from planner.collocation import collocation
 from planner.coordinates import (
     backward,
@@ -201,6 +202,28 @@ def test_inputs_of_another_shape_are_refused():
         backward(basis, [1.0, 2.0])
     with pytest.raises(ValueError, match=r"inputs at 0 of shape \(4,\) do not fit the"):
         backward(basis, lambda t: [t, t, t, t])
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.1237, 0.4101, 0.75])
+def test_pulses_of_a_three_hundredth_of_the_time_are_seen(begin):
+    h = backward(
+        hall_basis(2, 2), lambda t: [300.0 * (begin < t < begin + 1 / 300)] * 3
+    )
+    # both ends are found to the last digits of the time, which the height multiplies
+    assert h[:2] == pytest.approx([1, 1], abs=1e-11)
+
+
+def test_noise_is_refused_after_a_bounded_number_of_evaluations(monkeypatch):
+    monkeypatch.setattr(coordinates, "EVALUATIONS", 5_000)
+    noise, calls = np.random.default_rng(4), []
+
+    def inputs(t):
+        calls.append(t)
+        return noise.normal(size=3)
+
+    with pytest.raises(ConvergenceError, match="inputs still change from one time"):
+        backward(hall_basis(2, 2), inputs)
+    assert len(calls) == 5_000
 
 
 def test_inputs_that_grow_beyond_all_bounds_are_refused():

@@ -108,3 +108,44 @@ def test_strata_that_nothing_joins_are_named():
     grouper = Grouper(apart, lambda a, b: False)
     with pytest.raises(StratumError, match="joins S1 to S2"):
         regrouped(grouper, [[[("g2", 1.0)]]], ("1", "1"))
+
+
+@pytest.mark.timeout(10)
+def test_many_feet_are_arranged_without_trying_all_subsets():
+    # 2^14 subsets of strata, each with one foot in the air, were half a minute
+    feet = "abcdefghijklmn"
+    raised = [feet.replace(foot, "") for foot in feet]
+    strata = {feet: {}} | {name: {f"f_{name}": [1, 0]} for name in raised}
+    system = StratifiedSystem("x y", strata, feet)
+    found = Grouper(system, lambda a, b: True).arrangements(tuple(system.fields), feet)
+    # the first foot lifts, and each time one lands another lifts
+    assert {arrangement.switches for arrangement in found} == {1 + 2 * 13}
+    assert {arrangement.end for arrangement in found} == set(raised)
+
+
+@pytest.mark.parametrize("trial", range(8))
+def test_every_end_is_reached_as_cheaply_as_by_any_order(trial):
+    rng = np.random.default_rng(trial)
+    strata = {s: {f"f{s}": [1, 0]} for s in ("123", "12", "13", "23", "1")}
+    system = StratifiedSystem("x y", strata, "123")
+    pattern = tuple(rng.choice(list(system.fields), 6).tolist())
+    clash = {frozenset(rng.choice(list(system.fields), 2).tolist()) for _ in range(4)}
+    grouper = Grouper(system, lambda a, b: frozenset((a, b)) not in clash)
+    fewest = {}
+    for order in permutations(range(6)):
+        walk = ["123", *(pattern[i][1:] for i in order)]
+        kept = all(
+            order.index(i) < order.index(j)
+            or grouper.interchange(pattern[i], pattern[j])
+            for j in range(6)
+            for i in range(j)
+        )
+        if kept:
+            cost = sum(map(system.switches, walk, walk[1:]))
+            fewest[walk[-1]] = min(cost, fewest.get(walk[-1], cost))
+    found = {a.end: a.switches for a in grouper.arrangements(pattern, "123")}
+    best = min(found, key=found.__getitem__)
+    for end, cost in fewest.items():
+        going_on = found[best] + system.switches(best, end)
+        assert min(found.get(end, going_on), going_on) <= cost
+    assert all(fewest[end] <= cost for end, cost in found.items())
