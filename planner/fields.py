@@ -55,6 +55,9 @@ def _derivative(
 
 
 def _column(field: sp.Matrix, size: int) -> sp.Matrix:
+    if not isinstance(field, sp.MatrixBase):  # which would run texts to read them
+        strictly = np.vectorize(lambda e: sp.sympify(e, strict=True), otypes=[object])
+        field = strictly(np.atleast_1d(np.asarray(field, dtype=object)))
     column = sp.Matrix(field)
     if column.shape != (size, 1):
         raise ValueError(

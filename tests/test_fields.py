@@ -60,6 +60,11 @@ def test_bracket_is_antisymmetric():
     assert sp.expand(bracket(F, G, STATE) + bracket(G, F, STATE)) == sp.zeros(3, 1)
 
 
+def test_bracket_runs_no_texts():
+    with pytest.raises(ValueError, match="SympifyError: 'print"):
+        bracket(["print(1)", 0, 0], [0, 1, 0], STATE)
+
+
 def test_brackets_satisfy_the_jacobi_identity():
     def twice(a, b, c):
         return bracket(a, bracket(b, c, STATE), STATE)
