@@ -18,12 +18,12 @@ from numpy.typing import ArrayLike
 from planner.elements import name_of
 from planner.errors import SingularConfigurationError
 from planner.fields import Array, NumericField, Symbols, VectorField, lie_bracket
-from planner.rounding import Evaluation
+from planner.rounding import ROUNDING, Evaluation
 
 LARGEST = 150  # fields, beyond which an algebra is not followed further
 OPERATIONS = 50_000  # in their formulas, likewise; some two seconds
 CALL = 10  # operations that a call of a function is worth
-INDEPENDENT = 1e-8  # part of a field's size that must be new
+INDEPENDENT = ROUNDING  # part of a field that must be new: less may be rounding
 POINTS = 80  # configurations at which fields are compared
 NEAREST = 1e-3  # half of them within 1 in each coordinate, the others down to this
 Named = tuple[str, VectorField]

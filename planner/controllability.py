@@ -19,7 +19,13 @@ from planner.errors import point
 from planner.fields import Array
 from planner.level_sets import LevelSet
 from planner.strata import Gait, StratifiedSystem, steps
-from planner.subspaces import column_space, null_space, rank
+from planner.subspaces import (
+    SPANNED,
+    column_space,
+    nearly_dependent,
+    null_space,
+    rank,
+)
 from planner.tangency import coupled, lifts, tangent_field
 
 OFF_STRATUM = 1e-9  # of the level sets at the configuration
@@ -34,8 +40,8 @@ class Controllability:
         gait: The gait in words.
         at: Configuration that was looked at.
         controllable: Whether some test reaches the whole tangent space.
-        conclusive: Whether nothing was left out that could change the answer: depth, or
-            what lifts do to fields where Assumption 2 fails.
+        conclusive: Whether nothing was left out that could change the answer: depth,
+            fields that hardly differ, or what lifts do where Assumption 2 fails.
         rank: The larger of the two dimensions reached.
         dimension: Dimension of the gait's first stratum.
         filtration: Dimension that the filtration reaches.
@@ -108,7 +114,7 @@ def gait_controllability(
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
     missing = () if controllable else system.missing(reached, x, walk.strata[0])
-    unjudged = () if controllable else _unjudged(system, walk.strata)
+    unjudged = () if controllable else _unjudged(system, walk.strata, union)
     tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
     return Controllability(
         gait=str(walk),
@@ -199,10 +205,14 @@ def _closure(
     )
 
 
-def _unjudged(system: StratifiedSystem, strata: Sequence[str]) -> tuple[str, ...]:
-    """What the closure leaves out, as advice: nothing under Assumption 2."""
+def _unjudged(
+    system: StratifiedSystem, strata: Sequence[str], union: Involution
+) -> tuple[str, ...]:
+    """What the closure cannot judge, as advice: nothing left out under Assumption 2."""
     home, *others = dict.fromkeys(strata)
     advice = []
+    if nearly_dependent(union.columns):
+        advice.append(f"make fields differ by more than {SPANNED:.0e} of themselves")
     for stratum in others:
         lifting = lifts(system, stratum, home)
         fields = {

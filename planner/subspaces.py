@@ -7,17 +7,29 @@ from collections.abc import Iterable
 import numpy as np
 
 from planner.fields import Array
+from planner.rounding import ROUNDING
 
 SPANNED = 1e-8  # relative size of a singular value that counts
 
 
 def column_space(columns: Array) -> Array:
     """Orthonormal columns that span the same space; each column counts alike."""
+    left, singular = _decomposed(columns)
+    spanned: Array = left[:, singular > SPANNED]
+    return spanned
+
+
+def nearly_dependent(columns: Array) -> bool:
+    """Whether some column is so near the others' span that its part is in doubt."""
+    _, singular = _decomposed(columns)
+    return bool(((singular > ROUNDING) & (singular <= SPANNED)).any())
+
+
+def _decomposed(columns: Array) -> tuple[Array, Array]:
     sizes = np.linalg.norm(columns, axis=0)
     scaled = columns / np.where(sizes > 0, sizes, 1.0)
     left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
-    spanned: Array = left[:, singular > SPANNED]
-    return spanned
+    return left, singular
 
 
 def rank(columns: Array) -> int:

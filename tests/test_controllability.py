@@ -180,6 +180,26 @@ def test_slow_lift_is_a_lift_and_what_it_lifts_is_judged():
     assert (report.rank, report.controllable) == (2, True)
 
 
+def test_fields_that_hardly_differ_leave_the_question_open():
+    # a + b, less c and d, is 2e-9 (cos, sin) along x and y; more is reached by far
+    def biped(hip):
+        theta = sp.Symbol("theta")
+        along = [hip * sp.cos(theta), hip * sp.sin(theta)]
+        return smooth(
+            ("x", "y", "theta", "p", "q"),
+            [0] * 5,
+            a=[*along, 1, 1, 0],
+            b=[*along, -1, 0, 1],
+            c=[0, 0, 0, 1, 0],
+            d=[0, 0, 0, 0, 1],
+        )
+
+    assert biped(1e-6).controllable
+    near = biped(1e-9)
+    assert (near.controllable, near.conclusive) == (False, False)
+    assert "make fields differ by more than 1e-08 of themselves" in near.advice
+
+
 def test_fields_that_lifting_changes_leave_the_question_open():
     # Assumption 2 fails: lift, move by h d/dx and land goes along x
     x, y, h = sp.symbols("x y h")
