@@ -1,6 +1,6 @@
 """Robots: a body in MJCF, a card that names its parts, and the equations of both.
 
-====================================  ===================================================
+====================================  ================================================
 From file to robot                    library, card, card_file, robot
 Can it be one                         parts, posture, lifting, soles, poise, replicas
 Its equations, eqs. (16)-(18)         equations, strokes, twists, integral
@@ -8,5 +8,5 @@ Quasi-static contact kinematics       kinematics, loads, dissipation, sliding, g
 As measured                           identified
 The shipped robots                    shapes, morphology, mjcf
 Systems without a body                systems
-====================================  ===================================================
+====================================  ================================================
 """

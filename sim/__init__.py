@@ -2,7 +2,7 @@
 
 A run, in order:
 
-====================================  ===================================================
+====================================  ================================================
 What to walk                          scenario, scenario_file, settings, nominal
 Everything decided beforehand         setup, world, obstacles, effort
 Flows, aimed where they should end    planning, steering, bounds, forecast, twist_models
@@ -12,5 +12,5 @@ Contact, slip, margin                 measure, support, creep
 Prediction beside what was achieved   prediction, phases, evaluate, attribution
 For people                            comparison, film, figures, bench, commands
 Files                                 folder, resolve, run
-====================================  ===================================================
+====================================  ================================================
 """
