@@ -80,7 +80,8 @@ def test_the_scenarios_shown_are_some(tmp_path):
         shown.append(load(str(tmp_path / "mine.toml")))
     around, out = shown
     assert around.path.kind == "waypoints"
-    assert out.path.kind == "route" and len(out.obstacles) == 3
+    assert out.path.kind == "route"
+    assert len(out.obstacles) == 3
 
 
 def test_the_system_shown_is_checked_and_planned(tmp_path, capsys):
