@@ -15,10 +15,8 @@ from planner.errors import PlannerError, point
 from planner.extended import ExtendedSystem
 from planner.fields import Array
 
-TAIL = (
-    1e-3  # of inputs, in the last terms of their series, that calls for a closer look
-)
-MISSED = 0.2  # of what elements give together: resolved inputs miss a hundredth at most
+TAIL = 1e-3  # part of inputs in the last terms of their series that is looked into
+MISSED = 0.2  # part of what elements give together; resolved inputs miss a hundredth
 
 
 def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> None:
