@@ -86,12 +86,21 @@ class _Legs:
                 f"{flow.field} sweeps {self.shape.names[stuck[0]]}, which no field "
                 "swings in the air; the legs cannot be set anew"
             )
+        self._require_room(flow, rates)
         parts = self._parts(flow.duration * rates)
         part = flow._replace(duration=flow.duration / parts)
         for _ in range(parts):
             yield from self.set({i: -part.duration * rates[i] / 2 for i in self.airs})
             yield part
             self.now += part.duration * rates
+
+    def _require_room(self, flow: Flow, rates: Array) -> None:
+        for i, (low, high) in self.spans.items():
+            if rates[i] and not low < 0 < high:
+                raise StratumError(
+                    f"{flow.field} sweeps {self.shape.names[i]} around zero, not "
+                    f"inside its range {low:g} to {high:g}; give it some on both sides"
+                )
 
     def _parts(self, way: Array) -> int:
         """How often the legs must be set anew, within their range and without tipping.
@@ -100,7 +109,9 @@ class _Legs:
         sweep for any other one.
         """
         strokes = (
-            abs(way[i]) / (2 * min(high, -low)) for i, (low, high) in self.spans.items()
+            abs(way[i]) / (2 * min(high, -low))
+            for i, (low, high) in self.spans.items()
+            if way[i]
         )
         fewest = max(1, ceil(max(strokes, default=0.0) - ROUNDING))
         rest = dict.fromkeys(self.airs, 0.0)

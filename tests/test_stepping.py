@@ -131,3 +131,11 @@ def _written(shape, like, folder):
         text = (like.path.parent / file).read_text()
         (folder / file.replace("quadruped", "robot")).write_text(text)
     return load(str(folder / "robot.xml"))
+
+
+def test_a_range_beside_zero_leaves_no_room_for_sweeps_around_it(
+    quadruped, described, extended
+):
+    narrow = limits(quadruped) | {"phi_1": (0.0, 0.5)}
+    with pytest.raises(StratumError, match="phi_1 around zero, not inside"):
+        planned(quadruped, described, extended, limits=narrow)
