@@ -14,6 +14,7 @@ from planner.collocation import collocation
 from planner.errors import PlannerError, point
 from planner.extended import ExtendedSystem
 from planner.fields import Array
+from planner.rounding import ROUNDING
 
 TAIL = 1e-3  # part of inputs in the last terms of their series that is looked into
 MISSED = 0.2  # part of what elements give together; resolved inputs miss a hundredth
@@ -60,7 +61,8 @@ def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
     matrix = extended.columns.values(between @ samples)
     given = matrix * (between @ inputs)[..., None, :]
     velocity = rule.derivative @ samples
-    size = np.abs(given).sum(axis=-1).max(axis=1, keepdims=True)
+    noise = ROUNDING * np.abs(rule.derivative).sum(axis=1).max() * np.abs(samples).max()
+    size = np.abs(given).sum(axis=-1).max(axis=1, keepdims=True) + noise
     missed = np.abs(given.sum(axis=-1) - between @ velocity)
     parts: Array = (missed / np.where(size > 0.0, size, 1.0)).max(axis=-1)
     return parts

@@ -43,6 +43,16 @@ def test_paths_that_only_come_near_are_planned(segments):
     assert end == pytest.approx([1, 1], rel=0.02)
 
 
+@pytest.mark.parametrize("segments", [1, 3, 40])
+def test_rounding_of_coordinates_that_stand_still_is_no_miss(segments):
+    # x is 4 throughout, and its derivative rounding that no polynomial follows
+    fields = {"a": [1, 0, 0], "b": [0, 1, sp.log(X - 3)]}
+    system = StratifiedSystem((X, Y, sp.Symbol("z")), {"0": fields}, "0")
+    path = line([4, 0, 0], [4, 1, 0])
+    end = rollout(plan(system, path, segments, ["a", "b", "[a,b]"]))[-1]
+    assert end == pytest.approx([4, 1, 0], abs=1e-12)
+
+
 def test_corners_and_fast_turns_are_planned_where_nodes_resolve_them():
     def corner(s):
         return [s, abs(s - 0.37), 0]
