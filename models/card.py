@@ -1,7 +1,7 @@
 """The robot card: which parts of an MJCF file are legs, joints, feet and groups.
 
 Data that cannot be nonsense; `models.card_file` reads it, and whether the named parts
-exist is for `models.robot` to say.
+exist is for `models.parts` to say.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ class LegCard:
     swing: str  # joint
     lift: str  # joint
     foot: tuple[str, ...]  # geoms
-    raise_sign: int = 1  # sign of the lift joint that raises the foot
+    raise_sign: float = 1  # sign of the lift joint that raises the foot
     hold: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
 
     def __post_init__(self) -> None:
         if self.raise_sign not in (-1, 1):
-            raise ValueError(f"raise must be 1 or -1, got {self.raise_sign}")
+            raise ValueError(f"raise must be 1 or -1, got {self.raise_sign:g}")
         if not self.foot:
             raise ValueError("foot names no geom")
         if self.swing == self.lift:
@@ -146,6 +146,11 @@ class Card:
                 raise ValueError(
                     f"gait: stratum {stratum!r} stands on group {unknown[0]!r}, which "
                     f"does not exist; groups are {', '.join(self.groups)}"
+                )
+            if stratum != (ordered := "".join(g for g in self.groups if g in stratum)):
+                raise ValueError(
+                    f"gait: stratum {stratum!r} must name its groups once each and in "
+                    f"their order, {ordered!r}"
                 )
             if not stratum:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")

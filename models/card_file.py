@@ -102,7 +102,7 @@ def _leg(table: Table) -> LegCard:
         swing=table.text("swing"),
         lift=table.text("lift"),
         foot=table.texts("foot"),
-        raise_sign=int(table.number("raise")) if "raise" in table else 1,
+        raise_sign=table.number("raise") if "raise" in table else 1,
         hold=table.gains("hold"),
     )
 

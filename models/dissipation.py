@@ -159,13 +159,15 @@ class _Problem:
         return np.asarray(-np.linalg.solve(H, gradient[..., None])[..., 0])
 
     def _halved_until_lower(self, xi: Array, step: Array, smoothing: float) -> Array:
+        """Steps that are worse whatever their length are not taken."""
         before = self.dissipation(xi, smoothing) * (1 + 1e-15)
         for _ in range(_HALVINGS):
             worse = self.dissipation(xi + step, smoothing) > before
             if not worse.any():
-                break
+                return step
             step = np.where(worse[:, None], step / 2, step)
-        return step
+        worse = self.dissipation(xi + step, smoothing) > before
+        return np.where(worse[:, None], 0.0, step)
 
 
 def _bisect(p: Array, q2: Array, weight: Array, low: Array, high: Array) -> Array:

@@ -69,7 +69,7 @@ class Robot:
     @cached_property
     def raise_sign(self) -> np.ndarray:
         """Sign of each leg's lift joint that raises the foot, shape (F,)."""
-        return np.array([float(self.card.legs[leg].raise_sign) for leg in self.legs])
+        return np.array([self.card.legs[leg].raise_sign for leg in self.legs], float)
 
     def planted(self, stratum: str) -> np.ndarray:
         """Which feet are in contact on a stratum, shape (F,), bool."""

@@ -35,6 +35,9 @@ def sliding_twist(
 ) -> tuple[Array, Array]:
     """The twist at which friction balances, and the loads that go with it.
 
+    Without a speed friction may jam a leg, at one in fifty poses of a hexapod, and then
+    the twist is the closest to balance that is found.
+
     Args:
         stance: Feet in contact, N configurations of F feet.
         rates: Velocities of the feet relative to the body, shape (N, F, 2).

@@ -9,6 +9,9 @@ from models.dissipation import (
     foot_velocities,
     least_dissipation_twist,
 )
+from models.kinematics import Kinematics
+from models.library import load
+from models.loads import static_loads
 
 SQUARE = np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
 
@@ -118,3 +121,17 @@ def test_rows_are_independent_of_each_other(many):
 def test_nothing_moves_where_no_foot_does():
     twist = least_dissipation_twist(SQUARE[None], np.zeros((1, 4, 2)), np.ones((1, 4)))
     assert (twist == 0).all()
+
+
+def test_where_two_twists_all_but_tie_one_of_them_is_found():
+    """Tripods of parallel legs drag one foot straight beside the turn of the others."""
+    robot = load("hexapod-parallel")
+    on, swing = robot.planted("1"), np.array([1.0, 0.0])[robot.group_of_leg, None]
+    angles = np.linspace(-0.0286, -0.0268, 400)  # Newton's steps lead astray at some
+    stance = Kinematics(robot).stance(np.stack([angles, 0 * angles - 0.4], axis=1))
+    feet, rates = stance.feet[:, on], (stance.rates * swing)[:, on]
+    loads = static_loads(feet, stance.center_of_mass)
+    for case in zip(feet, rates, loads, strict=True):
+        (twist,) = least_dissipation_twist(*(part[None] for part in case))
+        _, unbalanced, outside = certificate(*case, twist)
+        assert max(unbalanced, outside) < 1e-6

@@ -31,6 +31,7 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         ('swing = "swing_1"', "swing = 1", "leg.1.swing must be a text, got 1"),
         ('"swing_1"', '"lift_1"', "leg.1: swing and lift are the same joint, lift_1"),
         ("raise = 1", "raise = 2", "leg.1: raise must be 1 or -1, got 2"),
+        ("raise = 1", "raise = 1.7", "leg.1: raise must be 1 or -1, got 1.7"),
         ('["foot_1"]', '"foot_1"', "leg.1.foot must be a list of texts, got 'foot_1'"),
         ('["foot_1"]', "[]", "leg.1: foot names no geom"),
         (
@@ -50,6 +51,11 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         ("[group.1]", "[group.left]", "names of groups are one character each"),
         ("[group.1]", "[group.1]\ntwist = [1, 2]", "group.1.twist is forward, left"),
         (f"strata = {STRATA}", "", "gait.strata is missing"),
+        (
+            STRATA,
+            '["21", "1", "21", "2", "21"]',
+            "stratum '21' must name its groups once each and in their order",
+        ),
         (STRATA, '"12"', "gait.strata must be a list of texts, got '12'"),
         (
             '"2", "12"]',
