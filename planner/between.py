@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from planner.collocation import collocation
-from planner.errors import PlannerError, point
+from planner.errors import PlannerError, ResolutionError, point
 from planner.extended import ExtendedSystem
 from planner.fields import Array
 from planner.rounding import ROUNDING
@@ -32,25 +32,28 @@ def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> 
 
     Raises:
         PlannerError: The elements turn inside out from one end of a segment to the
-            other, or inputs midway between nodes fail to give the velocity; the nodes
-            on both sides are named.
+            other; the nodes on both sides are named.
+        ResolutionError: Inputs midway between nodes fail to give the velocity, because
+            of such a place or because the path turns too fast; likewise.
     """
-    moving = np.ptp(samples, axis=1).any(axis=1)
-    if not moving.any():
+    moving = np.flatnonzero(np.ptp(samples, axis=1).any(axis=1))
+    if not len(moving):
         return
     samples, inputs = samples[moving], inputs[moving]
     ends = extended.orientations(np.append(samples[:, 0], samples[-1:, -1], axis=0))
     for segment in samples[ends[1:] != ends[:-1]][:1]:
         signs = extended.orientations(segment)
-        _refuse(segment, int(np.argmax(signs[1:] != signs[:-1])))
+        raise PlannerError(_refusal(segment, int(np.argmax(signs[1:] != signs[:-1]))))
     rule = collocation(samples.shape[1])
     tails = np.abs(rule.coefficients[-2:] @ inputs).max(axis=1)  # (segments, p)
     rough = (tails > TAIL * np.abs(inputs).max(axis=1)).any(axis=1)
     if rough.any():
-        missed = _missed(extended, samples[rough], inputs[rough])
+        missed = _missed(extended, samples[rough], inputs[rough]).max(axis=-1)
         if not missed.max() <= MISSED:
-            segment = int(missed.max(axis=-1).argmax())
-            _refuse(samples[rough][segment], _steepest(inputs[rough][segment]))
+            worst = int(missed.argmax())
+            at = _steepest(inputs[rough][worst])
+            lost = moving[rough][~(missed <= MISSED)]
+            raise ResolutionError(_refusal(samples[rough][worst], at), lost.tolist())
 
 
 def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
@@ -75,8 +78,8 @@ def _steepest(inputs: Array) -> int:
     return int((sizes[1:] + sizes[:-1]).argmax())
 
 
-def _refuse(x: Array, node: int) -> None:
-    raise PlannerError(
+def _refusal(x: Array, node: int) -> str:
+    return (
         f"between {point(x[node])} and {point(x[node + 1])} the elements lose rank or "
         "are singular (Def. 3), or the path turns too fast to be followed; keep it "
         "away from there, add fields or brackets, or plan more segments"

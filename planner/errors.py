@@ -40,6 +40,18 @@ class SingularConfigurationError(PlannerError):
         )
 
 
+class ResolutionError(PlannerError):
+    """Segments along which inputs known at nodes do not follow the path in between.
+
+    Attributes:
+        segments: Indices of the segments; shorter ones may do.
+    """
+
+    def __init__(self, message: str, segments: Sequence[int]) -> None:
+        self.segments = tuple(segments)
+        super().__init__(message)
+
+
 class RankError(PlannerError):
     """Elements that do not span the bottom stratum's tangent space (Def. 3)."""
 

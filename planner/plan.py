@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from planner.between import require_regular
 from planner.elements import parse
-from planner.errors import RangeError, unknown
+from planner.errors import RangeError, ResolutionError, unknown
 from planner.execution import Coordinates, Execution, Stance
 from planner.extended import ExtendedSystem
 from planner.fields import Array
@@ -259,7 +259,7 @@ def with_remedy(
     def fits(segments: int) -> bool:
         try:
             follow_path(extended, path, segments, execution)
-        except RangeError:
+        except (RangeError, ResolutionError):
             return False
         return True
 

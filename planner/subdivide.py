@@ -26,10 +26,11 @@ class Leeway(NamedTuple):
     """What is left of a bound in each segment; negative where it is not kept."""
 
     bound: str  # its name
-    least: float  # what it asks for, in its own unit
+    least: float  # what it asks for
     standing: Array  # on the nominal path itself, shape (segments,), positive
     walking: Array  # least along the predicted motion, shape (segments,)
     law: float = 0.5  # power of a segment's length by which walking leaves standing
+    unit: str = ""  # of what the user may ask for; none of what the path itself asks
 
 
 def subdivide(cuts: Array, leeways: Callable[[Array], Sequence[Leeway]]) -> Array:
@@ -58,11 +59,16 @@ def subdivide(cuts: Array, leeways: Callable[[Array], Sequence[Leeway]]) -> Arra
 def _refusal(cuts: Array, found: Sequence[Leeway]) -> BoundError:
     worst = max(found, key=lambda leeway: needed(leeway).max())
     at = int(needed(worst).argmax())
+    many = (
+        f"more than {MOST_SEGMENTS} segments, above all between s = {cuts[at]:.4g} and "
+        f"{cuts[at + 1]:.4g} of the path"
+    )
+    if not worst.unit:
+        return BoundError(f"the {worst.bound} needs {many}; ask for a shorter path")
     kept = worst.least + worst.walking.min()
     return BoundError(
-        f"{worst.bound} of {worst.least:.4g} would need more than {MOST_SEGMENTS} "
-        f"segments, above all between s = {cuts[at]:.4g} and {cuts[at + 1]:.4g} of the "
-        f"path; {kept:.4g} is kept with {len(cuts) - 1}: ask for less, or make room"
+        f"{worst.bound} of {worst.least:.4g} {worst.unit} would need {many}; "
+        f"{kept:.4g} {worst.unit} is kept with {len(cuts) - 1}: ask for less"
     )
 
 

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from planner.errors import BoundError, RangeError
+from planner.errors import BoundError, RangeError, ResolutionError
 from planner.paths import grid
 from planner.plan import plan
 from planner.subdivide import Leeway, subdivide
@@ -23,6 +23,8 @@ from sim.setup import Setup
 from sim.support import stability_margin
 
 Array = np.ndarray
+ROUNDING = 1e-9  # [rad]
+FINEST = 1e-3  # of the path; segments as short as this that are not followed never are
 
 
 class Bound(Protocol):
@@ -54,6 +56,10 @@ def within_bounds(setup: Setup) -> Setup:
             if error.segments is None:
                 raise
             return [_reach(tried)]  # there is no motion to look at yet
+        except ResolutionError as error:
+            if np.diff(cuts)[list(error.segments)].min() < FINEST:
+                raise
+            return [_unresolved(tried, error.segments)]
         if min((stage.fraction for stage in stages), default=1.0) < 1:
             return [_cut_short(tried, stages)]
         return [bound.leeway(tried, stages) for bound in bounds]
@@ -81,8 +87,17 @@ def _reach(setup: Setup) -> Leeway:
         angle = shape.course(shape.names.index(name), flows, 0.0)[1:]
         np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
         standing = min(standing, high, -low)
+    if walking.min() >= 0:  # aims beside the path left it, where it comes closest
+        walking[walking.argmin()] = -ROUNDING
     full = np.full(len(walking), standing)
     return Leeway("joint range", 0.0, full, walking, law=1.0)
+
+
+def _unresolved(setup: Setup, segments: Sequence[int]) -> Leeway:
+    """Segments to be cut because no inputs follow the path along them."""
+    walking = np.zeros(setup.scenario.segments)
+    walking[list(segments)] = -1.0
+    return Leeway("resolution", 0.0, np.ones_like(walking), walking, law=1.0)
 
 
 def _cut_short(setup: Setup, stages: Sequence[Stage]) -> Leeway:
@@ -115,12 +130,16 @@ class MarginBound:
             np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
         if margins.min() >= self.least:
             room = np.ones(setup.scenario.segments)
-            return Leeway("min_margin", self.least, room, margins - self.least)
+            return self._leeway(room, margins)
         stratum, most = _standing_margin(setup)
         if most <= self.least:
             raise self._refusal(stratum, most, float(margins.min()))
         standing = np.full(setup.scenario.segments, most - self.least)
-        return Leeway("min_margin", self.least, standing, margins - self.least)
+        return self._leeway(standing, margins)
+
+    def _leeway(self, standing: Array, margins: Array) -> Leeway:
+        left = margins - self.least
+        return Leeway("min_margin", self.least, standing, left, unit="m")
 
     def _refusal(self, stratum: str, standing: float, walking: float) -> BoundError:
         cannot = f"min_margin of {self.least:.4g} m cannot be kept: "

@@ -86,19 +86,21 @@ def steer(setup: Setup, twists: TwistModel) -> Plan:
         twists: Prediction to steer on.
 
     Raises:
-        PlannerError: If there is no plan, or it leaves the joint range.
+        PlannerError: If there is no plan, or one that must be aimed at leaves the joint
+            range.
         ConvergenceError: If no aim makes the prediction meet the nominal path.
     """
     nominal = setup.nominal()
     goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
     wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
+    tolerable = JUMP * np.abs(wanted).max()
     aims, best, least = wanted, None, np.inf
     steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
     for _ in range(ROUNDS):
         try:
             planned = plan_along(setup, _path(setup, goals[0], aims), steady)
         except RangeError:
-            if best is None:
+            if best is None or least <= tolerable:
                 raise
             break  # aims that run away
         ends = segment_ends(setup, planned, twists)
@@ -108,7 +110,7 @@ def steer(setup: Setup, twists: TwistModel) -> Plan:
         if least < MISS:
             break
         aims = compose(aims, relative(relative(ends[:-1], ends[1:]), wanted))
-    if best is None or least > JUMP * np.abs(wanted).max():
+    if best is None or least > tolerable:
         raise _failure(setup, int(misses.argmax()), float(least))
     return best
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.errors import PlannerError
+from planner.errors import PlannerError, ResolutionError
 from planner.paths import line
 from planner.plan import plan
 from planner.rollout import rollout
@@ -62,5 +62,8 @@ def test_corners_and_fast_turns_are_planned_where_nodes_resolve_them():
 
     assert plan(heisenberg(), corner, 3, ELEMENTS).flows
     assert plan(heisenberg(), turns, 200, ELEMENTS).flows
-    with pytest.raises(PlannerError, match="turns too fast.*plan more segments"):
+    with pytest.raises(
+        ResolutionError, match="too fast.*plan more segments"
+    ) as refused:
         plan(heisenberg(), turns, 5, ELEMENTS)
+    assert refused.value.segments == (0, 1, 2, 3, 4)  # twelve turns each

@@ -6,12 +6,15 @@ import sys
 import numpy as np
 import pytest
 
-from planner.errors import BoundError
+from planner.errors import BoundError, ResolutionError
+from planner.paths import grid
 from sim import nominal
+from sim.bounds import within_bounds
 from sim.errors import UsageError
 from sim.obstacles import route, shapes
 from sim.obstacles.clearance import surroundings
 from sim.obstacles.route import routed
+from sim.planning import plan_open_loop
 from sim.scenario_file import dumps, load
 from sim.setup import prepare
 
@@ -130,3 +133,16 @@ def test_what_finds_the_way_may_be_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "ompl", None)
     with pytest.raises(UsageError, match="finding one needs OMPL: path; pip install"):
         routed(shut(*BEHIND))
+
+
+def test_a_long_way_in_few_segments_is_cut_until_it_can_be_followed():
+    """Seven metres around the end of a wall: no inputs follow its bends at once."""
+    walls = [
+        {"kind": "wall", "points": [[0.4, side * 0.18], [0.4, side * 3.0]]}
+        for side in (1, -1)
+    ]
+    asked = {"segments": 20, "replan": False, "obstacles": walls}
+    far = routed(prepare(load("detour", asked | {"path.goal": [0.8, 0.0, 0.0]})))
+    with pytest.raises(ResolutionError):
+        plan_open_loop(far.recut(grid(far.scenario.path.curve, 20)))
+    assert plan_open_loop(within_bounds(far)).flows

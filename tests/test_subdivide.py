@@ -17,7 +17,7 @@ def tube(cuts, room=ROOM, where=(0.0, 1.0)):
     middle, length = (cuts[:-1] + cuts[1:]) / 2, np.diff(cuts)
     inside = (middle > where[0]) & (middle < where[1])
     walking = np.where(inside, room - WIDTH * np.sqrt(length), 1.0)
-    return [Leeway("tube", 0.0, np.full(len(length), room), walking)]
+    return [Leeway("tube", 0.0, np.full(len(length), room), walking, unit="m")]
 
 
 def test_a_tube_that_obeys_the_law_is_cut_to_the_critical_length():
@@ -63,10 +63,22 @@ def test_too_many_segments_are_refused_with_what_can_be_kept(monkeypatch):
     monkeypatch.setattr(module, "MOST_SEGMENTS", 50)
     with pytest.raises(
         BoundError,
-        match=r"tube of 0 would need more than 50 segments, above all between "
-        r"s = 0 and 0\.\d+ of the path; -0\.\d+ is kept with 27: ask for less",
+        match=r"tube of 0 m would need more than 50 segments, above all between "
+        r"s = 0 and 0\.\d+ of the path; -0\.\d+ m is kept with 27: ask for less",
     ):
         subdivide(np.array([0.0, 1.0]), lambda cuts: tube(cuts, room=0.01))
+
+
+def test_a_path_that_is_too_long_for_the_legs_is_refused_as_such(monkeypatch):
+    monkeypatch.setattr(module, "MOST_SEGMENTS", 50)
+
+    def reach(cuts):
+        left = 0.01 - np.diff(cuts)
+        return [Leeway("joint range", 0.0, np.full(len(left), 0.01), left, law=1.0)]
+
+    message = "the joint range needs more than 50 segments, .*; ask for a shorter path"
+    with pytest.raises(BoundError, match=message):
+        subdivide(np.array([0.0, 1.0]), reach)
 
 
 def test_dividing_a_recut_path_evenly_divides_the_path_at_the_cuts():

@@ -32,9 +32,8 @@ class ClearanceBound:
         for stage in stages:
             rows, clearance = self._swept(stage)
             np.minimum.at(walking, stage.segment(rows), clearance)
-        return Leeway(
-            "min_clearance", self.least, standing - self.least, walking - self.least
-        )
+        room, left = standing - self.least, walking - self.least
+        return Leeway("min_clearance", self.least, room, left, unit="m")
 
     def _standing(self, setup: Setup) -> Array:
         """Clearance along the nominal path, whatever is raised, (segments,) [m]."""

@@ -1,5 +1,6 @@
 """Walks past walls in real physics: clear of them as predicted, and hitting as said."""
 
+import numpy as np
 import pytest
 
 from sim.bounds import within_bounds
@@ -73,6 +74,12 @@ def test_the_corridor_is_walked_without_touching_its_walls(how):
     assert summary["achieved"]["min_clearance"] > 0.004
     assert arrays["achieved_clearance"].min() > 0.004
     assert summary["error"]["goal"]["position"] < 0.01 * summary["path_length"]
+    if not summary["replan"]:  # steered on the quasi-static prediction
+        x, y, yaw = np.subtract(
+            summary["predicted"]["quasi_static"]["pose"], summary["goal"]
+        )
+        assert np.hypot(x, y) < 1e-5  # what aiming promises, and rows' rounding
+        assert abs(yaw) < 1e-5
 
 
 @pytest.mark.full
@@ -85,6 +92,6 @@ def test_a_way_that_was_found_is_walked_without_touching_anything():
 
 @pytest.mark.full
 def test_the_corridor_walked_in_too_few_segments_is_hit():
-    summary, _ = run("corridor", min_clearance=-1)
+    summary, _ = run("corridor", min_clearance=-1, steer="ideal")
     assert summary["predicted"]["quasi_static"]["min_clearance"] < 0
     assert summary["wall_contacts"] > 0
