@@ -173,8 +173,8 @@ def _metres_table(planned: Footprints, found: Footprints, apart: Array) -> Table
             "footprints",
             "mean off planned [m]",
             "most off planned [m]",
-            "longest slide, ideal [m]",
-            "longest slide, physics [m]",
+            "longest slide at the end of a stay, ideal [m]",
+            "longest slide at the end of a stay, physics [m]",
         ),  # fmt: skip
         rows=tuple(rows),
     )
@@ -197,7 +197,7 @@ def _table(prints: Footprints) -> Table:
             "first y [l]",
             "last x [l]",
             "last y [l]",
-            "largest slide [l]",
+            "longest slide at the end of a stay [l]",
         ),  # fmt: skip
         rows=tuple(rows),
     )
