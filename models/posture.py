@@ -103,8 +103,8 @@ def _cannot_lift(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
         joint, sign = robot.card.legs[leg].lift, robot.card.legs[leg].raise_sign
         if rise < CLEAR < other_way:
             yield (
-                f"leg {leg}: raise = {sign} makes joint {joint!r} lower its foot",
-                f"write raise = {-sign}",
+                f"leg {leg}: raise = {sign:g} makes joint {joint!r} lower its foot",
+                f"write raise = {-sign:g}",
             )
         if rise < CLEAR:
             yield (

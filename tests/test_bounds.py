@@ -181,7 +181,7 @@ def test_legs_that_are_raised_reach_farther_than_those_that_stand(passage):
 
 
 def test_a_passage_too_narrow_for_any_tube_is_refused(passage, few):
-    with pytest.raises(BoundError, match=r"min_clearance of 0\.002 would need more"):
+    with pytest.raises(BoundError, match=r"min_clearance of 0\.002 m would need more"):
         within_bounds(prepare(passage(0.0085)))
 
 
