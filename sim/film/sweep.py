@@ -19,7 +19,6 @@ from sim.obstacles.solids import Solids
 
 Array = np.ndarray
 
-EVERY = 4  # frames between outlines that add to what is swept
 FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 
 
@@ -50,10 +49,9 @@ def edge(robot: Solids, walk: Walk, clock: Clock, frames: range, width: float) -
 
 def swept(robot: Solids, walk: Walk, clock: Clock) -> Ink:
     """All that the robot has stood over, growing with the frames."""
-    frames = np.arange(0, len(clock.rows), EVERY)
-    shapes = _outlines(robot, walk, clock.rows[frames])
+    shapes = _outlines(robot, walk, clock.rows)
     done, pieces = shapely.Polygon(), []
-    for frame, shape in zip(frames, shapes, strict=True):
+    for frame, shape in enumerate(shapes):
         triangles = _triangles(shapely.difference(shape, done))
         pieces.append(polygons(triangles, np.full(len(triangles), frame)))
         done = shapely.union(done, shape)
