@@ -14,6 +14,7 @@ import numpy as np
 from models.kinematics import Kinematics
 from models.strokes import Strokes, travel
 from models.twists import TwistModel
+from sim.poses import compose
 from sim.schedule import Phase, Schedule
 from sim.support import stability_margin
 
@@ -66,7 +67,7 @@ class Predictor:
         self.schedule, self.kinematics, self.start_pose = (
             schedule,
             kinematics,
-            start_pose,
+            np.asarray(start_pose, dtype=float),
         )
         self._begins = _begins(schedule)
         self._loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
@@ -85,20 +86,11 @@ class Predictor:
         contact = _contact(self.schedule, phase, self.kinematics)
         stance = self.kinematics.stance(swing, lift)
         return Prediction(
-            pose=placed(self._path.pose(clock), self.start_pose),
+            pose=compose(self.start_pose, self._path.pose(clock)),
             slip=self._path.slip(clock),
             margin=stability_margin(stance.feet, contact, stance.center_of_mass),
             contact=contact,
         )
-
-
-def placed(pose: Array, start: Sequence[float]) -> Array:
-    """Poses given in the frame of a start pose, in the frame the start is given in."""
-    x, y, yaw = start
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    forward, left, turn = np.moveaxis(pose, -1, 0)
-    moved = (x + cos * forward - sin * left, y + sin * forward + cos * left, yaw + turn)
-    return np.stack(moved, axis=-1)
 
 
 def _is_loaded(phase: Phase, schedule: Schedule) -> bool:

@@ -94,7 +94,7 @@ def steer(setup: Setup, twists: TwistModel) -> Plan:
     goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
     wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
     tolerable = JUMP * np.abs(wanted).max()
-    aims, best, least = wanted, None, np.inf
+    aims, best, least, worst = wanted, None, np.inf, 0
     steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
     for _ in range(ROUNDS):
         try:
@@ -106,12 +106,12 @@ def steer(setup: Setup, twists: TwistModel) -> Plan:
         ends = segment_ends(setup, planned, twists)
         misses = np.abs(ends - goals).max(axis=1)
         if misses.max() < least:
-            best, least = planned, misses.max()
+            best, least, worst = planned, misses.max(), int(misses.argmax())
         if least < MISS:
             break
         aims = compose(aims, relative(relative(ends[:-1], ends[1:]), wanted))
     if best is None or least > tolerable:
-        raise _failure(setup, int(misses.argmax()), float(least))
+        raise _failure(setup, worst - 1, float(least))  # misses[0] is the start's
     return best
 
 
@@ -200,7 +200,7 @@ def _path(setup: Setup, start: Array, aims: Array) -> Path:
 
 def _failure(setup: Setup, segment: int, miss: float) -> ConvergenceError:
     return ConvergenceError(
-        f"segment {segment} still misses its end by {1e3 * miss:.3g} mm or mrad, "
-        f"steered on the {setup.scenario.steer} prediction; use more segments, or "
-        "steer on another one"
+        f"segment {segment + 1} of {setup.scenario.segments} still misses its end by "
+        f"{1e3 * miss:.3g} mm or mrad, steered on the {setup.scenario.steer} prediction; "
+        "use more segments, or steer on another one"
     )

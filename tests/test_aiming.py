@@ -94,7 +94,7 @@ def test_a_prediction_that_cannot_be_met_is_refused(turning):
     def stuck(stratum, swing, rates):
         return np.zeros((len(swing), 3))
 
-    with pytest.raises(ConvergenceError, match="segment 10 still misses its end by 5"):
+    with pytest.raises(ConvergenceError, match="segment 10 of 10 still misses its"):
         steer(turning, stuck)
 
 

@@ -105,7 +105,8 @@ def _adopt(plane: _Plane, spec: mujoco.MjSpec, robot: Robot) -> Floor:
 
 
 def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
-    touched = len(plane.out_of_reach) < sum(map(len, _foot_names(robot)))
+    soles = sum(len(leg.foot) for leg in robot.card.legs.values())
+    touched = len(plane.out_of_reach) < soles
     if not touched or plane.tilt >= WALL:
         return
     if plane.tilt >= LEVEL:
@@ -117,10 +118,6 @@ def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
         f"{plane} cannot be touched by {', '.join(map(repr, plane.out_of_reach))}: "
         f"{robot.path}; a floor is for all feet, correct contype or conaffinity"
     )
-
-
-def _foot_names(robot: Robot) -> list[tuple[str, ...]]:
-    return [leg.foot for leg in robot.card.legs.values()]
 
 
 def _join_scene(spec: mujoco.MjSpec, robot: Robot) -> Floor:
