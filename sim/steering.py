@@ -199,8 +199,9 @@ def _path(setup: Setup, start: Array, aims: Array) -> Path:
 
 
 def _failure(setup: Setup, segment: int, miss: float) -> ConvergenceError:
+    scenario = setup.scenario
     return ConvergenceError(
-        f"segment {segment + 1} of {setup.scenario.segments} still misses its end by "
-        f"{1e3 * miss:.3g} mm or mrad, steered on the {setup.scenario.steer} prediction; "
+        f"segment {segment + 1} of {scenario.segments} still misses its end by "
+        f"{1e3 * miss:.3g} mm or mrad, steered on the {scenario.steer} prediction; "
         "use more segments, or steer on another one"
     )
