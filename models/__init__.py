@@ -1,12 +1,22 @@
-"""Robots: a body in MJCF, a card that names its parts, and the equations of both.
+"""Robots and systems: bodies in MJCF with a card each, and the equations of motion.
 
-====================================  ================================================
-From file to robot                    library, card, card_file, robot
-Can it be one                         parts, posture, lifting, soles, poise, replicas
-Its equations, eqs. (16)-(18)         equations, strokes, twists, integral
-Quasi-static contact kinematics       kinematics, loads, dissipation, sliding, ground
-As measured                           identified
-The shipped robots                    shapes, morphology, mjcf
-Systems without a body                systems
-====================================  ================================================
+Public names are imported from here, `from models import load`, and loaded when they are
+first used; `__init__.pyi` lists them. The rooms behind this door, in the order in which
+a file becomes something to plan for:
+
+================  ====================================================================
+Room              What it answers
+================  ====================================================================
+description       What the MJCF file and its card say
+contact           Where the feet are, what they bear, how they slide, when they stand
+checks            Whether file and card make a robot that can walk
+motion            Its equations of motion, eqs. (16)-(19), and its body twists
+systems           Systems without a body: the paper's, wheels, fingers, chained forms
+morphology        The shipped robots in numbers, and the MJCF written from them
+robots            The shipped robots as files
+================  ====================================================================
 """
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from models.card_file import parse_card, read_text
-from models.compiled import read_spec
+from models.checks.parts import check_parts
+from models.checks.posture import check_posture
+from models.description.card_file import parse_card, read_text
+from models.description.compiled import read_spec
+from models.description.replicas import check_replicas
+from models.description.robot import FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
-from models.parts import check_parts
-from models.posture import check_posture
-from models.replicas import check_replicas
-from models.robot import FOLDER, Robot
 
 EMBEDDED = "card"  # name of the custom text that may hold the card
 
 
-def robots() -> tuple[str, ...]:
+def shipped_robots() -> tuple[str, ...]:
     """Names of the shipped robots."""
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
@@ -45,9 +45,9 @@ def has_card_inside(path: Path) -> bool:
 
 def _find(name: str) -> Path:
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
-    if not name.endswith(".xml") and name not in robots():
+    if not name.endswith(".xml") and name not in shipped_robots():
         raise UnknownRobotError(
-            f"unknown robot: {name!r}; shipped are {', '.join(robots())}, "
+            f"unknown robot: {name!r}; shipped are {', '.join(shipped_robots())}, "
             "or give a .xml file"
         )
     if not path.is_file():
@@ -71,7 +71,7 @@ def _card(path: Path) -> tuple[str, str]:
         return inside[0], f"custom text {EMBEDDED!r} in {path}"
     if beside.is_file():
         return read_text(beside), str(beside)
-    if spec.modelname in robots():
+    if spec.modelname in shipped_robots():
         shipped = FOLDER / f"{spec.modelname}.toml"
         return read_text(shipped), str(shipped)
     raise ModelError(

@@ -19,12 +19,12 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.attribution import error_sources
-from sim.evaluate import Evaluation, evaluate
-from sim.planning import plan_open_loop
-from sim.scenario_file import load
-from sim.setup import prepare
-from sim.walk import walk
+from sim.evaluation.attribution import error_sources
+from sim.evaluation.evaluation import Evaluation, evaluate
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.walking.walker import walk
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
 UNITS = {
@@ -78,7 +78,7 @@ def judged(setting: str, value: float) -> Result:
     changes: dict[str, object] = {setting: value, "path": PATH, "segments": 6}
     if setting == "swing_speed":
         changes["swing_acceleration"] = 10 * value  # the same way to full speed
-    setup = prepare(load("line", changes))
+    setup = prepare(load_scenario("line", changes))
     result: Evaluation = evaluate(walk(setup, plan_open_loop(setup)))
     predicted, pose = result.predicted["quasi_static"], result.achieved.pose[-1]
     return Result(

@@ -1,9 +1,6 @@
-"""Write the MJCF files of the shipped robots from the lengths in `models.shapes`."""
+"""Write the MJCF files of the shipped robots from their lengths."""
 
-from models.card_file import read_card
-from models.mjcf import write
-from models.robot import FOLDER
-from models.shapes import SHAPES
+from models import FOLDER, SHAPES, read_card, write_mjcf
 
 
 def main() -> None:
@@ -11,7 +8,7 @@ def main() -> None:
     for shape in SHAPES:
         path = FOLDER / f"{shape.name}.xml"
         groups = read_card(path.with_suffix(".toml")).groups.values()
-        path.write_text(write(shape, [group.legs for group in groups]))
+        path.write_text(write_mjcf(shape, [group.legs for group in groups]))
         print(f"wrote {path.name}")
 
 

@@ -15,8 +15,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
-from sim import gl
 from sim.errors import ExitCode, Terminated, UsageError, exit_code, one_line
+from sim.pictures import gl
 
 COMMANDS = (
     "run",
@@ -51,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments: Words of the command line; None takes those of the process.
 
     Returns:
-        Exit code, `sim.errors.ExitCode`.
+        Exit code, `errors.ExitCode`.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     signal.signal(signal.SIGTERM, _terminate)

@@ -12,13 +12,13 @@ from enum import IntEnum
 from pathlib import Path
 from typing import ClassVar
 
-from models.errors import (
+from models import (
     MeasurementError,
     ModelError,
     ProblemError,
     UnknownRobotError,
 )
-from planner.errors import PlannerError
+from planner import PlannerError
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")

@@ -6,11 +6,11 @@ import pytest
 
 from models.library import load as load_robot
 from sim.errors import RenderError
-from sim.film.direction import check
 from sim.folder import RunFolder
-from sim.nominal import line
-from sim.run import run
-from sim.scenario import Scenario
+from sim.pictures.direction import check
+from sim.scenarios.body_path import line
+from sim.scenarios.scenario import Scenario
+from sim.simulation import run
 
 
 @pytest.fixture(scope="session")

@@ -6,9 +6,9 @@ Each function writes a robot into a folder and returns the path of its MJCF.
 from dataclasses import replace
 from math import atan2, cos, degrees, hypot, pi, sin
 
-from models.mjcf import write as shape_to_mjcf
-from models.robot import FOLDER
-from models.shapes import HEXAPOD
+from models.description.robot import FOLDER
+from models.morphology.mjcf import write_mjcf
+from models.morphology.shipped import HEXAPOD
 
 TRIPODS = """
 [group]
@@ -265,5 +265,5 @@ def scaled(folder, size):
         armature=size**5 * HEXAPOD.armature,
     )
     (folder / "scene.xml").write_text((FOLDER / "scene.xml").read_text())
-    body = shape_to_mjcf(shape, [(1, 4, 5), (2, 3, 6)])
+    body = write_mjcf(shape, [(1, 4, 5), (2, 3, 6)])
     return write(folder, "scaled", body, (FOLDER / "hexapod.toml").read_text())

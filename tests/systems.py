@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from planner.strata import StratifiedSystem
+from planner.systems.strata import StratifiedSystem
 
 X, Y, THETA = sp.symbols("x y theta")
 PAPER = ("g12_1", "g12_2", "g1_2", "g2_1", "[g12_1,g12_2]")

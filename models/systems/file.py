@@ -1,6 +1,6 @@
 """A user's own system: one TOML file of formulas, or one Python file.
 
-A TOML file is data; its formulas are read by `planner.expressions`, which runs nothing.
+A TOML file is data; its formulas are read and never run.
 A field is a table of the rates of coordinates, those not named stand still:
 
     state = ["x", "y", "theta"]
@@ -29,9 +29,7 @@ import sympy as sp
 
 from models.errors import ProblemError
 from models.systems.problem import Problem
-from planner.errors import PlannerError, unknown
-from planner.expressions import RESERVED, read
-from planner.strata import StratifiedSystem
+from planner import RESERVED, PlannerError, StratifiedSystem, read_formula, unknown
 
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (
@@ -41,7 +39,7 @@ OPTIONAL = (
 Reader = Callable[[str, object], sp.Expr]
 
 
-def load(path: Path, values: Mapping[str, object] | None = None) -> Problem:
+def load_system(path: Path, values: Mapping[str, object] | None = None) -> Problem:
     """Read a system and its problem from a file.
 
     Args:
@@ -141,7 +139,7 @@ def _reader(state: tuple[sp.Symbol, ...], parameters: Mapping[str, float]) -> Re
         if isinstance(text, bool) or not isinstance(text, str | int | float):
             raise ValueError(f"{what} has {text!r}; write a number or a formula")
         try:
-            return read(text, state, parameters)
+            return read_formula(text, state, parameters)
         except ValueError as error:
             raise ValueError(f"{what}: {error}") from error
 

@@ -7,7 +7,7 @@ from math import pi
 import sympy as sp
 
 from models.systems.problem import Problem
-from planner.strata import StratifiedSystem
+from planner import StratifiedSystem
 
 
 def finger_gaiting(fingers: int = 3, reach: float = 1, span: float = 0.5) -> Problem:

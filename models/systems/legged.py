@@ -1,6 +1,6 @@
 """Walkers in units of their own size: those that the paper draws and names.
 
-`models.systems.walker` makes their equations; here are strata, twists and elements.
+`motion.walker` makes their equations; here are strata, twists and elements.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
+from models.motion.walker import Strata, Twist, walker
 from models.systems.problem import Problem
-from models.systems.walker import Strata, Twist, walker
 
 ALTERNATING = ("12", "1", "12", "2", "12")
 AIR_SWINGS = ("g1_2", "g2_1")  # of the group that is up

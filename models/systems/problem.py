@@ -8,13 +8,20 @@ from functools import cached_property
 
 import numpy as np
 
-from planner.errors import StratumError, unknown
-from planner.execution import Execution, Stance
-from planner.fields import Array
-from planner.nominal import require_segments
-from planner.paths import Path, line
-from planner.shape import Limits, Shape
-from planner.strata import Gait, StratifiedSystem
+from planner import (
+    Array,
+    Execution,
+    Gait,
+    Path,
+    ShapeCoordinates,
+    ShapeLimits,
+    StanceRule,
+    StratifiedSystem,
+    StratumError,
+    line,
+    require_segments,
+    unknown,
+)
 
 State = Mapping[str, float]  # values of coordinates by name
 
@@ -29,12 +36,12 @@ class Problem:
         system: The system.
         gait: Strata in the order in which they are visited (eq. 11), from the bottom
             one; a smooth system stays on its only one.
-        elements: Fields and brackets of the extended system, see `planner.elements`.
+        elements: Fields and brackets of the extended system, by name.
         start: Coordinates at the start; those not named are zero.
         goal: Coordinates at the goal; those not named are as at the start.
         segments: Number of pieces that the line is cut into.
         limits: Lowest and highest value of shape coordinates by name.
-        stance: As in `planner.execution.Execution`.
+        stance: As in `planner.execution.execution.Execution`.
 
     Raises:
         ValueError: A coordinate or the stance is unknown, a value is not finite, a
@@ -50,8 +57,8 @@ class Problem:
     goal: State
     start: State = field(default_factory=dict)
     segments: int = 1
-    limits: Limits = field(default_factory=dict)
-    stance: Stance = "paper"
+    limits: ShapeLimits = field(default_factory=dict)
+    stance: StanceRule = "paper"
 
     def __post_init__(self) -> None:
         Gait(self.system, self.gait)
@@ -61,7 +68,7 @@ class Problem:
                 f"stratum S{self.system.bottom}"
             )
         require_segments(self.segments, self.path)
-        Shape(self.system).require_limits(self.limits)
+        ShapeCoordinates(self.system).require_limits(self.limits)
         _ = self.states, self.execution  # refuse unknown coordinates and stances
 
     @cached_property

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from models.systems.problem import Problem, State
-from planner.strata import StratifiedSystem
+from planner import StratifiedSystem
 
 ONLY = "0"  # the one stratum, without contacts that change
 MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree

@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-Array = np.ndarray
+from planner import Array
+
 Pose = tuple[float, float, float]  # x, y, yaw [rad]
 Sweep = tuple[int, float]  # 1 for tripod 1, -1 for tripod 2; angle [rad]
 START: Pose = (0.0, 0.0, 0.0)

@@ -12,7 +12,8 @@ from typing import Any
 import casadi
 import numpy as np
 
-from sim.bench.arcs import START, Array, Sweep, Task, joined, travel
+from planner import Array
+from sim.bench.arcs import START, Sweep, Task, joined, travel
 
 SWEEPS = 8  # of which optima use fewer, but for straight pieces
 GUESSES = 40

@@ -16,15 +16,18 @@ from importlib.util import find_spec
 
 import numpy as np
 
-from models.equations import equations
-from models.library import load
-from models.systems.library import shipped
-from planner.errors import ConvergenceError
-from planner.execution import Coordinates, Execution
-from planner.extended import ExtendedSystem, extend
-from planner.paths import line
-from planner.plan import Plan, plan
-from planner.shooting import aim
+from models import equations, load, shipped_system
+from planner import (
+    ConvergenceError,
+    Coordinates,
+    Execution,
+    ExtendedSystem,
+    Plan,
+    aim,
+    extend,
+    line,
+    plan,
+)
 from sim.bench.arcs import Arcs, Sweep, Task, joined, travel
 from sim.bench.row import REPEATS, timed
 
@@ -114,7 +117,7 @@ def measure() -> Iterator[Peer | Absent]:
 
 def tasks() -> Iterator[tuple[Task, ExtendedSystem, int]]:
     """Tasks, the system to plan on, and the number of segments of an open-loop plan."""
-    paper = extend(shipped("paper-hexapod").system, ELEMENTS)
+    paper = extend(shipped_system("paper-hexapod").system, ELEMENTS)
     yield Task("(1, 1, 0), unit-free", _arcs(paper), (1.0, 1.0, 0.0)), paper, 1
     robot = extend(equations(load("hexapod")).system, ELEMENTS)
     x, y, yaw = GOAL

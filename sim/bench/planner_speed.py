@@ -11,20 +11,25 @@ from functools import partial
 
 import numpy as np
 
-from models.equations import equations
-from models.library import load, robots
-from models.systems.library import SYSTEMS, shipped
-from planner.execution import Coordinates, Execution
-from planner.extended import ExtendedSystem, extend
-from planner.flows import merged
-from planner.free_lie import lie_algebra, structure_constants
-from planner.hall import degree, hall_basis, place
-from planner.paths import line
-from planner.plan import plan
-from planner.shooting import aim
+from models import SYSTEMS, equations, load, shipped_robots, shipped_system
+from planner import (
+    Coordinates,
+    Execution,
+    ExtendedSystem,
+    aim,
+    degree,
+    extend,
+    hall_basis,
+    lie_algebra,
+    line,
+    merged,
+    place,
+    plan,
+    structure_constants,
+)
 from sim.bench.row import Row, median, seconds
-from sim.scenario_file import load as load_scenario
-from sim.setup import Setup, prepare
+from sim.preparation.setup import Setup, prepare
+from sim.scenarios.file import load_scenario
 
 GENERATORS, DEGREE = 4, 5  # of the Lie algebra, 294 elements
 SHORT, LONG, LONGEST = 60, 1_000, 10_000  # segments
@@ -46,13 +51,13 @@ def compilation() -> Iterator[Row]:
     for name in SYSTEMS:
         took = seconds(partial(_system, name))
         yield Row(f"system {name} compiled in", took, "s", "< 0.5")
-    for name in robots():
+    for name in shipped_robots():
         took = seconds(partial(_robot, name))
         yield Row(f"robot {name} compiled in", took, "s", "< 0.5")
 
 
 def _system(name: str) -> ExtendedSystem:
-    problem = shipped(name)
+    problem = shipped_system(name)
     return extend(problem.system, problem.elements)
 
 

@@ -17,14 +17,14 @@ import numpy as np
 
 from sim.bench import planner_speed
 from sim.bench.row import Row, median, paired, seconds
-from sim.measure import Sensors
-from sim.physics import STRETCH, Engine
-from sim.planning import plan_open_loop
-from sim.recording import Recorder
-from sim.scenario_file import load
-from sim.schedule import Scheduler
-from sim.setup import Setup, prepare
-from sim.walk import lay
+from sim.motion.schedule import Scheduler
+from sim.physics.engine import STRETCH, Engine
+from sim.physics.measure import Sensors
+from sim.physics.recording import Recorder
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.laying import lay
+from sim.preparation.setup import Setup, prepare
+from sim.scenarios.file import load_scenario
 
 STEPS = 20_000  # of physics in each measurement: a third of a second
 
@@ -32,7 +32,7 @@ STEPS = 20_000  # of physics in each measurement: a third of a second
 def measure() -> Iterator[Row]:
     """All measurements, one after another."""
     yield from planner_speed.measure()
-    yield from simulation(prepare(load("line")))
+    yield from simulation(prepare(load_scenario("line")))
     yield from command()
 
 

@@ -10,9 +10,7 @@ from typing import TYPE_CHECKING
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from planner.controllability import Controllability
-    from planner.fields import Array
-    from planner.strata import StratifiedSystem
+    from planner import Array, Controllability, StratifiedSystem
 
 Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
@@ -47,11 +45,11 @@ def execute(options: argparse.Namespace) -> None:
     """Judge the gait by both tests of Sec. 4 and print what they say."""
     from dataclasses import asdict
 
-    from models.systems.problem import configuration
-    from planner.controllability import MAX_DEPTH, gait_controllability
-    from sim.systems import coordinates, refused
+    from models import configuration
+    from planner import MAX_DEPTH, gait_controllability
+    from sim.commands.problems import coordinates, refused
 
-    system, gait, start, poise = _subject(options.system, options.set)
+    system, gait, start, static_stability = _subject(options.system, options.set)
     if options.gait:
         gait = _gait(system, options.gait)
     with refused(options.system):
@@ -63,17 +61,24 @@ def execute(options: argparse.Namespace) -> None:
             MAX_DEPTH if options.depth is None else options.depth,
         )
     if options.json:
-        print(json.dumps({"system": options.system, **asdict(report), "poise": poise}))
+        print(
+            json.dumps(
+                {
+                    "system": options.system,
+                    **asdict(report),
+                    "static_stability": static_stability,
+                }
+            )
+        )
         return
     print(describe(options.system, report))
-    if poise:
-        print(describe_poise(poise))
+    if static_stability:
+        print(describe_poise(static_stability))
 
 
 def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
     """Strata by name, written with the S of the paper or without."""
-    from planner.errors import StratumError
-    from planner.strata import Gait
+    from planner import Gait, StratumError
 
     known = system.strata
     bare = [w[1:] if w not in known and w[:1] == "S" else w for w in words]
@@ -88,26 +93,24 @@ def _subject(
     source: str, settings: Sequence[str]
 ) -> tuple[StratifiedSystem, Sequence[str], Array | None, Loads]:
     """The system behind a word, its gait, where to look at it, and a robot's loads."""
-    from sim.systems import find, is_system
+    from sim.commands.problems import find, is_system
 
     if not source.endswith(".xml") and is_system(source, _robots(), "robot"):
         problem = find(source, settings)
         return problem.system, problem.gait, problem.states[0], {}
     if settings:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
-    from models.equations import equations
-    from models.library import load
-    from models.poise import Poised
+    from models import StaticStability, equations, load
 
     robot = load(source)
-    poise = Poised(robot).at_rest_and_best()
-    return equations(robot).system, robot.card.gait, None, poise
+    static_stability = StaticStability(robot).at_rest_and_best()
+    return equations(robot).system, robot.card.gait, None, static_stability
 
 
 def _robots() -> Sequence[str]:
-    from models.library import robots
+    from models import shipped_robots
 
-    return robots()
+    return shipped_robots()
 
 
 def describe(name: str, report: Controllability) -> str:
@@ -134,10 +137,10 @@ def describe(name: str, report: Controllability) -> str:
     return "\n".join(lines)
 
 
-def describe_poise(poise: Loads) -> str:
+def describe_poise(static_stability: Loads) -> str:
     """How surely a robot stands on each stratum."""
     shares = (
         f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
-        for stratum, (rest, best) in poise.items()
+        for stratum, (rest, best) in static_stability.items()
     )
     return f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)"

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from models.identified import MeasuredField
-    from models.twists import TwistModel
-    from sim.setup import Setup
+    from models import MeasuredField, TwistModel
+    from sim.preparation.setup import Setup
 
 HELP = "measure a robot's fields by short experiments in the physics"
 PLACES = (-1.0, 0.0, 1.0)  # of the span at which twists are shown
@@ -31,11 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Measure, and print every field at three places of its swing."""
-    from sim.scenario_file import load, parse_override
-    from sim.setup import prepare
+    from sim.preparation.setup import prepare
+    from sim.scenarios.file import load_scenario, parse_override
 
     overrides = dict(parse_override(text) for text in options.set)
-    setup = prepare(load("line", overrides | {"robot": options.robot}))
+    setup = prepare(load_scenario("line", overrides | {"robot": options.robot}))
     found = fields(setup)
     if options.json:
         print(json.dumps(found, indent=1))
@@ -49,8 +48,8 @@ def fields(setup: Setup) -> list[dict[str, Any]]:
 
     A field that could not be measured has nulls, and the reason.
     """
-    from sim.identify import identify
-    from sim.twist_models import MODELS, twist_model
+    from sim.experiments.identification import identify
+    from sim.experiments.predictions import MODELS, twist_model
 
     identified = identify(setup)
     others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}

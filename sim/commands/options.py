@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from sim.scenario import Scenario
+    from sim.scenarios.scenario import Scenario
 
 NAMED = ("robot", "fields", "segments", "replan", "steer")  # also keys of a scenario
 
@@ -54,7 +54,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     Raises:
         UsageError: If it cannot be read, or an option contradicts `--set`.
     """
-    from sim.scenario_file import load, parse_override
+    from sim.scenarios.file import load_scenario, parse_override
 
     overrides: dict[str, object] = {}
     for key, value in map(parse_override, options.set):
@@ -69,7 +69,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
             where = f"--{key} and --set {key}"
             raise UsageError(f"{key} is given twice", where, "keep one of them")
         overrides[key] = value
-    return load(options.scenario, overrides)
+    return load_scenario(options.scenario, overrides)
 
 
 def folder_of(options: argparse.Namespace) -> Path | None:

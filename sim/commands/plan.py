@@ -13,8 +13,8 @@ from sim.commands import system_plan
 from sim.commands.options import add_scenario_arguments, scenario_of
 
 if TYPE_CHECKING:
-    from planner.flows import Flow
-    from sim.setup import Setup
+    from planner import Flow
+    from sim.preparation.setup import Setup
 
 HELP = "plan a scenario or a system and play it on the exact kinematics"
 
@@ -33,10 +33,11 @@ def execute(options: argparse.Namespace) -> None:
         return
     scenario = scenario_of(options)
 
-    from sim.bounds import within_bounds  # slow; a refused scenario does not wait
-    from sim.obstacles.route import routed
-    from sim.planning import plan_open_loop
-    from sim.setup import prepare
+    # slow imports; a scenario that is refused does not wait for them
+    from sim.planning.bounds import within_bounds
+    from sim.planning.open_loop import plan_open_loop
+    from sim.planning.routes import routed
+    from sim.preparation.setup import prepare
 
     began = time.perf_counter()
     setup = prepare(scenario)
@@ -55,8 +56,8 @@ def execute(options: argparse.Namespace) -> None:
 
 def _replanned(setup: Setup) -> Sequence[Flow]:
     """Each segment planned from the state that the exact kinematics reached."""
-    from planner.rollout import rollout
-    from sim.planning import plan_segment
+    from planner import rollout
+    from sim.planning.open_loop import plan_segment
 
     groups = len(setup.robot.groups)
     state = setup.nominal()(0.0)
@@ -71,9 +72,8 @@ def _replanned(setup: Setup) -> Sequence[Flow]:
 
 def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
     """What flows do on the exact kinematics, in the words of summary.json."""
-    from planner.flows import contact_switches
-    from planner.rollout import play
-    from sim.poses import wrap
+    from planner import contact_switches, play
+    from sim.motion.poses import wrap
 
     scenario, system = setup.scenario, setup.equations.system
     states = play(system, flows, setup.nominal()(0.0))

@@ -7,7 +7,7 @@ import json
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from models.card import Card
+    from models import Card
 
 HELP = "list the shipped robots, or check one and show it in numbers"
 
@@ -27,9 +27,9 @@ def execute(options: argparse.Namespace) -> None:
     if options.robot is not None:
         _show(options.robot, as_json=options.json)
         return
-    from models.library import load, robots
+    from models import load, shipped_robots
 
-    cards = {name: load(name).card for name in robots()}
+    cards = {name: load(name).card for name in shipped_robots()}
     if options.json:
         print(
             json.dumps([_facts(name, card) for name, card in cards.items()], indent=1)
@@ -40,11 +40,11 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _show(robot: str, as_json: bool) -> None:
-    from sim.robot_facts import describe, facts
-    from sim.scenario_file import load
-    from sim.setup import prepare
+    from sim.preparation.robot_facts import describe, facts
+    from sim.preparation.setup import prepare
+    from sim.scenarios.file import load_scenario
 
-    found = facts(prepare(load("line", {"robot": robot})))
+    found = facts(prepare(load_scenario("line", {"robot": robot})))
     print(json.dumps(found, indent=1) if as_json else describe(found))
 
 

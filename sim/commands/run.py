@@ -37,10 +37,10 @@ def execute(options: argparse.Namespace) -> None:
     """Walk the scenario and print how it went."""
     scenario = scenario_of(options)
 
-    from models.library import load  # the slow part; a refused scenario does not wait
+    from models import load  # the slow part; a refused scenario does not wait
     from sim.folder import claim
     from sim.progress import bar
-    from sim.run import run
+    from sim.simulation import run
 
     load(scenario.robot)
     look = options.look if _can_film(options.video) else None
@@ -57,7 +57,7 @@ def _can_film(wanted: bool | None) -> bool:
     """Whether to film; a film that was asked for and cannot be drawn is an error."""
     if wanted is False:
         return False
-    from sim.film.direction import check
+    from sim.pictures.direction import check
 
     try:
         check()
@@ -70,7 +70,7 @@ def _can_film(wanted: bool | None) -> bool:
 
 
 def _report(summary: Mapping[str, Any], folder: RunFolder) -> str:
-    from sim.comparison import describe
+    from sim.evaluation.comparison import describe
 
     lines = [describe(summary), "", f"{'folder':13}{folder.path}"]
     film = folder.path / "video.mp4"

@@ -17,15 +17,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print the list, or one scenario."""
-    from sim.scenario_file import dumps, load, shipped, to_table
+    from sim.scenarios.file import dumps, load_scenario, shipped_scenarios, to_table
 
     if options.scenario:
-        scenario = load(options.scenario)
+        scenario = load_scenario(options.scenario)
         print(
             json.dumps(to_table(scenario)) if options.json else dumps(scenario).rstrip()
         )
         return
-    scenarios = [load(name) for name in shipped()]
+    scenarios = [load_scenario(name) for name in shipped_scenarios()]
     if options.json:
         print(json.dumps([to_table(scenario) for scenario in scenarios], indent=1))
         return

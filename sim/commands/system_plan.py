@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from planner.fields import Array
-    from planner.plan import Plan
+    from planner import Array, Plan
 
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
@@ -53,13 +52,13 @@ def is_for_systems(options: argparse.Namespace) -> bool:
     Raises:
         UsageError: There is no such thing, or an option is for the other kind.
     """
-    from sim.scenario_file import shipped
-    from sim.systems import is_system
+    from sim.commands.problems import is_system
+    from sim.scenarios.file import shipped_scenarios
 
     source = options.scenario
     if source.endswith(".json"):
         _refuse(options, SETTLED, "cannot change what is saved")
-    elif not is_system(source, shipped()):
+    elif not is_system(source, shipped_scenarios()):
         _refuse(options, FOR_SYSTEMS, "is for systems")
         return False
     _refuse(options, FOR_ROBOTS, "is for robots")
@@ -76,17 +75,17 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
 
 def execute(options: argparse.Namespace) -> None:
     """Plan the system, or read a plan of one, and print what it does."""
-    from planner.archive import load, save
-    from sim.systems import refused
+    from planner import load_plan, save_plan
+    from sim.commands.problems import refused
 
     source = options.scenario
     with refused(source):
         saved = source.endswith(".json")
-        planned, timing = (load(source), {}) if saved else _plan(options)
+        planned, timing = (load_plan(source), {}) if saved else _plan(options)
     facts = summarise(Path(source).stem, planned) | timing
     if options.save:
         with refused(options.save):
-            save(planned, options.save)
+            save_plan(planned, options.save)
     if options.json:
         print(json.dumps(facts | ({"flows": planned.flows} if options.flows else {})))
         return
@@ -96,7 +95,7 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
-    from sim.systems import changed, coordinates, extended, find, solve
+    from sim.commands.problems import changed, coordinates, extended, find, solve
 
     changes = {
         "start": options.start and coordinates(options.start, "--start"),
@@ -120,7 +119,7 @@ def summarise(name: str, planned: Plan) -> dict[str, Any]:
         name: What the system is called.
         planned: Plan to play.
     """
-    from planner.rollout import rollout
+    from planner import rollout
 
     end = rollout(planned)[-1]
     return {

@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print names, descriptions and parameters."""
-    from models.systems.library import SYSTEMS
+    from models import SYSTEMS
 
     systems = [_facts(name) for name in SYSTEMS]
     if options.json:
@@ -29,9 +29,9 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _facts(name: str) -> dict[str, Any]:
-    from models.systems.library import parameters, shipped
+    from models import parameters, shipped_system
 
-    problem = shipped(name)
+    problem = shipped_system(name)
     return {
         "name": name,
         "description": problem.description,

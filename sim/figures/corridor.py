@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from models.shapes import PIVOT
-from planner.paths import recut
+from models import PIVOT
+from planner import Array, recut
 from sim.figures.paper import PaperWalk
 from sim.figures.passage import LEAST, Passage, passage
 from sim.figures.physics import Job, Walked
@@ -33,7 +33,6 @@ from sim.obstacles.clearance import Surroundings
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = np.ndarray
 
 SWEEPS = 1600  # outlines that make up what is swept
 PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
@@ -155,15 +154,15 @@ def finish_clearance(
 def _paper_table(made: Passage, walks: Mapping[str, PaperWalk]) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for name, cuts in (("coarse", made.coarse), ("fine", made.fine)):
-        leeway, walked = made.leeway(cuts), walks[name]
+        slack, walked = made.slack(cuts), walks[name]
         least, _ = made.clearance(walked.states[:, :3], walked.states[:, 3:])
         rows.append(
             (
                 len(cuts) - 1,
                 float(least.min()),
                 float(walked.share[least.argmin()]),
-                float(leeway.walking.min() + LEAST),
-                float(leeway.standing.min() + LEAST),
+                float(slack.walking.min() + LEAST),
+                float(slack.standing.min() + LEAST),
                 float(np.diff(cuts).min()),
                 walked.error,
             )

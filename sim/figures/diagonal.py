@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.paths import line
+from planner import Array, line
 from sim.figures.footprints import Footprints, footprints
 from sim.figures.paper import PaperWalk, configuration, feet, standing, walk
 from sim.figures.physics import Job, Walked
@@ -27,7 +27,6 @@ from sim.figures.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = np.ndarray
 
 GOAL = (4.0, 4.0, math.pi / 2)
 SEGMENTS = 12

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner.paths import ellipse
+from planner import Array, ellipse
 from sim.figures.paper import PaperWalk, configuration, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Sheet, Table, words
@@ -28,7 +28,6 @@ from sim.figures.tube import swing_out
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = np.ndarray
 
 PAPER_CAPTION = """
 Body centre on eqs. (16) to (18), l = 1, once around an ellipse in 60 segments; the

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from planner import Array
 from sim.figures.paper import PaperWalk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
@@ -28,7 +29,6 @@ from sim.figures.tube import Tube, exponent, follow, swing_out, tube
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = np.ndarray
 
 SEGMENTS = (1, 4, 16, 60)  # drawn
 TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured

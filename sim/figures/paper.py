@@ -12,15 +12,10 @@ from typing import Literal
 
 import numpy as np
 
-from models.shapes import FEET, PIVOT, PIVOTS
-from models.systems.legged import AIR_SWINGS, hexapod
-from planner.extended import ExtendedSystem, extend
-from planner.paths import Path
-from planner.plan import Plan, plan
-from planner.rollout import rollout
-from sim.poses import rotate
+from models import AIR_SWINGS, FEET, PIVOT, PIVOTS, hexapod
+from planner import Array, ExtendedSystem, Path, Plan, extend, plan, rollout
+from sim.motion.poses import rotate
 
-Array = np.ndarray
 Fields = Literal["paper", "lifted"]
 
 ELEMENTS: Mapping[Fields, tuple[str, ...]] = {

@@ -10,15 +10,12 @@ from functools import cached_property
 
 import numpy as np
 
-from models.shapes import KAPPA, PIVOT
-from planner.paths import Path, recut
-from planner.subdivide import Leeway, subdivide
+from models import KAPPA, PIVOT
+from planner import Array, Path, Slack, recut, subdivide
 from sim.figures.paper import PaperWalk, walk
 from sim.obstacles.clearance import Surroundings, surroundings
-from sim.scenario_file import load
-from sim.setup import prepare
-
-Array = np.ndarray
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
 
 COARSE_SEGMENTS = 24  # the scenario's own; 22 would leave the joint range
 LEAST = 0.005 / PIVOT  # clearance to keep [l], as the scenario asks for
@@ -54,7 +51,7 @@ class Passage:
         """A walk along the path divided at the cuts, with states for each flow."""
         return walk(recut(self.path, cuts), len(cuts) - 1, samples=samples)
 
-    def leeway(self, cuts: Array) -> Leeway:
+    def slack(self, cuts: Array) -> Slack:
         """What a walk leaves of the least clearance, and what the nominal path does."""
         walked = self.through(cuts)
         segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
@@ -65,12 +62,12 @@ class Passage:
         poses = self.path.at(s.ravel())
         standing, _ = self.clearance(poses[:, :3], poses[:, 3:])
         standing = standing.reshape(s.shape).min(axis=1)
-        return Leeway("clearance", LEAST, standing - LEAST, walking - LEAST)
+        return Slack("clearance", LEAST, standing - LEAST, walking - LEAST)
 
     @cached_property
     def fine(self) -> Array:
         """Cuts of the path that keep the clearance."""
-        return subdivide(self.coarse, lambda cuts: [self.leeway(cuts)])
+        return subdivide(self.coarse, lambda cuts: [self.slack(cuts)])
 
     @property
     def coarse(self) -> Array:
@@ -80,7 +77,7 @@ class Passage:
 
 def passage() -> Passage:
     """The passage of the scenario, path and all, in the paper's units."""
-    setup = prepare(load("corridor"))
+    setup = prepare(load_scenario("corridor"))
     curve, scale = setup.scenario.path.curve, np.array([PIVOT, PIVOT, 1.0])
 
     def at(s: Array) -> Array:

@@ -10,19 +10,18 @@ from multiprocessing import get_context
 
 import numpy as np
 
-from planner.flows import Flow
-from sim.bounds import within_bounds
-from sim.evaluate import Evaluation, Summary, evaluate, summarise
-from sim.obstacles.passage import commanded
-from sim.planning import plan_open_loop
-from sim.poses import rotate
+from planner import Array, Flow
+from sim.evaluation.evaluation import Evaluation, Summary, evaluate, summarise
+from sim.evaluation.passage import commanded
+from sim.motion.poses import rotate
+from sim.motion.schedule import Phase
+from sim.planning.bounds import within_bounds
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
-from sim.scenario_file import load
-from sim.schedule import Phase
-from sim.setup import Setup, prepare
-from sim.walk import Walk, Walker, walk
+from sim.scenarios.file import load_scenario
+from sim.walking.walker import Walk, Walker, walk
 
-Array = np.ndarray
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path
 SWAY = 0.4  # [rad] to either side
@@ -84,7 +83,7 @@ class Walked:
 def perform(job: Job) -> Walked:
     """Make one walk."""
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
-    setup = prepare(load(job.scenario, settings))
+    setup = prepare(load_scenario(job.scenario, settings))
     if job.sway:
         return _gathered(evaluate(_sway(setup)))
     setup = within_bounds(setup)

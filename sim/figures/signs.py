@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from models.tripod import PaperStance
-from sim.support import stability_margin, support_polygons
+from models import PaperStance
+from planner import Array
+from sim.motion.stability import stability_margin, support_polygons
 
-Array = np.ndarray
 WIDEST = 1.2  # [rad] to either side of the angles compared
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from models.tripod import PaperStance
+from models import PaperStance
+from planner import Array
 from sim.figures.physics import SWAY, Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
 from sim.figures.signs import (
@@ -31,7 +32,6 @@ from sim.figures.style import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Array = np.ndarray
 
 # The proportions of `hexapod-parallel`, in leg lengths: the paper gives none.
 STANCE = PaperStance(body_length=20 / 7, leg_length=1.0, half_width=3 / 7)

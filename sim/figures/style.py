@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -14,7 +12,6 @@ if TYPE_CHECKING:
 
     from sim.figures.physics import Walked
 
-Array = np.ndarray
 
 MM = 1e3  # [mm/m]
 WIDTH = 7.0  # [in], two columns of a page

@@ -12,10 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from planner.paths import line
+from planner import Array, line
 from sim.figures.paper import SAMPLES, PaperWalk, configuration, walk
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,11 @@ from functools import cached_property
 import numpy as np
 import shapely
 
+from planner import Array
 from sim.obstacles.outline import Outline
-from sim.obstacles.shapes import Obstacle
 from sim.obstacles.solids import hulls
-from sim.setup import Setup
-
-Array = np.ndarray
+from sim.preparation.setup import Setup
+from sim.scenarios.obstacles import Obstacle
 
 ARC = 1.01  # a way may be longer than the chord between samples by this factor
 

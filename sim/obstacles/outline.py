@@ -8,10 +8,9 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from models.robot import Robot
+from models import Robot
+from planner import Array
 from sim.obstacles.solids import Solids
-
-Array = np.ndarray
 
 
 @dataclass(frozen=True)
@@ -47,8 +46,8 @@ class Outline:
         root = self._root
         qpos[:, root : root + 2] = pose[:, :2]
         half, zero = pose[:, 2] / 2, np.zeros(len(pose))
-        turned = [np.cos(half), zero, zero, np.sin(half)]
-        qpos[:, root + 3 : root + 7] = np.stack(turned, axis=-1)
+        upright = [np.cos(half), zero, zero, np.sin(half)]
+        qpos[:, root + 3 : root + 7] = np.stack(upright, axis=-1)
         turned = robot.swing_gain * swing[:, robot.group_of_leg]  # (T, F)
         raised = robot.raise_sign * lift[:, robot.group_of_leg]
         for i, leg in enumerate(robot.legs):

@@ -16,7 +16,8 @@ import mujoco
 import numpy as np
 import shapely
 
-Array = np.ndarray
+from planner import Array
+
 Shape = mujoco.mjtGeom
 
 _CORNERS = np.array(

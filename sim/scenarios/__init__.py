@@ -1,1 +1,1 @@
-"""Scenarios that come with the package, one TOML file each."""
+"""What to walk: scenarios, their settings, paths and obstacles; TOML files."""

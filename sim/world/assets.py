@@ -12,8 +12,7 @@ from typing import Any
 
 import mujoco
 
-from models.errors import ModelError
-from models.robot import Robot
+from models import ModelError, Robot
 
 FOLDER = "assets"  # beside model.xml
 

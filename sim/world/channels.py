@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.compiled import actuator_of
-from models.robot import Robot
+from models import Robot, actuator_of
 
 
 @dataclass(frozen=True)

@@ -11,16 +11,14 @@ from dataclasses import dataclass
 
 import mujoco
 
-from models.compiled import compile_model
-from models.library import EMBEDDED
-from models.robot import Robot
-from sim.obstacles.walls import add_walls
-from sim.scenario import Scenario
+from models import EMBEDDED, Robot, compile_model
+from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.floor import ensure_floor, scene
 from sim.world.sensors import ensure_sensors
 from sim.world.servos import common_servo, ensure_servos
 from sim.world.start import ensure_start
+from sim.world.walls import add_walls
 
 MODEL = "model.xml"
 

@@ -11,8 +11,7 @@ from pathlib import Path
 
 import mujoco
 
-from models.library import has_card_inside
-from models.robot import FOLDER, Robot
+from models import FOLDER, Robot, has_card_inside
 from sim.world.assets import sources
 
 COPY = "robot"  # folder in the run folder

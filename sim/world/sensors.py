@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models.robot import Robot
+from models import Robot
 
 CONTACT_FIELDS = 10  # found 1, force 3, position 3, relative velocity 3
 SELF_CONTACT = "self_contact"  # sensor of any contact of the robot with itself

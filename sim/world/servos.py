@@ -9,10 +9,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models.compiled import ON_JOINT, actuator_of
-from models.errors import ModelError
-from models.robot import Robot
-from sim.scenario import Scenario
+from models import ON_JOINT, ModelError, Robot, actuator_of
+from sim.scenarios.scenario import Scenario
 
 
 def ensure_servos(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models.compiled import ON_JOINT
-from models.kinematics import Kinematics
-from models.robot import Robot
+from models import ON_JOINT, Kinematics, Robot
 from sim.world.floor import Floor
 
 START = "start"

@@ -5,19 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from sim.evaluate import evaluate, summarise
-from sim.planning import plan_open_loop
-from sim.poses import wrap
-from sim.scenario_file import load
-from sim.setup import prepare
-from sim.walk import walk
+from sim.evaluation.evaluation import evaluate, summarise
+from sim.motion.poses import wrap
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.walking.walker import walk
 
 pytestmark = pytest.mark.physics
 PATH = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.1]}, "segments": 2}
 
 
 def judge(changes):
-    setup = prepare(load("line", PATH | changes))
+    setup = prepare(load_scenario("line", PATH | changes))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     evaluation = evaluate(walk(setup, planned))
     return evaluation, summarise(evaluation, 0.0)

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from sim.creep import creep_floor
-from sim.evaluate import evaluate, summarise, trajectory
-from sim.planning import plan_open_loop
-from sim.scenario_file import load
-from sim.setup import prepare
-from sim.walk import walk
+from sim.evaluation.evaluation import evaluate, summarise, trajectory
+from sim.experiments.creep import creep_floor
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.walking.walker import walk
 
 pytestmark = pytest.mark.physics
 
@@ -30,7 +30,7 @@ class Result:
 
 
 def run(name, **changes):
-    setup = prepare(load(name, changes))
+    setup = prepare(load_scenario(name, changes))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     walked = walk(setup, planned)
     evaluation = evaluate(walked)

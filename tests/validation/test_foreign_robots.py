@@ -6,11 +6,10 @@ import pytest
 
 from models.library import load
 from sim.folder import RunFolder
-from sim.nominal import line
-from sim.run import run
-from sim.scenario import Scenario
-from sim.world.model import build
-from sim.world.model import load as load_world
+from sim.scenarios.body_path import line
+from sim.scenarios.scenario import Scenario
+from sim.simulation import run
+from sim.world.model import build, load as load_world
 from sim.world.sensors import SELF_CONTACT
 from tests import foreign
 

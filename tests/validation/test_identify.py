@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from models.description.robot import FOLDER
 from models.errors import MeasurementError
-from models.identified import IdentifiedTwists, MeasuredField
-from models.robot import FOLDER
+from models.motion.identified import IdentifiedTwists, MeasuredField
 from sim.commands.identify import fields
-from sim.comparison import describe
+from sim.evaluation.comparison import describe
+from sim.experiments.identification import identify, measure
+from sim.experiments.predictions import twist_model
 from sim.folder import RunFolder
-from sim.identify import identify, measure
-from sim.planning import plan_open_loop
-from sim.run import run
-from sim.scenario_file import load
-from sim.setup import prepare
-from sim.twist_models import twist_model
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.simulation import run
 
 pytestmark = pytest.mark.physics
 MIDDLE = np.zeros((1, 2))
@@ -27,7 +27,7 @@ MIDDLE = np.zeros((1, 2))
 
 @pytest.fixture(scope="module")
 def setup():
-    return prepare(load("line"))
+    return prepare(load_scenario("line"))
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +96,7 @@ def faller(tmp_path_factory):
         card = card.replace(old, new)
     (folder / "hexapod.toml").write_text(card)
     overrides = {"robot": str(folder / "hexapod.xml"), "segments": 1}
-    return load("line", overrides | {"path.goal": [0.01, 0.0, 0.0]})
+    return load_scenario("line", overrides | {"path.goal": [0.01, 0.0, 0.0]})
 
 
 def test_a_field_on_which_the_robot_falls_is_null_with_the_reason(faller):
@@ -128,7 +128,7 @@ def test_steering_on_such_a_field_is_refused(faller):
 
 def test_a_slow_walk_costs_no_longer_experiments(identified):
     slow = {"swing_speed": 1e-4, "swing_acceleration": 1e-3, "hold": 60.0}
-    field = measure(prepare(load("line", slow)), "1", "g1_1")
+    field = measure(prepare(load_scenario("line", slow)), "1", "g1_1")
     middle, same = np.zeros(1), identified.fields["g1_1"]
     # the same experiment to the last bit
     assert (field(middle) == same(middle)).all()

@@ -7,13 +7,13 @@ every suite, the others are marked `full`.
 import numpy as np
 import pytest
 
-from models.kinematics import Kinematics
+from models.contact.kinematics import Kinematics
 from models.library import load as load_robot
-from planner.controllability import gait_controllability
-from sim.evaluate import evaluate, summarise
-from sim.scenario_file import load
-from sim.setup import prepare
-from sim.walk import walk
+from planner.controllability.gaits import gait_controllability
+from sim.evaluation.evaluation import evaluate, summarise
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.walking.walker import walk
 
 pytestmark = pytest.mark.physics
 
@@ -32,7 +32,7 @@ def walked(robot, goal, segments):
     """Summary of a replanned walk."""
     path = {"kind": "line", "goal": [float(g) for g in goal]}
     changes = {"robot": robot, "path": path, "segments": segments, "replan": True}
-    return summarise(evaluate(walk(prepare(load("line", changes)), None)), 0.0)
+    return summarise(evaluate(walk(prepare(load_scenario("line", changes)), None)), 0.0)
 
 
 def check_steady(summary):
@@ -48,7 +48,7 @@ def check_steady(summary):
 
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_gait_is_controllable(robot):
-    described = prepare(load("line", {"robot": robot})).equations
+    described = prepare(load_scenario("line", {"robot": robot})).equations
     gait = load_robot(robot).card.gait
     at = np.zeros(len(described.system.state)).tolist()
     assert gait_controllability(described.system, gait, at).controllable
@@ -71,7 +71,7 @@ def test_quadruped_steps_without_tipping_or_bouncing():
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_scaled_walks_end_at_the_goal_without_tipping(robot, scenario):
     way = 0.15 * reach(load_robot(robot)) / reach(load_robot("hexapod"))
-    segments = SEGMENTS.get(robot, load(scenario).segments)
+    segments = SEGMENTS.get(robot, load_scenario(scenario).segments)
     summary = walked(robot, (way, way, YAW[scenario]), segments)
     check_steady(summary)
     goal = summary["error"]["goal"]

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from sim.bounds import within_bounds
-from sim.evaluate import evaluate, summarise, trajectory
-from sim.obstacles.route import routed
-from sim.planning import plan_open_loop
-from sim.scenario_file import load
-from sim.setup import prepare
-from sim.walk import walk
+from sim.evaluation.evaluation import evaluate, summarise, trajectory
+from sim.planning.bounds import within_bounds
+from sim.planning.open_loop import plan_open_loop
+from sim.planning.routes import routed
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+from sim.walking.walker import walk
 
 pytestmark = pytest.mark.physics
 
@@ -22,7 +22,7 @@ BESIDE = {
 
 
 def run(name, **changes):
-    setup = within_bounds(routed(prepare(load(name, changes))))
+    setup = within_bounds(routed(prepare(load_scenario(name, changes))))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     evaluation = evaluate(walk(setup, planned))
     return summarise(evaluation, 0.0), dict(trajectory(evaluation))

@@ -9,13 +9,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.robot import FOLDER
+from models.description.robot import FOLDER
 from sim.errors import SimulationError
 from sim.folder import RunFolder
-from sim.poses import rotate
-from sim.run import run
-from sim.scenario_file import load
-from sim.support import stability_margin
+from sim.motion.poses import rotate
+from sim.motion.stability import stability_margin
+from sim.scenarios.file import load_scenario
+from sim.simulation import run
 
 pytestmark = pytest.mark.physics
 
@@ -30,8 +30,8 @@ CONTRACT = {
 def folders(tmp_path_factory):
     """The same scenario twice; the second from the first one's scenario.toml."""
     first, second = (tmp_path_factory.mktemp(name) for name in ("first", "second"))
-    run(load("line", SHORT | {"sample_every": 7}), RunFolder(first))
-    run(load(str(first / "scenario.toml")), RunFolder(second))
+    run(load_scenario("line", SHORT | {"sample_every": 7}), RunFolder(first))
+    run(load_scenario(str(first / "scenario.toml")), RunFolder(second))
     return first, second
 
 
@@ -155,7 +155,7 @@ def test_achieved_and_predicted_start_together_in_the_start_frame(arrays):
 
 def test_a_path_of_no_length_walks_nowhere_and_divides_by_nothing(tmp_path):
     still = {"path": {"kind": "line", "goal": [0.0, 0.0, 0.0]}, "segments": 1}
-    summary = run(load("line", still), RunFolder(tmp_path))
+    summary = run(load_scenario("line", still), RunFolder(tmp_path))
     assert summary["contact_switches"] == 0
     assert summary["error"]["ideal"]["position_per_path"] is None
     assert summary["error"]["ideal"]["position_per_walked"] is None
@@ -165,7 +165,7 @@ def test_a_path_of_no_length_walks_nowhere_and_divides_by_nothing(tmp_path):
 def test_a_walk_that_diverges_leaves_what_it_is_replayed_from(tmp_path):
     wild = SHORT | {"timestep": 0.01, "servo_stiffness": 1e6, "servo_damping": 0.0}
     with pytest.raises(SimulationError, match="diverged"):
-        run(load("line", wild), RunFolder(tmp_path))
+        run(load_scenario("line", wild), RunFolder(tmp_path))
     assert {path.name for path in tmp_path.iterdir()} >= {"scenario.toml", "model.xml"}
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
     data = mujoco.MjData(model)
@@ -181,9 +181,9 @@ def test_a_walk_that_diverges_leaves_what_it_is_replayed_from(tmp_path):
 
 
 def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch):
-    monkeypatch.setattr("sim.run.evaluate", lambda walk: 1 / 0)
+    monkeypatch.setattr("sim.simulation.evaluate", lambda walk: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        run(load("line", SHORT), RunFolder(tmp_path))
+        run(load_scenario("line", SHORT), RunFolder(tmp_path))
     with np.load(tmp_path / "commands.npz") as commands:
         assert np.array_equal(commands["time"], np.arange(len(commands["ctrl"])) * 5e-4)
 
@@ -215,14 +215,14 @@ def moved(tmp_path_factory):
     mine = SHORT | {"robot": str(home / "mine" / "mine.xml"), "obstacles": [BOX]}
     first = runs / "first"
     first.mkdir()
-    summary = run(load("line", mine), RunFolder(first))
+    summary = run(load_scenario("line", mine), RunFolder(first))
     shutil.rmtree(home)
     return summary, first.rename(runs / "elsewhere")
 
 
 def test_a_run_goes_again_after_it_was_moved_and_its_robot_is_gone(moved, tmp_path):
     summary, folder = moved
-    again = run(load(str(folder / "scenario.toml")), RunFolder(tmp_path))
+    again = run(load_scenario(str(folder / "scenario.toml")), RunFolder(tmp_path))
     assert summary["robot"] == "mine"
     for name in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
         assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()
@@ -233,7 +233,9 @@ def test_a_run_goes_again_after_it_was_moved_and_its_robot_is_gone(moved, tmp_pa
 def test_the_model_of_a_run_is_a_robot_itself(moved, tmp_path):
     summary, folder = moved
     robot = {"robot": str(folder / "model.xml")}
-    again = run(load(str(folder / "scenario.toml"), robot), RunFolder(tmp_path))
+    again = run(
+        load_scenario(str(folder / "scenario.toml"), robot), RunFolder(tmp_path)
+    )
     # MJCF is written with six digits
     pose = summary["achieved"]["pose"]
     assert again["achieved"]["pose"] == pytest.approx(pose, abs=1e-6)

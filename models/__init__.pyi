@@ -1,0 +1,77 @@
+from .checks.posture import UPRIGHT as UPRIGHT
+from .contact.ground import (
+    Ground as Ground,
+    ground_of as ground_of,
+)
+from .contact.kinematics import (
+    Kinematics as Kinematics,
+    Stance as Stance,
+)
+from .contact.lifting import Lifting as Lifting
+from .contact.paper_stance import PaperStance as PaperStance
+from .contact.static_stability import StaticStability as StaticStability
+from .description.card import Card as Card
+from .description.card_file import read_card as read_card
+from .description.compiled import (
+    ON_JOINT as ON_JOINT,
+    actuator_of as actuator_of,
+    compile_model as compile_model,
+    root_body as root_body,
+)
+from .description.robot import (
+    FOLDER as FOLDER,
+    Robot as Robot,
+)
+from .errors import (
+    MeasurementError as MeasurementError,
+    ModelError as ModelError,
+    ProblemError as ProblemError,
+    UnknownRobotError as UnknownRobotError,
+)
+from .library import (
+    EMBEDDED as EMBEDDED,
+    has_card_inside as has_card_inside,
+    load as load,
+    shipped_robots as shipped_robots,
+)
+from .morphology.mjcf import write_mjcf as write_mjcf
+from .morphology.shipped import (
+    FEET as FEET,
+    KAPPA as KAPPA,
+    PIVOT as PIVOT,
+    PIVOTS as PIVOTS,
+    SHAPES as SHAPES,
+)
+from .motion.identified import (
+    FailedField as FailedField,
+    IdentifiedTwists as IdentifiedTwists,
+    MeasuredField as MeasuredField,
+)
+from .motion.strokes import (
+    Strokes as Strokes,
+    travel as travel,
+)
+from .motion.twists import (
+    IdealTwists as IdealTwists,
+    QuasiStaticTwists as QuasiStaticTwists,
+    TwistModel as TwistModel,
+)
+from .motion.walkers import (
+    Equations as Equations,
+    equations as equations,
+    strata as strata,
+)
+from .systems.catalogue import (
+    SYSTEMS as SYSTEMS,
+    parameters as parameters,
+    shipped_system as shipped_system,
+)
+from .systems.file import load_system as load_system
+from .systems.legged import (
+    AIR_SWINGS as AIR_SWINGS,
+    hexapod as hexapod,
+)
+from .systems.problem import (
+    Problem as Problem,
+    configuration as configuration,
+)

@@ -1,0 +1,1 @@
+"""Whether a file and its card make a robot that can walk."""

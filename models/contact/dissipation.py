@@ -1,0 +1,193 @@
+"""The body twist of feet that slide as little as dry friction allows.
+
+Quasi-static bodies on dry friction move so that least power is dissipated (Murphey and
+Burdick, 2006, the power dissipation method): the twist xi minimises the convex function
+sum_i N_i |v_i(xi)|. At the minimum a foot may stick, which is where the function has an
+edge, so each foot in turn is tried as the one that sticks and the body turns about; the
+minimum is recognised by its subgradient. Configurations where every foot slides are
+left to Newton's method. Geometry and loads only, vectorised over configurations.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner import Array
+
+_BISECTIONS = 52  # as many as a double has digits
+_STICKS = 1e-9  # slower than this share of the fastest rate, a foot sticks
+_SMOOTHINGS = tuple(10.0**-k for k in range(1, 9, 2))
+_NEWTON_STEPS = 12
+_HALVINGS = 12
+
+
+def foot_velocities(feet: Array, rates: Array, twist: Array) -> Array:
+    """Velocity of each foot over the ground.
+
+    Args:
+        feet: Position of the feet in the body frame, shape (..., F, 2) [m].
+        rates: Velocity of the feet relative to the body, shape (..., F, 2) [m/s].
+        twist: Body twist (forward, left, yaw), shape (..., 3) [m/s, m/s, rad/s].
+
+    Returns:
+        Shape (..., F, 2), in the body frame.
+    """
+    turned = np.stack([-feet[..., 1], feet[..., 0]], axis=-1)
+    moved = rates + twist[..., None, :2] + twist[..., None, 2:] * turned
+    return np.asarray(moved)
+
+
+def foot_jacobians(feet: Array) -> Array:
+    """Derivative of each foot's velocity by the twist, shape (..., F, 2, 3)."""
+    J = np.zeros((*feet.shape[:-1], 2, 3))
+    J[..., 0, 0] = J[..., 1, 1] = 1.0
+    J[..., 0, 2], J[..., 1, 2] = -feet[..., 1], feet[..., 0]
+    return J
+
+
+def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
+    """The twist xi that minimises sum_i N_i |v_i(xi)|.
+
+    Args:
+        feet: Positions in the body frame, shape (N, F, 2) [m].
+        rates: Velocities relative to the body, shape (N, F, 2) [m/s].
+        loads: Normal forces, zero for feet in the air, shape (N, F) [N].
+
+    Returns:
+        Body twist, shape (N, 3).
+    """
+    on = loads[..., None] > 0
+    speed = np.linalg.norm(rates * on, axis=-1).max(axis=-1)
+    unit = np.where(speed > 0, speed, 1.0)[:, None]
+    reach = float(np.linalg.norm(feet, axis=-1).max())
+    problem = _Problem(
+        feet=feet / reach,
+        rates=np.where(on, rates / unit[..., None], 0.0),
+        loads=loads / loads.sum(axis=-1, keepdims=True),
+    )
+    return np.asarray(problem.solve() * unit / np.array([1.0, 1.0, reach]))
+
+
+class _Problem:
+    """Dissipation scaled so that speeds, lengths and loads are of order one."""
+
+    def __init__(self, feet: Array, rates: Array, loads: Array) -> None:
+        self.feet, self.rates, self.loads = feet, rates, loads
+
+    def solve(self) -> Array:
+        xi, sticking = self._turning_about_one_foot()
+        rest = ~self._is_minimum(xi, sticking)
+        if rest.any():
+            part = _Problem(self.feet[rest], self.rates[rest], self.loads[rest])
+            xi[rest] = part.improve(xi[rest])
+        return xi
+
+    def velocities(self, xi: Array) -> Array:
+        """Velocity of each foot over the ground, shape (N, F, 2)."""
+        return foot_velocities(self.feet, self.rates, xi)
+
+    def dissipation(self, xi: Array, smoothing: float = 0.0) -> Array:
+        """Smoothed power, shape (N,)."""
+        square = (self.velocities(xi) ** 2).sum(-1)
+        return np.asarray((self.loads * np.sqrt(square + smoothing**2)).sum(-1))
+
+    def _turning_about_one_foot(self) -> tuple[Array, Array]:
+        """The best twist at which some foot sticks, and the index of that foot.
+
+        With foot i at rest, foot j moves at |a + omega b|, a the difference of their
+        rates and b at right angles to the line between them: |b| times the distance of
+        omega, on the real axis, from the complex number -a / b. The sum over j is
+        convex in omega; the sign of its slope is bisected.
+        """
+        r = self.feet[..., 0] + 1j * self.feet[..., 1]
+        v = self.rates[..., 0] + 1j * self.rates[..., 1]
+        a, b = v[:, None] - v[..., None], 1j * (r[:, None] - r[..., None])  # (N, i, j)
+        far = np.abs(b) > 0
+        z = -a / np.where(far, b, 1.0)
+        p, q2 = z.real, z.imag**2
+        weight = self.loads[:, None] * np.abs(b)
+        carrying = far & (weight > 0)
+        low = np.where(carrying, p, np.inf).min(axis=-1)
+        high = np.where(carrying, p, -np.inf).max(axis=-1)
+        omega = _bisect(p, q2, weight, low, high)  # (N, i)
+        xi = _about(self.feet, self.rates, omega)  # (N, i, 3)
+        power = np.stack(
+            [self.dissipation(xi[:, i]) for i in range(xi.shape[1])], axis=-1
+        )
+        best = np.where(self.loads > 0, power, np.inf).argmin(axis=-1)
+        return xi[np.arange(len(xi)), best], best
+
+    def _is_minimum(self, xi: Array, sticking: Array) -> Array:
+        """Whether friction at the sticking foot balances that of the sliding ones.
+
+        A foot that sticks bears any friction up to its load. Where several stick the
+        answer is no unless nothing slides at all: then there is nothing to improve.
+        """
+        w = self.velocities(xi)
+        speed = np.linalg.norm(w, axis=-1)
+        sliding = (speed > _STICKS) & (self.loads > 0)
+        force = self.loads[..., None] * w / np.where(sliding, speed, np.inf)[..., None]
+        needed = np.linalg.norm(force.sum(axis=1), axis=-1)
+        alone = ((self.loads > 0) & ~sliding).sum(axis=-1) == 1
+        rows = np.arange(len(xi))
+        held = needed <= self.loads[rows, sticking] * (1 + 1e-12)
+        return np.asarray((alone & held) | ~sliding.any(axis=-1))
+
+    def improve(self, start: Array) -> Array:
+        """Newton's method on ever less smoothed dissipation; the start if worse."""
+        J = foot_jacobians(self.feet)
+        xi = start
+        for smoothing in _SMOOTHINGS:
+            for _ in range(_NEWTON_STEPS):
+                step = self._newton_step(xi, J, smoothing)
+                step = self._halved_until_lower(xi, step, smoothing)
+                xi = xi + step
+                if np.abs(step).max() < 1e-3 * smoothing:
+                    break
+        better = self.dissipation(xi) < self.dissipation(start)
+        return np.where(better[:, None], xi, start)
+
+    def _newton_step(self, xi: Array, J: Array, smoothing: float) -> Array:
+        w = self.velocities(xi)
+        s = np.sqrt((w**2).sum(-1) + smoothing**2)[..., None]  # (N, F, 1)
+        Jw = np.einsum("nfij,nfi->nfj", J, w / s)
+        n = self.loads[..., None]
+        gradient = (n * Jw).sum(axis=1)
+        H = np.einsum("nf,nfij,nfik->njk", self.loads / s[..., 0], J, J)
+        H -= np.einsum("nf,nfj,nfk->njk", self.loads / s[..., 0], Jw, Jw)
+        H += 1e-14 * np.trace(H, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+        return np.asarray(-np.linalg.solve(H, gradient[..., None])[..., 0])
+
+    def _halved_until_lower(self, xi: Array, step: Array, smoothing: float) -> Array:
+        """Steps that are worse whatever their length are not taken."""
+        before = self.dissipation(xi, smoothing) * (1 + 1e-15)
+        for _ in range(_HALVINGS):
+            worse = self.dissipation(xi + step, smoothing) > before
+            if not worse.any():
+                return step
+            step = np.where(worse[:, None], step / 2, step)
+        worse = self.dissipation(xi + step, smoothing) > before
+        return np.where(worse[:, None], 0.0, step)
+
+
+def _bisect(p: Array, q2: Array, weight: Array, low: Array, high: Array) -> Array:
+    """Minimise sum_j weight_j sqrt((omega - p_j)^2 + q_j^2) over omega."""
+    for _ in range(_BISECTIONS):
+        middle = (low + high) / 2
+        d = middle[..., None] - p
+        length = np.sqrt(d**2 + q2)
+        slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=-1)
+        low, high = np.where(slope < 0, middle, low), np.where(slope > 0, middle, high)
+    return np.asarray((low + high) / 2)
+
+
+def _about(feet: Array, rates: Array, omega: Array) -> Array:
+    """Twist that turns at `omega` with a foot at rest, for each foot: (N, F, 3)."""
+    return np.stack(
+        [
+            -rates[..., 0] + omega * feet[..., 1],
+            -rates[..., 1] - omega * feet[..., 0],
+            omega,
+        ],
+        axis=-1,
+    )

@@ -1,0 +1,88 @@
+"""How floor and servos give way under each foot of a robot, read from a compiled model.
+
+Nothing is measured here: stiffness and damping of the contacts are the solver's own
+numbers for feet that just touch, and the lift joints' stiffness is their servos'.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from models.contact.kinematics import Kinematics
+from models.description.compiled import actuator_of
+from models.description.robot import Robot
+from planner import Array
+
+_TOUCH = 1e-6  # [m]; how deep the feet are sunk to see their contacts
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Springs under the feet, and what sliding does to them."""
+
+    contact: Array  # compliance of floor and foot, (F,) [m/N]
+    servo: Array  # stiffness of the lift joint, (F,) [N m/rad]
+    friction: float
+    weight: float  # of the robot [N]
+    # A sliding contact is pushed apart, by friction * push * speed: a feature of the
+    # engine's soft contacts, not of Coulomb's law.
+    push: float = 0.0  # [s]
+
+
+def ground_of(robot: Robot, model: mujoco.MjModel) -> Ground:
+    """The ground in a model that holds the robot, a floor and servos.
+
+    Args:
+        robot: Robot whose parts are named in the model.
+        model: World to read; its keyframe `start` stands on the floor.
+    """
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    _sink(robot, model, data)
+    feet = [_contacts(model, data, robot.card.legs[leg].foot) for leg in robot.legs]
+    springs = np.array([_spring(data, found) for found in feet])  # (F, 2)
+    joints = (robot.card.legs[leg].lift for leg in robot.legs)
+    gravity = float(np.linalg.norm(model.opt.gravity))
+    touching = [index for found in feet for index in found]
+    return Ground(
+        contact=1 / springs[:, 0],
+        servo=np.array([_servo_stiffness(model, joint) for joint in joints]),
+        friction=float(np.mean([data.contact[i].friction[0] for i in touching])),
+        weight=gravity * float(model.body_subtreemass[model.body(robot.root).id]),
+        push=float(springs[:, 1].mean()),
+    )
+
+
+def _sink(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Lower the root until every foot touches, and look for contacts."""
+    zero = np.zeros(len(robot.groups))
+    gap = Kinematics(robot).stance(zero).height
+    root = model.body(robot.root)
+    height = model.jnt_qposadr[root.jntadr[0]] + 2
+    data.qpos[height] -= gap.max() - gap.min() + _TOUCH
+    mujoco.mj_forward(model, data)
+
+
+def _contacts(
+    model: mujoco.MjModel, data: mujoco.MjData, foot: tuple[str, ...]
+) -> list[int]:
+    geoms = {model.geom(name).id for name in foot}
+    return [
+        i for i in range(data.ncon) if geoms & {int(g) for g in data.contact[i].geom}
+    ]
+
+
+def _spring(data: mujoco.MjData, contacts: list[int]) -> tuple[float, float]:
+    """Stiffness of a foot's contacts together, and damping over stiffness."""
+    rows = [data.contact[i].efc_address for i in contacts]
+    stiffness, damping, impedance, _ = np.transpose(data.efc_KBIP[rows])
+    springs = stiffness * impedance / data.efc_R[rows]
+    return float(springs.sum()), float((damping / (stiffness * impedance)).mean())
+
+
+def _servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
+    """Stiffness of the position servo that drives a joint."""
+    return float(model.actuator_gainprm[actuator_of(model, joint), 0])

@@ -1,0 +1,144 @@
+"""Where the feet of a robot are, how its swing joints move them, where its weight is.
+
+Read from the MJCF with the body held level at the pose of keyframe `start`; angles are
+relative to that pose. A leg turns rigidly about two hinges, so every coordinate of its
+foot, of its velocities and of its share of the centre of mass is exactly a combination
+of (1, cos, sin) of one angle times (1, cos, sin) of the other: nine samples a leg give
+all of them. No contact, no forces, no time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import mujoco
+import numpy as np
+
+from models.contact.soles import Sole, find_sole
+from models.description.card import LegCard
+from models.description.robot import Robot
+from planner import Array
+
+_ANGLES = 2 * np.pi / 3 * np.arange(3)
+_FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], axis=1))
+
+
+@dataclass(frozen=True, slots=True)
+class Stance:
+    """Feet and weight for one or many sets of leg angles, in the body frame."""
+
+    feet: Array  # where they touch, (..., F, 2) [m]
+    rates: Array  # of the soles, by the swing of their groups, (..., F, 2) [m/rad]
+    gives: Array  # of the soles, by the lift of their groups, (..., F, 3) [m/rad]
+    height: Array  # lowest point of the foot, (..., F) [m]
+    center_of_mass: Array  # (..., 2) [m]
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Forward kinematics of one robot, as a function of its groups' angles."""
+
+    robot: Robot
+
+    def stance(self, swing: Array, lift: Array | None = None) -> Stance:
+        """Feet and weight at given angles.
+
+        Args:
+            swing: Angle of each group, shape (..., G) [rad].
+            lift: How far each group is raised, shape (..., G) [rad]; on the ground when
+                left out.
+        """
+        swing = np.asarray(swing, dtype=float)
+        lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
+        robot = self.robot
+        s = robot.swing_gain * swing[..., robot.group_of_leg]  # (..., F)
+        r = robot.raise_sign * lift[..., robot.group_of_leg]
+        basis = _basis(s), _basis(r)  # (..., F, 3)
+        feet, swung, lifted, weight = (
+            np.einsum("fabi,...fa,...fb->...fi", coefficients, *basis)
+            for coefficients in self._coefficients
+        )
+        return Stance(
+            feet=feet[..., :2],
+            rates=swung[..., :2] * robot.swing_gain[:, None],
+            gives=lifted * robot.raise_sign[:, None],
+            height=feet[..., 2],
+            center_of_mass=self.center_of_mass[:2] + weight.sum(axis=-2)[..., :2],
+        )
+
+    @cached_property
+    def center_of_mass(self) -> Array:
+        """Centre of mass with all legs at angle 0, shape (3,)."""
+        return self._find_center_of_mass()
+
+    @cached_property
+    def _coefficients(self) -> tuple[Array, ...]:
+        """Of foot, its velocity by swing and by lift, and weight: (F, 3, 3, 3) each.
+
+        Every leg is sampled on a 3 x 3 grid of its two angles.
+        """
+        robot, data = self.robot, self._data
+        middle, samples = self.center_of_mass, np.empty((4, len(robot.legs), 3, 3, 3))
+        cards = [robot.card.legs[leg] for leg in robot.legs]
+        soles = [find_sole(robot.model, data, card.foot) for card in cards]
+        for i, (card, sole) in enumerate(zip(cards, soles, strict=True)):
+            swing, lift = data.joint(card.swing), data.joint(card.lift)
+            start = float(swing.qpos[0]), float(lift.qpos[0])
+            for a, b in np.ndindex(3, 3):
+                swing.qpos[0] = start[0] + _ANGLES[a]
+                lift.qpos[0] = start[1] + _ANGLES[b]
+                shift = self._find_center_of_mass() - middle
+                samples[:, i, a, b] = (*self._touch(card, sole), shift)
+            swing.qpos[0], lift.qpos[0] = start
+        fit = "pa,qb,kfabi->kfpqi"
+        return tuple(np.einsum(fit, _FIT, _FIT, samples))
+
+    @cached_property
+    def _data(self) -> mujoco.MjData:
+        """The robot at `level_qpos`; legs are turned only to be sampled."""
+        data = mujoco.MjData(self.robot.model)
+        data.qpos[:] = self.level_qpos
+        mujoco.mj_kinematics(self.robot.model, data)
+        return data
+
+    @property
+    def level_qpos(self) -> Array:
+        """The robot at `start`, its root level and at x = y = yaw = 0, shape (nq,)."""
+        qpos, address = self.robot.start_qpos.copy(), self.robot.root_address
+        qpos[address : address + 2] = 0.0
+        qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
+        return qpos
+
+    @cached_property
+    def _root(self) -> int:
+        return int(self.robot.model.body(self.robot.root).id)
+
+    def axis(self, joint: str) -> Array:
+        """Direction of a hinge's axis as the robot stands, shape (3,)."""
+        mujoco.mj_kinematics(self.robot.model, self._data)
+        return np.array(self._data.joint(joint).xaxis)
+
+    def _find_center_of_mass(self) -> Array:
+        """Bring positions up to date and return the centre of mass, shape (3,)."""
+        mujoco.mj_kinematics(self.robot.model, self._data)
+        mujoco.mj_comPos(self.robot.model, self._data)
+        origin = np.append(self._data.xpos[self._root][:2], 0.0)
+        return np.array(self._data.subtree_com[self._root] - origin)
+
+    def _touch(self, card: LegCard, sole: Sole) -> tuple[Array, Array, Array]:
+        """Where a foot touches, and its velocity by swing and by lift, (3,) each."""
+        model, data = self.robot.model, self._data
+        point = sole.touch(data)
+        jacobian = np.empty((3, model.nv))
+        body = model.geom_bodyid[sole.geoms[0]]
+        mujoco.mj_jac(model, data, jacobian, None, point, body)
+        swing, lift = (
+            jacobian[:, model.joint(joint).dofadr[0]]
+            for joint in (card.swing, card.lift)
+        )
+        return point - (*data.xpos[self._root][:2], 0.0), swing, lift
+
+
+def _basis(angle: Array) -> Array:
+    return np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)

@@ -1,0 +1,39 @@
+"""Normal forces under the feet of a standing robot: statics, nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner import Array
+
+ROUNDING = 1e-12  # share of the weight that is none
+
+
+def static_loads(feet: Array, center_of_mass: Array) -> Array:
+    """Normal forces that balance a unit weight.
+
+    Three feet leave no choice. On more, equal vertical springs stand under a rigid
+    body; on fewer, the forces come as close to balance as they can.
+
+    Args:
+        feet: Feet in contact, shape (N, F, 2) [m].
+        center_of_mass: Shape (N, 2) [m], same frame as the feet.
+
+    Returns:
+        Share of the weight on each foot, shape (N, F), summing to 1; a foot that would
+        have to pull gets none.
+    """
+    arms = np.concatenate([np.ones((*feet.shape[:-1], 1)), feet], axis=-1)
+    target = np.concatenate([np.ones((len(feet), 1)), center_of_mass], axis=-1)
+    standing = np.ones(feet.shape[:-1], dtype=bool)
+    for _ in range(max(feet.shape[-2] - 2, 1)):
+        G = arms * standing[..., None]
+        balance = np.einsum("nfi,nfj->nij", G, G)
+        sink = np.einsum("nij,nj->ni", np.linalg.pinv(balance), target)
+        loads = np.einsum("nfi,ni->nf", G, sink)
+        pulled = standing & (loads < -ROUNDING)
+        if not pulled.any():
+            break
+        standing &= ~pulled
+    loads = np.maximum(loads, 0.0)
+    return np.asarray(loads / loads.sum(axis=-1, keepdims=True))

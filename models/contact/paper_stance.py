@@ -1,0 +1,78 @@
+"""The paper's stance on three legs and when it stands: Fig. 5, the bounds of Sec. 6.
+
+Six legs of one length, square to the body at angle 0, sit at its front, in its middle
+and at its rear; a positive angle sweeps every foot backward. The closed forms place the
+weight on the body's long axis, at a distance b from its front.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner import Array
+
+_ROWS = np.array(
+    [0.5, 0.0, -0.5]
+)  # front, middle, rear, in body lengths from the middle
+_SIDES = {1: np.array([1.0, -1.0, 1.0]), 2: np.array([-1.0, 1.0, -1.0])}
+
+
+@dataclass(frozen=True)
+class PaperStance:
+    """Lengths of the paper's hexapod, in any one unit.
+
+    Attributes:
+        body_length: From the front legs' hips to the rear ones', l_b.
+        leg_length: From hip to foot, l.
+        half_width: Of the body, at which the hips sit.
+
+    Raises:
+        ValueError: A length is not positive.
+    """
+
+    body_length: float
+    leg_length: float
+    half_width: float
+
+    def __post_init__(self) -> None:
+        for name in ("body_length", "leg_length", "half_width"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+
+    def hips(self, tripod: int) -> Array:
+        """Hips of tripod 1 or 2, x forward from the body's middle, shape (3, 2)."""
+        x, y = self.body_length * _ROWS, self.half_width * _SIDES[tripod]
+        return np.stack([x, y], axis=-1)
+
+    def feet(self, tripod: int, phi: ArrayLike) -> Array:
+        """Feet of tripod 1 or 2 at angles of shape (...), shape (..., 3, 2)."""
+        phi = np.asarray(phi, dtype=float)[..., None]
+        reach = np.stack(
+            [-np.sin(phi) + 0 * _ROWS, np.cos(phi) * _SIDES[tripod]], axis=-1
+        )
+        return np.asarray(self.hips(tripod) + self.leg_length * reach)
+
+    def bounds(self, phi: ArrayLike) -> tuple[Array, Array]:
+        """Least and largest b that the loaded tripod carries without tipping.
+
+        Both bounds hold for either tripod: l_b/4 + l sin(phi) <= b <= 3 l_b/4 +
+        l sin(phi). Sec. 6 prints one for each.
+
+        Args:
+            phi: Angle of the loaded tripod, within a quarter turn, shape (...) [rad].
+        """
+        swept = self.leg_length * np.sin(np.asarray(phi, dtype=float))
+        return self.body_length / 4 + swept, 3 * self.body_length / 4 + swept
+
+    def margin_along_axis(self, phi: ArrayLike, b: ArrayLike) -> Array:
+        """Distance from the weight to the nearer bound, along the body's x axis.
+
+        Positive inside. The margin proper is the distance to the nearest side, shorter
+        by the slope of the sides.
+        """
+        low, high = self.bounds(phi)
+        b = np.asarray(b, dtype=float)
+        return np.asarray(np.minimum(b - low, high - b))

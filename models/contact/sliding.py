@@ -1,0 +1,175 @@
+"""Body twist and loads together, where more feet stand than statics can load.
+
+On more than three feet the loads depend on how floor and servos give way, that on the
+friction which bends the legs and on the sliding which lifts the feet, and friction on
+the loads and the very twist that is sought. For a given twist, though, the loads follow
+from linear equations, so what is left is to balance the friction: three equations for
+the three numbers of the twist. Friction is smoothed near rest, ever less. Vectorised
+over configurations; on three feet `contact.dissipation` is exact and faster.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from models.contact.dissipation import foot_jacobians
+from models.contact.ground import Ground
+from models.contact.kinematics import Stance
+from planner import Array
+
+_SMOOTHINGS = (1.0, 0.1, 0.01, 1e-3, 1e-4)  # of the fastest rate
+_CAREFUL = tuple(10.0 ** (-k / 4) for k in range(17))  # where leaps by tens fail
+_NEWTON_STEPS = 12
+_LONGEST_STEP = 0.5
+_HALVINGS = 6
+_BALANCED = 1e-9  # of the weight
+_LEAST_COMPLIANCE = 0.1  # of a leg's own, where friction would jam it
+
+
+def sliding_twist(
+    stance: Stance, rates: Array, ground: Ground, speed: float = 0.0
+) -> tuple[Array, Array]:
+    """The twist at which friction balances, and the loads that go with it.
+
+    Without a speed friction may jam a leg, at one in fifty poses of a hexapod, and then
+    the twist is the closest to balance that is found.
+
+    Args:
+        stance: Feet in contact, N configurations of F feet.
+        rates: Velocities of the feet relative to the body, shape (N, F, 2).
+        ground: Compliance under the same feet.
+        speed: What a rate of 1 stands for when sliding pushes feet apart; 0 leaves
+            that out, as Coulomb's law does.
+
+    Returns:
+        Twist, shape (N, 3), and share of the weight on each foot, shape (N, F).
+    """
+    fastest = np.linalg.norm(rates, axis=-1).max(axis=-1)
+    unit = np.where(fastest > 0, fastest, 1.0)[:, None]
+    reach = float(np.linalg.norm(stance.feet, axis=-1).max())
+    feet, center = stance.feet / reach, stance.center_of_mass / reach
+    balance = _Balance(
+        ground=ground,
+        rates=rates / unit[..., None],
+        speed=speed * unit,
+        J=foot_jacobians(feet),
+        arms=np.concatenate([np.ones((*feet.shape[:-1], 1)), feet], axis=-1),
+        moments=np.concatenate([np.ones((len(feet), 1)), center], axis=-1),
+        gives=stance.gives,
+    )
+    xi = balance.follow(_SMOOTHINGS)
+    astray = balance.unbalanced(xi)
+    if len(astray):
+        xi[astray] = balance.take(astray).follow(_CAREFUL)
+    loads, _ = balance.loads(xi, _SMOOTHINGS[-1])
+    return xi * unit / np.array([1.0, 1.0, reach]), loads
+
+
+@dataclass(frozen=True, slots=True)
+class _Balance:
+    """Friction on all feet; units are the fastest rate, the weight and the reach."""
+
+    ground: Ground
+    rates: Array  # (N, F, 2)
+    speed: Array  # that a rate of 1 stands for, (N, 1) [m/s]
+    J: Array  # of the feet's velocities by the twist, (N, F, 2, 3)
+    arms: Array  # 1, x, y of each foot, (N, F, 3)
+    moments: Array  # 1, x, y of the centre of mass, (N, 3)
+    gives: Array  # of the soles by the lift joints, (N, F, 3) [m/rad]
+
+    def take(self, rows: Array) -> _Balance:
+        """Some of the configurations."""
+        arrays = {f.name: getattr(self, f.name) for f in fields(self)[1:]}
+        return _Balance(self.ground, **{name: a[rows] for name, a in arrays.items()})
+
+    def follow(self, smoothings: Sequence[float]) -> Array:
+        """Twists for ever less smoothed friction, shape (N, 3)."""
+        xi = np.zeros((len(self.J), 3))
+        for smoothing in smoothings:
+            self._approach(xi, smoothing)
+        return xi
+
+    def unbalanced(self, xi: Array) -> Array:
+        """Indices of the configurations whose twist is not found."""
+        rest = np.abs(self.force(xi, _SMOOTHINGS[-1])).max(axis=-1)
+        return np.flatnonzero(rest > _BALANCED)
+
+    def _approach(self, xi: Array, smoothing: float) -> None:
+        """Newton's method, in place, on those that are not balanced yet."""
+        rows, part = np.arange(len(xi)), self
+        for _ in range(_NEWTON_STEPS):
+            rest = part.force(xi[rows], smoothing)
+            left = np.flatnonzero(np.abs(rest).max(axis=-1) > _BALANCED)
+            if not len(left):
+                break
+            if len(left) < len(rows):
+                rows, part, rest = rows[left], part.take(left), rest[left]
+            xi[rows] += part._step(xi[rows], rest, smoothing)
+
+    def _step(self, xi: Array, rest: Array, smoothing: float) -> Array:
+        """Newton's step, shortened where it does not bring the force closer to zero."""
+        slope = self._slope(xi, rest, smoothing)
+        step = -np.linalg.solve(slope, rest[..., None])[..., 0]
+        longest = np.abs(step).max(axis=-1, keepdims=True)
+        step *= np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, 1e-300))
+        before = np.linalg.norm(rest, axis=-1)
+        for _ in range(_HALVINGS):
+            after = np.linalg.norm(self.force(xi + step, smoothing), axis=-1)
+            worse = after >= before
+            if not worse.any():
+                break
+            step = np.where(worse[:, None], step / 2, step)
+        return np.asarray(step)
+
+    def force(self, xi: Array, smoothing: float) -> Array:
+        """Sum of friction forces and their moment, shape (N, 3)."""
+        loads, direction = self.loads(xi, smoothing)
+        dragging = loads[..., None] * direction  # (N, F, 2)
+        return np.asarray((dragging[..., None, :] @ self.J)[..., 0, :].sum(axis=-2))
+
+    def loads(self, xi: Array, smoothing: float) -> tuple[Array, Array]:
+        """Share of the weight on each foot, and the direction in which it slides.
+
+        A leg sinks by (upward N - sideways . friction) upward / servo + contact N; the
+        sliding pushes it up, and the body stays plane.
+        """
+        ground, upward = self.ground, self.gives[..., 2]
+        w = self.rates + (self.J @ xi[:, None, :, None])[..., 0]
+        speed = np.sqrt((w**2).sum(axis=-1) + smoothing**2)
+        direction = w / speed[..., None]
+        dragged = ground.friction * (self.gives[..., :2] * direction).sum(axis=-1)
+        own = upward**2 / ground.servo + ground.contact
+        compliance = upward * (upward - dragged) / ground.servo + ground.contact
+        k = 1 / np.maximum(compliance, _LEAST_COMPLIANCE * own) / ground.weight
+        pushed = k * ground.friction * ground.push * self.speed * speed
+        return self._planar(k, pushed), direction
+
+    def _planar(self, k: Array, pushed: Array) -> Array:
+        """Loads of springs under a plane body; none of them pulls."""
+        standing = np.ones(k.shape, dtype=bool)
+        for _ in range(k.shape[-1] - 2):  # at least three feet stand
+            loads = self._springs(
+                np.where(standing, k, 0), np.where(standing, pushed, 0)
+            )
+            pulled = standing & (loads < 0)
+            if not pulled.any():
+                break
+            standing &= ~pulled
+        return np.asarray(np.maximum(loads, 0.0))
+
+    def _springs(self, k: Array, pushed: Array) -> Array:
+        turned = np.swapaxes(self.arms, -1, -2)  # (N, 3, F)
+        stiffness = turned @ (k[..., None] * self.arms)
+        missing = self.moments[..., None] - turned @ pushed[..., None]
+        sunk = np.linalg.solve(stiffness, missing)
+        return np.asarray(k * (self.arms @ sunk)[..., 0] + pushed)
+
+    def _slope(self, xi: Array, rest: Array, smoothing: float) -> Array:
+        """Derivative of the force by differences, shape (N, 3, 3)."""
+        d = 1e-5 * smoothing
+        ahead = [self.force(xi + d * axis, smoothing) for axis in np.eye(3)]
+        slope = (np.array(ahead) - rest) / d  # (3, N, 3)
+        return np.asarray(np.moveaxis(slope, 0, -1) + 1e-9 * np.eye(3))

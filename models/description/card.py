@@ -1,0 +1,170 @@
+"""The robot card: which parts of an MJCF file are legs, joints, feet and groups.
+
+Data that cannot be nonsense. `description.card_file` reads it; whether the named parts
+exist is for `checks.parts` to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from typing import Any
+
+# [s]; slip while lifting and landing no longer falls with slower lifts
+LIFT_TIME = 0.3
+
+Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
+
+
+@dataclass(frozen=True, slots=True)
+class LegCard:
+    """The joints and ground-touching geoms of one leg."""
+
+    swing: str  # joint
+    lift: str  # joint
+    foot: tuple[str, ...]  # geoms
+    raise_sign: float = 1  # sign of the lift joint that raises the foot
+    hold: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
+
+    def __post_init__(self) -> None:
+        if self.raise_sign not in (-1, 1):
+            raise ValueError(f"raise must be 1 or -1, got {self.raise_sign:g}")
+        if not self.foot:
+            raise ValueError("foot names no geom")
+        if self.swing == self.lift:
+            raise ValueError(f"swing and lift are the same joint, {self.swing}")
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """All joints of the leg: swing, lift, and those that are held."""
+        return (self.swing, self.lift, *self.hold)
+
+
+@dataclass(frozen=True, slots=True)
+class GroupCard:
+    """Legs that swing by one angle and lift together."""
+
+    legs: Mapping[int, float]  # leg -> swing of its joint per angle: a sign, or a gain
+    twist: Twist | None = None  # claimed, per radian of swing
+
+    def __post_init__(self) -> None:
+        if not self.legs:
+            raise ValueError("a group needs at least one leg")
+        _check_gains("legs", self.legs)
+
+
+@dataclass(frozen=True, slots=True)
+class PatternCard:
+    """Groups that swing together while they stand, such as all legs of a crawl."""
+
+    strata: tuple[str, ...]  # where it is used
+    groups: Mapping[str, float]  # group -> its angle per unit of the pattern
+    twist: Twist | None = None  # claimed, per unit of the pattern
+
+    def __post_init__(self) -> None:
+        if not self.strata:
+            raise ValueError("a pattern needs at least one stratum")
+        if not self.groups:
+            raise ValueError("a pattern needs at least one group")
+        _check_gains("groups", self.groups)
+        for stratum in self.strata:
+            if lifted := [group for group in self.groups if group not in stratum]:
+                raise ValueError(f"groups {lifted} are in the air on S{stratum}")
+
+
+def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
+    bad = {name: gain for name, gain in gains.items() if not isfinite(gain) or not gain}
+    if bad:
+        raise ValueError(f"{what} need a sign or a gain other than 0, got {bad}")
+
+
+@dataclass(frozen=True, slots=True)
+class Servo:
+    """Position servo for joints that have none of their own."""
+
+    stiffness: float  # [N m/rad]
+    damping: float  # [N m s/rad]
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.stiffness) and self.stiffness > 0):
+            raise ValueError(f"stiffness must be positive, got {self.stiffness}")
+        if not (isfinite(self.damping) and self.damping >= 0):
+            raise ValueError(f"damping must not be negative, got {self.damping}")
+
+
+@dataclass(frozen=True, slots=True)
+class Card:
+    """Everything the testbed must be told about a robot."""
+
+    lift_angle: float  # [rad], clears the ground
+    legs: Mapping[int, LegCard]
+    groups: Mapping[str, GroupCard]
+    gait: tuple[str, ...]  # strata, each the names of the groups in contact
+    patterns: Mapping[str, PatternCard] = field(default_factory=dict)
+    least_load: float = 0.0  # share of the weight on each foot while others step
+    lift_time: float = LIFT_TIME  # [s], from the ground to `lift_angle`
+    servo: Servo | None = None
+    description: str = ""
+
+    def __post_init__(self) -> None:
+        if not (isfinite(self.lift_angle) and self.lift_angle > 0):
+            raise ValueError(f"lift_angle must be positive, got {self.lift_angle}")
+        if not (isfinite(self.lift_time) and self.lift_time > 0):
+            raise ValueError(f"lift_time must be positive, got {self.lift_time}")
+        self._check_groups()
+        self._check_gait()
+        self._check_patterns()
+        if not 0 <= self.least_load < 1 / 3:
+            raise ValueError(
+                f"least_load is a share of the weight below 1/3, got {self.least_load}"
+            )
+
+    def _check_groups(self) -> None:
+        if long := [name for name in self.groups if len(name) != 1]:
+            raise ValueError(f"names of groups are one character each, got {long}")
+        for leg in sorted(
+            {*self.legs, *(n for g in self.groups.values() for n in g.legs)}
+        ):
+            of = [name for name, group in self.groups.items() if leg in group.legs]
+            if leg not in self.legs:
+                raise ValueError(f"group.{of[0]}: there is no leg {leg}")
+            if len(of) != 1:
+                raise ValueError(
+                    f"leg {leg} is in {' and '.join(of) or 'no group'}; every leg "
+                    "belongs to exactly one group"
+                )
+
+    def _check_gait(self) -> None:
+        if len(self.gait) < 2 or self.gait[0] != self.gait[-1]:
+            raise ValueError(
+                f"gait {list(self.gait)} does not close; it ends with the stratum "
+                "that it starts with, eq. (11)"
+            )
+        for stratum in self.gait:
+            if unknown := sorted(set(stratum) - set(self.groups)):
+                raise ValueError(
+                    f"gait: stratum {stratum!r} stands on group {unknown[0]!r}, which "
+                    f"does not exist; groups are {', '.join(self.groups)}"
+                )
+            if stratum != (ordered := "".join(g for g in self.groups if g in stratum)):
+                raise ValueError(
+                    f"gait: stratum {stratum!r} must name its groups once each and in "
+                    f"their order, {ordered!r}"
+                )
+            if not stratum:
+                raise ValueError("gait: a stratum is empty, with no foot on the ground")
+
+    def _check_patterns(self) -> None:
+        for name, pattern in self.patterns.items():
+            if not name.isidentifier():
+                raise ValueError(f"pattern {name!r}: its name must be one word")
+            if unknown := sorted(set(pattern.groups) - set(self.groups)):
+                raise ValueError(f"pattern {name}: there is no group {unknown}")
+            if unknown := sorted(set(pattern.strata) - set(self.gait)):
+                raise ValueError(f"pattern {name}: the gait has no strata {unknown}")
+
+    @property
+    def bottom(self) -> str:
+        """The stratum with every group in contact."""
+        return "".join(self.groups)

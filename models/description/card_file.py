@@ -1,0 +1,141 @@
+"""Read a robot card from TOML, be it a file or part of one."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+
+from models.description.card import (
+    LIFT_TIME,
+    Card,
+    GroupCard,
+    LegCard,
+    PatternCard,
+    Servo,
+    Twist,
+)
+from models.description.card_table import Table
+from models.errors import ModelError
+
+KEYS = {
+    "description": (),
+    "lift_angle": (),
+    "lift_time": (),
+    "leg": ("swing", "lift", "raise", "foot", "hold"),
+    "group": ("legs", "twist"),
+    "gait": ("strata", "least_load"),
+    "pattern": ("strata", "groups", "twist"),
+    "servo": ("stiffness", "damping"),
+}
+OPTIONAL = ("pattern",)
+
+
+def read_card(path: Path) -> Card:
+    """Read the card in a TOML file.
+
+    Raises:
+        ModelError: If the file is not TOML, or says something impossible.
+    """
+    return parse_card(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """Text of a card's file.
+
+    Raises:
+        ModelError: If it is no text.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ModelError(f"bad robot card: {path}; not text, {error}") from error
+
+
+def parse_card(text: str, source: str) -> Card:
+    """Read a robot card.
+
+    Args:
+        text: TOML in the format of the README's section on robots.
+        source: Where it stands, for refusals.
+
+    Raises:
+        ModelError: If it is not TOML, or says something impossible.
+    """
+    try:
+        return _card(Table(tomllib.loads(text), known=KEYS))
+    except ValueError as error:
+        raise ModelError(f"bad robot card: {source}; {error}") from error
+
+
+def _card(table: Table) -> Card:
+    gait = Table(table.get("gait"), "gait", KEYS["gait"])
+    return Card(
+        lift_angle=table.number("lift_angle"),
+        legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
+        groups={name: _group(t) for name, t in _each(table, "group")},
+        gait=gait.texts("strata"),
+        patterns={name: _pattern(t) for name, t in _each(table, "pattern")},
+        least_load=gait.number("least_load") if "least_load" in gait else 0.0,
+        lift_time=table.number("lift_time") if "lift_time" in table else LIFT_TIME,
+        servo=_servo(table.get("servo")) if "servo" in table else None,
+        description=table.text("description") if "description" in table else "",
+    )
+
+
+def _each(table: Table, key: str) -> Iterable[tuple[str, Table]]:
+    """Entries of a table of tables, of none where it may be and is left out."""
+    if key in OPTIONAL and key not in table:
+        return ()
+    return table.tables(key, KEYS[key]).items()
+
+
+def _leg_number(name: str) -> int:
+    if not name.isdecimal():
+        raise ValueError(f"leg.{name}: legs have numbers, such as [leg.1]")
+    return int(name)
+
+
+def _leg(table: Table) -> LegCard:
+    return table.make(
+        LegCard,
+        swing=table.text("swing"),
+        lift=table.text("lift"),
+        foot=table.texts("foot"),
+        raise_sign=table.number("raise") if "raise" in table else 1,
+        hold=table.gains("hold"),
+    )
+
+
+def _group(table: Table) -> GroupCard:
+    table.get("legs")
+    legs = {_leg_number(leg): gain for leg, gain in table.gains("legs").items()}
+    return table.make(GroupCard, legs=legs, twist=_twist(table))
+
+
+def _pattern(table: Table) -> PatternCard:
+    table.get("groups")
+    return table.make(
+        PatternCard,
+        strata=table.texts("strata"),
+        groups=table.gains("groups"),
+        twist=_twist(table),
+    )
+
+
+def _servo(values: object) -> Servo:
+    table = Table(values, "servo", KEYS["servo"])
+    stiffness, damping = table.number("stiffness"), table.number("damping")
+    return table.make(Servo, stiffness=stiffness, damping=damping)
+
+
+def _twist(table: Table) -> Twist | None:
+    if "twist" not in table:
+        return None
+    values = table.numbers("twist")
+    if len(values) != 3:
+        raise ValueError(
+            f"{table.where}.twist is forward, left [m/rad], yaw [rad/rad]; "
+            f"got {list(values)}"
+        )
+    return (values[0], values[1], values[2])

@@ -1,0 +1,151 @@
+"""A robot: an MJCF file and its card, and where in the model the card's parts are.
+
+Shipped robots and a user's own are the same here. Whether the two fit is for
+`checks.parts` and `checks.posture` to say; the equations are in `motion.walkers`, the
+physics in `sim`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from models.description.card import Card
+from models.description.compiled import (
+    actuators_of,
+    compile_model,
+    read_spec,
+    root_body,
+)
+
+START = ("start", "home")  # names of the keyframe to start from
+FOLDER = Path(str(files("models.robots")))
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A legged robot that the testbed can plan for, walk and judge."""
+
+    name: str
+    path: Path  # MJCF file
+    card_text: str  # TOML
+    card: Card
+
+    def __str__(self) -> str:
+        return self.name
+
+    @property
+    def legs(self) -> tuple[int, ...]:
+        """Leg numbers in ascending order; arrays per foot are in this order."""
+        return tuple(sorted(self.card.legs))
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Names of the groups; arrays per group are in this order."""
+        return tuple(self.card.groups)
+
+    @cached_property
+    def group_of_leg(self) -> np.ndarray:
+        """Index of each leg's group, shape (F,)."""
+        owner = {
+            leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs
+        }
+        return np.array([owner[leg] for leg in self.legs])
+
+    @cached_property
+    def swing_gain(self) -> np.ndarray:
+        """Swing of each leg's joint per angle of its group: signs or gains, (F,)."""
+        gains: dict[int, float] = {}
+        for group in self.card.groups.values():
+            gains |= group.legs
+        return np.array([gains[leg] for leg in self.legs])
+
+    @property
+    def lift_joints(self) -> tuple[str, ...]:
+        """Lift joint of each leg."""
+        return tuple(self.card.legs[leg].lift for leg in self.legs)
+
+    @cached_property
+    def raise_sign(self) -> np.ndarray:
+        """Sign of each leg's lift joint that raises the foot, shape (F,)."""
+        return np.array([self.card.legs[leg].raise_sign for leg in self.legs], float)
+
+    def planted(self, stratum: str) -> np.ndarray:
+        """Which feet are in contact on a stratum, shape (F,), bool."""
+        return np.array([self.groups[g] in stratum for g in self.group_of_leg])
+
+    def read(self) -> mujoco.MjSpec:
+        """A fresh, editable copy of the MJCF file."""
+        return read_spec(self.path)
+
+    @cached_property
+    def model(self) -> mujoco.MjModel:
+        """The file compiled as it stands: for kinematics, masses and joint ranges."""
+        return compile_model(self.read(), str(self.path))
+
+    @property
+    def root(self) -> str:
+        """Name of the body that carries the free joint."""
+        return str(self.model.body(root_body(self.model, self.path)).name)
+
+    @cached_property
+    def start_qpos(self) -> np.ndarray:
+        """Configuration in the keyframe to start from, or the file's, joints held."""
+        key, model = self._start, self.model
+        qpos = np.array(model.qpos0 if key is None else model.key_qpos[key])
+        for leg in self.card.legs.values():
+            for joint, angle in leg.hold.items():
+                qpos[model.joint(joint).qposadr] = angle
+        return qpos
+
+    @property
+    def start_ctrl(self) -> np.ndarray:
+        """Commands in the keyframe to start from, or none, of the file's actuators."""
+        key, model = self._start, self.model
+        return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
+
+    @property
+    def _start(self) -> int | None:
+        """Index of the keyframe to start from: the first of `START` that there is."""
+        names = [self.model.key(i).name for i in range(self.model.nkey)]
+        return next((names.index(name) for name in START if name in names), None)
+
+    @property
+    def root_address(self) -> int:
+        """Where the free joint's seven numbers begin in qpos."""
+        return int(self.model.jnt_qposadr[self.model.body(self.root).jntadr[0]])
+
+    def standing_angle(self, joint: str) -> float:
+        """Angle of a hinge in the configuration `start_qpos` [rad]."""
+        return float(self.start_qpos[self.model.joint(joint).qposadr[0]])
+
+    @cached_property
+    def swing_range(self) -> Mapping[str, tuple[float, float]]:
+        """Lowest and highest angle of each group that all its legs reach [rad]."""
+        return {name: self._range_of(name) for name in self.groups}
+
+    def span(self, joint: str) -> tuple[float, float]:
+        """Lowest and highest angle that a hinge and its servos allow [rad]."""
+        model, index = self.model, self.model.joint(joint).id
+        spans = [model.jnt_range[index]] if model.jnt_limited[index] else []
+        for servo in actuators_of(model, joint):
+            gain, bias = model.actuator_gainprm[servo, 0], model.actuator_biasprm[servo]
+            if model.actuator_ctrllimited[servo] and bias[1] == -gain:
+                gear = model.actuator_gear[servo, 0]
+                spans.append(np.sort(model.actuator_ctrlrange[servo] / gear))
+        low = max((float(span[0]) for span in spans), default=-np.pi)
+        return low, min((float(span[1]) for span in spans), default=np.pi)
+
+    def _range_of(self, group: str) -> tuple[float, float]:
+        ends = []
+        for leg, gain in self.card.groups[group].legs.items():
+            joint = self.card.legs[leg].swing
+            start = self.standing_angle(joint)
+            ends.append(sorted((end - start) / gain for end in self.span(joint)))
+        return max(low for low, _ in ends), min(high for _, high in ends)

@@ -1,0 +1,1 @@
+"""The shipped robots as numbers, and the MJCF written from them."""

@@ -1,0 +1,119 @@
+"""The shape of a robot whose legs have two joints: numbers only, no MJCF, no physics.
+
+One `Morphology` is the single source of every length of a shipped robot;
+`morphology.mjcf` writes it down as MJCF. Body frame: x forward, y left, z up, origin at
+the height of the hips above the point where x = y = 0. SI units, radians.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import atan2, cos, hypot, radians, sin
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """A straight leg seen from above, as the robot stands."""
+
+    hip: Point  # where the swing axis is [m]
+    foot: Point  # [m]
+    turned: float = 0.0  # swing joint's angle when standing [rad]
+
+    @property
+    def length(self) -> float:
+        """Horizontal distance from swing axis to foot at lift 0 [m]."""
+        return hypot(self.foot[0] - self.hip[0], self.foot[1] - self.hip[1])
+
+    @property
+    def direction(self) -> Point:
+        """Unit vector from the swing axis to the foot when the swing joint is at 0."""
+        dx, dy = self.foot[0] - self.hip[0], self.foot[1] - self.hip[1]
+        c, s = cos(self.turned) / self.length, sin(self.turned) / self.length
+        return (c * dx + s * dy, c * dy - s * dx)
+
+    def __post_init__(self) -> None:
+        if self.length <= 0:
+            raise ValueError(f"leg of length 0: hip and foot are both at {self.hip}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Morphology:
+    """A body plate on legs. Legs are numbered front to back, odd left, even right."""
+
+    name: str
+    legs: Mapping[int, Leg]
+    hip_height: float  # [m] above the floor
+    plate: tuple[float, float, float]  # half sizes of the body plate [m]
+    body_mass: float  # [kg], without legs
+    leg_mass: float  # [kg], each
+    leg_radius: float  # [m]
+    hip_radius: float  # [m]
+    foot_radius: float  # [m]
+    swing_range: float  # [rad], either side of standing
+    lift_range: tuple[float, float]  # [rad]
+    stiffness: float  # position servo, [N m/rad]
+    damping: float  # position servo, [N m s/rad]
+    armature: float  # reflected rotor inertia, [kg m^2]
+
+    def __post_init__(self) -> None:
+        for field in ("hip_height", "body_mass", "leg_mass", "stiffness", "armature"):
+            value = getattr(self, field)
+            if not value > 0:
+                raise ValueError(f"{self.name}: {field} must be positive, got {value}")
+
+    @property
+    def mass(self) -> float:
+        """Mass of the whole robot [kg]."""
+        return self.body_mass + self.leg_mass * len(self.legs)
+
+
+def legs_towards_pivots(
+    feet: Mapping[int, Point], pivots: Mapping[int, Point], kappa: float
+) -> dict[int, Leg]:
+    """Legs that, produced inward, meet at their tripod's pivot.
+
+    A planted foot moves at right angles to its leg, so three legs hold a rotation of
+    the body without slip exactly when their lines meet at its centre. One radian of
+    swing then turns the body by `kappa` about the pivot.
+
+    Args:
+        feet: Foot of each leg at swing 0, body frame [m].
+        pivots: Pivot of each leg's tripod, body frame [m].
+        kappa: Leg length as a fraction of the distance from pivot to foot.
+    """
+
+    def hip(number: int) -> Point:
+        (px, py), (fx, fy) = pivots[number], feet[number]
+        return (px + (1 - kappa) * (fx - px), py + (1 - kappa) * (fy - py))
+
+    return {number: Leg(hip(number), foot) for number, foot in feet.items()}
+
+
+def legs_on_a_circle(
+    bearings: Mapping[int, float],
+    radius: float,
+    length: float,
+    pivots: Mapping[int, Point],
+) -> dict[int, Leg]:
+    """Radial legs of one length that stand turned in line with their group's pivot.
+
+    Args:
+        bearings: Direction of each hip from the middle, and of its leg when the swing
+            joint is at 0 [degrees].
+        radius: Distance of the hips from the middle [m].
+        length: Of the legs [m].
+        pivots: Pivot of each leg's group, body frame [m].
+    """
+
+    def leg(number: int) -> Leg:
+        bearing = radians(bearings[number])
+        hip = (radius * cos(bearing), radius * sin(bearing))
+        px, py = pivots[number]
+        along = atan2(hip[1] - py, hip[0] - px)
+        foot = (hip[0] + length * cos(along), hip[1] + length * sin(along))
+        return Leg(hip, foot, turned=atan2(sin(along - bearing), cos(along - bearing)))
+
+    return {number: leg(number) for number in bearings}

@@ -1,0 +1,73 @@
+"""Body twists as measured: each loaded field along its own swing, as polynomials.
+
+Holds and evaluates what experiments found; the experiments are in `sim.experiments`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from models.errors import MeasurementError
+from planner import Array
+
+
+@dataclass(frozen=True)
+class MeasuredField:
+    """One field of one stratum, measured from one end of its swing to the other."""
+
+    stratum: str
+    direction: tuple[float, ...]  # what one unit of it does to the groups' angles
+    span: float  # it was swung from -span to span [rad]
+    twist: tuple[Polynomial, Polynomial, Polynomial]  # of the unit, by how far it is
+    slip: float  # of all feet, during the whole swing [m]
+
+    def __call__(self, way: Array) -> Array:
+        """Body twist per unit of the field, shape (..., 3).
+
+        Args:
+            way: How far along it the groups' angles are; beyond the span the twist is
+                that of its end.
+        """
+        inside = np.clip(way, -self.span, self.span)
+        return np.stack([part(inside) for part in self.twist], axis=-1)
+
+
+@dataclass(frozen=True, slots=True)
+class FailedField:
+    """One field of one stratum that could not be measured."""
+
+    stratum: str
+    reason: str  # in words
+
+
+@dataclass(frozen=True)
+class IdentifiedTwists:
+    """Measured fields added up; the angles of other groups are taken not to matter."""
+
+    fields: Mapping[str, MeasuredField]
+    failed: Mapping[str, FailedField] = field(default_factory=dict)
+
+    def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
+        """The fields of the stratum that together have these rates.
+
+        Raises:
+            MeasurementError: If one of them could not be measured.
+        """
+        for name, failed in self.failed.items():
+            if failed.stratum == stratum:
+                raise MeasurementError(
+                    f"field {name} could not be measured: {failed.reason}; "
+                    "choose groups that it can stand on"
+                )
+        on = [f for f in self.fields.values() if f.stratum == stratum]
+        D = np.array([f.direction for f in on])  # (fields, G)
+        inverse = np.linalg.pinv(D)
+        inputs, ways = rates @ inverse, swing @ inverse  # (N, fields)
+        parts = [
+            u[:, None] * f(w) for f, u, w in zip(on, inputs.T, ways.T, strict=True)
+        ]
+        return np.asarray(np.sum(parts, axis=0))

@@ -1,0 +1,100 @@
+"""Where strokes take the body: twists integrated along the swings of loaded legs.
+
+A stroke is a straight move of the groups' angles while at least one of the moving
+groups is in contact. Strokes follow each other on a clock on which each lasts one unit;
+everything is integrated at once, position by quadrature once the yaw is known. Knows
+angles, not time.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from models.contact.dissipation import foot_velocities
+from models.contact.kinematics import Kinematics
+from models.motion.integral import FRACTIONS, NODES, Integral
+from models.motion.twists import TwistModel
+from planner import Array
+
+PANEL = 0.05  # [rad]; a stroke is integrated in panels that swing at most this far
+
+
+@dataclass(frozen=True)
+class Strokes:
+    """Straight moves of the groups' angles, in time order."""
+
+    strata: tuple[str, ...]  # groups in contact, for each stroke
+    begin: Array  # angles at the start, shape (S, G) [rad]
+    change: Array  # shape (S, G) [rad]
+
+
+@dataclass(frozen=True)
+class Travel:
+    """Pose and slip as functions of the strokes' clock, in the frame of the start."""
+
+    pose: Integral  # x, y [m], yaw [rad], not wrapped
+    slip: Integral  # of each foot [m]
+
+
+def travel(strokes: Strokes, twists: TwistModel, kinematics: Kinematics) -> Travel:
+    """Integrate body twist and foot slip along strokes.
+
+    Args:
+        strokes: Swings of loaded legs.
+        twists: Prediction to follow.
+        kinematics: Of the robot, for where the feet are.
+    """
+    panels = _Panels(strokes)
+    twist = panels.evaluate(twists)  # (P, n, 3)
+    yaw = Integral(panels.edges, twist[..., 2:]).at_nodes()[..., 0]
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    forward, left, turn = np.moveaxis(twist, -1, 0)
+    velocity = (forward * cos - left * sin, forward * sin + left * cos, turn)
+    return Travel(
+        pose=Integral(panels.edges, np.stack(velocity, axis=-1)),
+        slip=Integral(panels.edges, panels.slip_rates(twist, kinematics)),
+    )
+
+
+class _Panels:
+    """Pieces of strokes short enough for a polynomial, and angles at their nodes."""
+
+    def __init__(self, strokes: Strokes) -> None:
+        largest = np.abs(strokes.change).max(axis=1, initial=0.0)
+        pieces = np.maximum(np.ceil(largest / PANEL - 1e-9), 1).astype(int)  # (S,)
+        self.stroke = np.repeat(np.arange(len(pieces)), pieces)  # (P,)
+        first = np.repeat(np.cumsum(pieces) - pieces, pieces)
+        count = pieces[self.stroke]
+        begin = (np.arange(len(self.stroke)) - first) / count
+        self.edges = np.append(self.stroke + begin, float(len(pieces)))
+        way = begin[:, None] + FRACTIONS / count[:, None]  # (P, n)
+        change = strokes.change[self.stroke]  # (P, G)
+        self.swing = (
+            strokes.begin[self.stroke][:, None] + way[..., None] * change[:, None]
+        )
+        self.rates = np.broadcast_to(
+            (change / count[:, None])[:, None], self.swing.shape
+        )
+        self.strata = np.array(strokes.strata, dtype=object)[self.stroke]
+
+    def evaluate(self, twists: TwistModel) -> Array:
+        """Twist at every node, by the panel's own clock, shape (P, n, 3)."""
+        out = np.zeros((*self.swing.shape[:2], 3))
+        for stratum in sorted(set(self.strata)):
+            on = self.strata == stratum
+            swing, rates = self.swing[on], self.rates[on]
+            groups = swing.shape[-1]
+            flat = twists(stratum, swing.reshape(-1, groups), rates.reshape(-1, groups))
+            out[on] = flat.reshape(-1, NODES, 3)
+        return out
+
+    def slip_rates(self, twist: Array, kinematics: Kinematics) -> Array:
+        """Speed over the ground of the feet in contact, shape (P, n, F)."""
+        robot = kinematics.robot
+        stance = kinematics.stance(self.swing)
+        moved = stance.rates * self.rates[..., robot.group_of_leg, None]
+        speed = np.linalg.norm(foot_velocities(stance.feet, moved, twist), axis=-1)
+        planted = np.array([robot.planted(stratum) for stratum in self.strata])
+        return np.asarray(speed * planted.reshape(-1, 1, len(robot.legs)))

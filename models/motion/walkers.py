@@ -1,0 +1,225 @@
+"""The equations of motion of a robot on its strata, eqs. (16)-(18), from its card.
+
+Configuration: x, y, theta, one swing angle `phi_G` and one foot height `height_G` for
+each group. The field `gS_i` swings group i on stratum S; fields numbered beyond the
+groups raise those in the air, in order, as g_{1,3} does in eq. (17). Where the card
+names patterns of groups that swing together, `gS_NAME` swings these instead of single
+groups that stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import hypot
+from typing import Literal
+
+import numpy as np
+import sympy as sp
+
+from models.contact.dissipation import least_dissipation_twist
+from models.contact.kinematics import Kinematics
+from models.contact.loads import static_loads
+from models.contact.static_stability import StaticStability
+from models.description.card import Twist
+from models.description.robot import Robot
+from models.errors import ModelError
+from planner import StabilityTest, StratifiedSystem
+
+Fields = Literal["paper", "lifted"]
+Direction = tuple[float, ...]  # rate of each group's angle per unit of a field
+STILL: Twist = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Equations:
+    """A robot as a stratified system, with the elements to steer it by."""
+
+    system: StratifiedSystem
+    elements: tuple[str, ...]
+    twists: Mapping[str, Twist]  # field -> body twist per unit; zero in the air
+    swings: Mapping[str, Direction]  # field -> what it does to the groups' angles
+    static_stability: (
+        StabilityTest | None
+    )  # where the robot stands; None where it always does
+
+    def stride(self, field: str) -> float:
+        """Way of the body's centre per unit of a field [m]."""
+        return hypot(*self.twists[field][:2])
+
+
+@dataclass(frozen=True, slots=True)
+class _Swing:
+    """One way to swing groups on a stratum."""
+
+    stratum: str
+    label: str  # after the stratum in the field's name
+    direction: Direction
+    twist: Twist | None  # None in the air
+
+    @property
+    def name(self) -> str:
+        return f"g{self.stratum}_{self.label}"
+
+
+def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
+    """The stratified system of a robot with constant twists.
+
+    Args:
+        robot: Robot to describe.
+        fields: For two groups that alternate: `paper` steers with loaded groups
+            swinging on the bottom stratum, `lifted` never lets a loaded group swing
+            against another one. Others have one choice.
+
+    Raises:
+        ModelError: If groups do not stand where they swing, or cannot be steered.
+    """
+    swings = [swing for stratum in strata(robot) for swing in _swings(robot, stratum)]
+    system = _system(robot, swings)
+    return Equations(
+        system=system,
+        elements=_elements(robot, swings, fields),
+        twists={swing.name: swing.twist or STILL for swing in swings},
+        swings={swing.name: swing.direction for swing in swings},
+        static_stability=StaticStability(robot).stands
+        if robot.card.least_load
+        else None,
+    )
+
+
+def strata(robot: Robot) -> tuple[str, ...]:
+    """The gait's strata, bottom first, each once; no more than the card walks."""
+    return tuple(dict.fromkeys((robot.card.bottom, *robot.card.gait)))
+
+
+def _swings(robot: Robot, stratum: str) -> Iterator[_Swing]:
+    """Swings on a stratum: single groups, or patterns in place of those that stand."""
+    patterns = robot.card.patterns
+    for i, group in enumerate(robot.groups):
+        direction = _unit(robot, i)
+        if group not in stratum:
+            yield _Swing(stratum, str(i + 1), direction, None)
+        elif not patterns:
+            twist = group_twist(robot, group)
+            yield _Swing(stratum, str(i + 1), direction, twist)
+    for name, pattern in patterns.items():
+        if stratum in pattern.strata:
+            direction = tuple(pattern.groups.get(g, 0.0) for g in robot.groups)
+            twist = pattern.twist or twist_at_rest(robot, stratum, direction)
+            yield _Swing(stratum, name, direction, twist)
+
+
+def _unit(robot: Robot, index: int) -> Direction:
+    return tuple(float(i == index) for i in range(len(robot.groups)))
+
+
+def group_twist(robot: Robot, group: str) -> Twist:
+    """Body twist per radian of one group's swing, that group alone standing.
+
+    The card's claim where it makes one, contact kinematics otherwise.
+    """
+    direction = _unit(robot, robot.groups.index(group))
+    claimed = robot.card.groups[group].twist
+    return claimed or twist_at_rest(robot, group, direction)
+
+
+def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
+    """Body twist by contact kinematics, all legs at angle 0 and equally soft.
+
+    Raises:
+        ModelError: If the robot does not stand on that stratum.
+    """
+    on = robot.planted(stratum)
+    stance = Kinematics(robot).stance(np.zeros((1, len(robot.groups))))
+    rates = stance.rates * np.array(direction)[robot.group_of_leg, None]
+    loads = static_loads(stance.feet[:, on], stance.center_of_mass)
+    if (loads > 1e-9).sum() < 3:
+        raise ModelError(
+            f"it does not stand on groups {stratum} alone: {robot.path}; their feet do "
+            "not surround its weight, group other legs or give the twist of their swing"
+        )
+    forward, left, yaw = least_dissipation_twist(
+        stance.feet[:, on], rates[:, on], loads
+    )[0]
+    return (_clean(forward), _clean(left), _clean(yaw))
+
+
+def _clean(value: float) -> float:
+    """Round away the last digits, which are the solver's and not the robot's."""
+    return round(float(value), 9) + 0.0
+
+
+def _system(robot: Robot, swings: list[_Swing]) -> StratifiedSystem:
+    x, y, theta = sp.symbols("x y theta")
+    phi = [sp.Symbol(f"phi_{group}") for group in robot.groups]
+    height = {group: sp.Symbol(f"height_{group}") for group in robot.groups}
+    fields: dict[str, dict[str, sp.Matrix]] = {name: {} for name in strata(robot)}
+    for swing in swings:
+        body = _body_velocity(swing.twist or STILL, theta)
+        angles = [_exact(rate) for rate in swing.direction]
+        column = sp.Matrix([*body, *angles, *[sp.S.Zero] * len(height)])
+        fields[swing.stratum][swing.name] = column
+    for name in fields:
+        for number, group in enumerate(_lifted(robot, name), len(robot.groups) + 1):
+            raised = [sp.Integer(other == group) for other in robot.groups]
+            still = [sp.S.Zero] * (3 + len(phi))
+            fields[name][f"g{name}_{number}"] = sp.Matrix([*still, *raised])
+    return StratifiedSystem(
+        state=(x, y, theta, *phi, *height.values()),
+        strata=fields,
+        bottom=robot.card.bottom,
+        level_sets={
+            name: tuple(height[group] for group in robot.groups if group in name)
+            for name in fields
+        },
+    )
+
+
+def _lifted(robot: Robot, stratum: str) -> list[str]:
+    return [group for group in robot.groups if group not in stratum]
+
+
+def _body_velocity(twist: Twist, theta: sp.Symbol) -> tuple[sp.Expr, ...]:
+    forward, left, yaw = map(_exact, twist)
+    cos, sin = sp.cos(theta), sp.sin(theta)
+    return (forward * cos - left * sin, forward * sin + left * cos, yaw)
+
+
+def _exact(value: float) -> sp.Expr:
+    """Whole numbers as such, so that zeros vanish from the brackets."""
+    return sp.Integer(int(value)) if float(value).is_integer() else sp.Float(value)
+
+
+def _elements(robot: Robot, swings: list[_Swing], fields: Fields) -> tuple[str, ...]:
+    """Loaded swings to steer with, every group's swing in the air, and one bracket."""
+    if robot.card.patterns:
+        loaded = [swing for swing in swings if swing.twist is not None]
+    else:
+        alone = [robot.card.bottom] * len(robot.groups)
+        on = {"paper": alone, "lifted": list(robot.groups)}[fields]
+        loaded = [
+            swing
+            for swing in swings
+            for i, group in enumerate(robot.groups)
+            if swing.stratum == on[i] and swing.direction == _unit(robot, i)
+        ]
+    names = [swing.name for swing in loaded]
+    if len(names) != 2:
+        raise ModelError(
+            f"the gait {' '.join(robot.card.gait)} has {len(names)} loaded swings to "
+            f"steer with, where two are needed: {robot.path}; let two groups stand "
+            "alone in turn, such as 12 1 12 2 12, or give two patterns"
+        )
+    return (*names, *_air_swings(robot, swings), f"[{names[0]},{names[1]}]")
+
+
+def _air_swings(robot: Robot, swings: list[_Swing]) -> list[str]:
+    """For each group its swing on the first stratum where it is in the air."""
+    first: dict[Direction, str] = {}
+    for swing in swings:
+        if swing.twist is None:
+            first.setdefault(swing.direction, swing.name)
+    for i, group in enumerate(robot.groups):
+        if _unit(robot, i) not in first:
+            raise ModelError(f"the gait never lifts group {group}: {robot.path}")
+    return list(first.values())

@@ -1,0 +1,1 @@
+"""The shipped robots, an MJCF file and a card each."""

@@ -1,0 +1,86 @@
+"""The shipped systems by name."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from typing import Any, get_type_hints
+
+from models.errors import ProblemError
+from models.systems import fingers, legged, smooth
+from models.systems.problem import Problem
+from planner import unknown
+
+SYSTEMS: Mapping[str, Callable[..., Problem]] = {
+    "paper-hexapod": legged.hexapod,
+    "biped": legged.biped,
+    "quadruped-crawl": legged.quadruped,
+    "octopod-pairs": legged.octopod,
+    "hexapod-trailer": legged.hexapod_with_trailer,
+    "finger-gaiting": fingers.finger_gaiting,
+    "unicycle": smooth.unicycle,
+    "car": smooth.car,
+    "car-trailers": smooth.car_with_trailers,
+    "heisenberg": smooth.heisenberg,
+    "brockett": smooth.brockett,
+    "engel": smooth.engel,
+    "chained": smooth.chained,
+}
+"""What makes each problem; its keyword arguments are the system's parameters."""
+
+KINDS: Mapping[Any, str] = {bool: "true or false", int: "a whole number"}
+
+
+def parameters(name: str) -> dict[str, object]:
+    """The parameters of a shipped system and their defaults.
+
+    Raises:
+        ProblemError: There is no such system.
+    """
+    signature = inspect.signature(_maker(name))
+    return {key: value.default for key, value in signature.parameters.items()}
+
+
+def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Problem:
+    """A shipped system and its problem.
+
+    Args:
+        name: Name of the system.
+        values: Parameters that are not to have their defaults.
+
+    Raises:
+        ProblemError: There is no such system, or a parameter is unknown or impossible.
+    """
+    values = values or {}
+    maker = _maker(name)
+    try:
+        _require_parameters(parameters(name), get_type_hints(maker), values)
+        return maker(**values)
+    except ValueError as error:
+        raise ProblemError(f"bad parameters of {name}: {error}") from error
+
+
+def _maker(name: str) -> Callable[..., Problem]:
+    if name not in SYSTEMS:
+        raise ProblemError(f"system {name!r} {unknown(name, SYSTEMS)}")
+    return SYSTEMS[name]
+
+
+def _require_parameters(
+    defaults: Mapping[str, object],
+    kinds: Mapping[str, object],
+    values: Mapping[str, object],
+) -> None:
+    for key, value in values.items():
+        if key not in defaults:
+            known = unknown(key, defaults) if defaults else "is unknown; it has none"
+            raise ValueError(f"{key} {known}")
+        if not _fits(value, kinds[key]):
+            kind = KINDS.get(kinds[key], "a number")
+            raise ValueError(f"{key} is {value!r}; give {kind}")
+
+
+def _fits(value: object, kind: object) -> bool:
+    if kind is bool or isinstance(value, bool):
+        return kind is bool and isinstance(value, bool)
+    return isinstance(value, int if kind is int else int | float)

@@ -1,0 +1,128 @@
+from .controllability.closure import (
+    LieClosure as LieClosure,
+    involutive_closure as involutive_closure,
+)
+from .controllability.decoupling import (
+    on_bottom as on_bottom,
+    require_decoupled as require_decoupled,
+    tangent_field as tangent_field,
+)
+from .controllability.gaits import (
+    MAX_DEPTH as MAX_DEPTH,
+    Controllability as Controllability,
+    gait_controllability as gait_controllability,
+)
+from .errors import (
+    BoundError as BoundError,
+    ConvergenceError as ConvergenceError,
+    DecouplingError as DecouplingError,
+    PlannerError as PlannerError,
+    RangeError as RangeError,
+    RankError as RankError,
+    ResolutionError as ResolutionError,
+    SingularConfigurationError as SingularConfigurationError,
+    StratumError as StratumError,
+    point as point,
+    unknown as unknown,
+)
+from .execution.execution import (
+    Coordinates as Coordinates,
+    Execution as Execution,
+    StanceRule as StanceRule,
+)
+from .execution.stepping import StabilityTest as StabilityTest
+from .extension.choice import choose_elements as choose_elements
+from .extension.extended import (
+    ExtendedSystem as ExtendedSystem,
+    extend as extend,
+)
+from .extension.hall_fields import hall_fields as hall_fields
+from .extension.steering import Steering as Steering
+from .lie.coordinates import (
+    backward as backward,
+    backward_from_forward as backward_from_forward,
+    backward_matrix as backward_matrix,
+    forward as forward,
+    integrate as integrate,
+    logarithm as logarithm,
+)
+from .lie.free_lie import (
+    LieAlgebra as LieAlgebra,
+    lie_algebra as lie_algebra,
+    structure_constants as structure_constants,
+)
+from .lie.hall import (
+    Bracket as Bracket,
+    Element as Element,
+    degree as degree,
+    hall_basis as hall_basis,
+    place as place,
+)
+from .lie.tensor import Tensor as Tensor
+from .lie.words import word as word
+from .numerics.arrays import (
+    ROUNDING as ROUNDING,
+    Array as Array,
+)
+from .planning.algorithm import (
+    Plan as Plan,
+    plan as plan,
+)
+from .planning.archive import (
+    load_plan as load_plan,
+    save_plan as save_plan,
+)
+from .planning.nominal import (
+    extend_along as extend_along,
+    require_segments as require_segments,
+)
+from .planning.paths import (
+    Path as Path,
+    ellipse as ellipse,
+    grid as grid,
+    line as line,
+    recut as recut,
+    waypoints as waypoints,
+)
+from .planning.playback import (
+    play as play,
+    rollout as rollout,
+)
+from .planning.replanning import (
+    Step as Step,
+    plan_step as plan_step,
+)
+from .planning.shooting import (
+    Steered as Steered,
+    aim as aim,
+    steer as steer,
+)
+from .planning.subdivision import (
+    Slack as Slack,
+    subdivide as subdivide,
+)
+from .systems.fields import (
+    NumericField as NumericField,
+    VectorField as VectorField,
+    bracket as bracket,
+)
+from .systems.flows import (
+    Flow as Flow,
+    contact_switches as contact_switches,
+    flow_map as flow_map,
+    merged as merged,
+)
+from .systems.formulas import (
+    RESERVED as RESERVED,
+    read_formula as read_formula,
+)
+from .systems.grouping import regroup as regroup
+from .systems.level_sets import LevelSet as LevelSet
+from .systems.shape import (
+    ShapeCoordinates as ShapeCoordinates,
+    ShapeLimits as ShapeLimits,
+)
+from .systems.strata import (
+    Gait as Gait,
+    StratifiedSystem as StratifiedSystem,
+)

@@ -1,0 +1,166 @@
+"""Involutive closure: the Lie algebra that fields generate, degree by degree.
+
+Left-normed brackets [g, B] of generators with what is known span each next degree. A
+degree that adds nothing, as fields and not merely at one point, ends the algebra: then
+its rank anywhere is final. A rank that stalls at one point says nothing. Fields are
+compared around the configuration that is asked about, itself included.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from planner.errors import SingularConfigurationError
+from planner.numerics.arrays import ROUNDING, Array
+from planner.systems.elements import name_of
+from planner.systems.fields import NumericField, Symbols, VectorField, lie_bracket
+from planner.systems.rounding import WeighedValues
+
+LARGEST = 150  # fields, beyond which an algebra is not followed further
+OPERATIONS = 50_000  # in their formulas, likewise; some two seconds
+CALL = 10  # operations that a call of a function is worth
+INDEPENDENT = ROUNDING  # part of a field that must be new: less may be rounding
+POINTS = 80  # configurations at which fields are compared
+NEAREST = 1e-3  # half of them within 1 in each coordinate, the others down to this
+Named = tuple[str, VectorField]
+
+
+@dataclass(frozen=True, eq=False)
+class LieClosure:
+    """Fields that span a Lie algebra up to a depth.
+
+    Attributes:
+        names: Names of the fields, generators first.
+        fields: The fields, linearly independent over the reals.
+        columns: Their values at the configuration asked about, shape (n, fields).
+        depth: Highest degree that was looked at.
+        complete: Whether the next degree adds nothing.
+    """
+
+    names: tuple[str, ...]
+    fields: tuple[VectorField, ...]
+    columns: Array
+    depth: int
+    complete: bool
+
+
+def involutive_closure(
+    generators: Mapping[str, VectorField],
+    state: Symbols,
+    at: ArrayLike,
+    max_depth: int,
+    until: Callable[[LieClosure], bool] = lambda algebra: False,
+) -> LieClosure:
+    """The Lie algebra of fields: complete, or as far as asked for.
+
+    It ends incomplete, below the depth asked for, where its fields or their formulas
+    become too many.
+
+    Args:
+        generators: Fields by name.
+        state: Symbols of the state.
+        at: Configuration around which they are compared, shape (n,).
+        max_depth: Highest degree of brackets to form, at least 1.
+        until: Says after each degree whether the algebra found suffices.
+
+    Raises:
+        ValueError: The depth is below 1.
+        SingularConfigurationError: A field is not finite at the configuration.
+    """
+    if max_depth < 1:
+        raise ValueError(f"depth is {max_depth}; at least 1 is needed")
+    span = _Span(state, np.asarray(at, dtype=float))
+    roots = newest = span.extend(generators.items())
+    algebra = span.algebra(1, complete=not newest)
+    while not (
+        algebra.complete or algebra.depth == max_depth or span.full or until(algebra)
+    ):
+        newest = span.extend(
+            (name_of((a, b)), lie_bracket(f, g, state))
+            for a, f in roots
+            for b, g in newest
+            if a != b
+        )
+        algebra = span.algebra(algebra.depth + bool(newest), complete=not newest)
+    return algebra
+
+
+class _Span:
+    """Real span of fields, each a vector of its values around a configuration."""
+
+    def __init__(self, state: Symbols, at: Array) -> None:
+        spread = np.ones((POINTS, 1))
+        spread[POINTS // 2 :, 0] = np.geomspace(1.0, NEAREST, POINTS - POINTS // 2)
+        spread[0] = 0.0  # the configuration itself
+        offsets = np.random.default_rng(0).uniform(-1.0, 1.0, (POINTS, at.size))
+        self._evaluation = WeighedValues(state, at + spread * offsets)
+        self._sound = np.ones(POINTS, dtype=bool)  # points where all fields are finite
+        self._directions = np.empty((POINTS * at.size, 0))
+        self._columns = np.empty((at.size, 0))
+        self._known: list[Named] = []
+        self._operations = 0  # in the formulas of all fields met
+
+    @property
+    def full(self) -> bool:
+        """Whether more fields would be too many, for us or for the points."""
+        told_apart = int(self._sound.sum()) * len(self._columns) // 2
+        many = len(self._known) > min(LARGEST, told_apart)
+        return many or self._operations > OPERATIONS
+
+    def algebra(self, depth: int, complete: bool) -> LieClosure:
+        """What is known by now, of which the depth is not reached if it is full."""
+        names = tuple(name for name, _ in self._known)
+        fields = tuple(field for _, field in self._known)
+        if self.full:
+            depth, complete = max(1, depth - 1), False
+        return LieClosure(names, fields, self._columns, depth, complete)
+
+    def extend(self, fields: Iterable[Named]) -> list[Named]:
+        """Take in fields until they are too many; those that are new are returned."""
+        before = len(self._known)
+        for name, field in fields:
+            self._operations += _operations(field)
+            self._take_in(name, field)
+            if self.full:
+                break
+        return self._known[before:]
+
+    def _take_in(self, name: str, field: VectorField) -> None:
+        values = self._evaluation(field)  # (POINTS, n)
+        sound = np.asarray(np.isfinite(values).all(axis=1))
+        if not sound[0]:
+            raise SingularConfigurationError(name, self._evaluation.points[0])
+        if not sound[self._sound].all():
+            self._leave_out(~sound)
+        vector = np.where(self._sound[:, None], values, 0.0).ravel()
+        if self._is_new(vector):
+            self._known.append((name, field))
+            self._columns = np.column_stack([self._columns, values[0]])
+
+    def _leave_out(self, points: Array) -> None:
+        self._sound &= ~points
+        rows = np.repeat(self._sound, len(self._columns))
+        self._directions, _ = np.linalg.qr(self._directions * rows[:, None])
+
+    def _is_new(self, vector: Array) -> bool:
+        size = np.linalg.norm(vector)
+        if size == 0.0:
+            return False
+        rest = vector / size
+        for _ in range(2):  # once more against rounding
+            rest = rest - self._directions @ (self._directions.T @ rest)
+        left = np.linalg.norm(rest)
+        if left > INDEPENDENT:
+            self._directions = np.column_stack([self._directions, rest / left])
+        return bool(left > INDEPENDENT)
+
+
+def _operations(field: VectorField) -> int:
+    if isinstance(field, NumericField):
+        return CALL * field.calls
+    return int(sp.count_ops(field))

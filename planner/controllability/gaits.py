@@ -1,0 +1,263 @@
+"""Gait controllability (Sec. 4): does a gait reach all directions of its first stratum?
+
+Two tests at one configuration. The filtration is the paper's: distributions are closed
+stratum by stratum, added on the way up, and cut down to tangent spaces on the way down.
+It never brackets fields of different strata, so it is sufficient only. The closure
+brackets all fields of the gait's strata that are tangent to the first one, as the
+extended system of Def. 3 may.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.controllability.closure import LieClosure, involutive_closure
+from planner.controllability.decoupling import coupled, lifts, tangent_field
+from planner.errors import point
+from planner.numerics.arrays import Array
+from planner.numerics.subspaces import (
+    SPANNED,
+    column_space,
+    nearly_dependent,
+    null_space,
+    rank,
+)
+from planner.systems.level_sets import LevelSet
+from planner.systems.strata import Gait, StratifiedSystem, steps
+
+OFF_STRATUM = 1e-9  # of the level sets at the configuration
+MAX_DEPTH = 12
+
+
+@dataclass(frozen=True)
+class Controllability:
+    """What the two tests found.
+
+    Attributes:
+        gait: The gait in words.
+        at: Configuration that was looked at.
+        controllable: Whether some test reaches the whole tangent space.
+        conclusive: Whether nothing was left out that could change the answer: depth,
+            fields that hardly differ, or what lifts do where Assumption 2 fails.
+        rank: The larger of the two dimensions reached.
+        dimension: Dimension of the gait's first stratum.
+        filtration: Dimension that the filtration reaches.
+        closure: Dimension that the closure reaches.
+        decided_by: `filtration`, `closure` or, if neither reaches it, `neither`.
+        depth: Highest degree of brackets that was formed.
+        missing: Directions not reached, in words; empty if controllable.
+        advice: What to add; empty if controllable.
+    """
+
+    gait: str
+    at: tuple[float, ...]
+    controllable: bool
+    conclusive: bool
+    rank: int
+    dimension: int
+    filtration: int
+    closure: int
+    decided_by: str
+    depth: int
+    missing: tuple[str, ...]
+    advice: tuple[str, ...]
+
+    def __str__(self) -> str:
+        tests = (
+            f"filtration {self.filtration}, closure {self.closure} of {self.dimension} "
+            f"with brackets to degree {self.depth}"
+        )
+        if self.controllable:
+            verdict = f"controllable by {self.decided_by}"
+            return f"{self.gait} at {point(self.at)} is {verdict}: {tests}"
+        verdict = "is not" if self.conclusive else "has not been shown to be"
+        return (
+            f"{self.gait} at {point(self.at)} {verdict} controllable: {tests}; "
+            f"no motion along {', '.join(self.missing)}; {'; or '.join(self.advice)}"
+        )
+
+
+def gait_controllability(
+    system: StratifiedSystem,
+    gait: Sequence[str],
+    at: Sequence[float],
+    max_depth: int = MAX_DEPTH,
+) -> Controllability:
+    """Both tests of a gait at a configuration.
+
+    Args:
+        system: System that walks.
+        gait: Strata in order, first and last the same (eq. 11).
+        at: Configuration in the first stratum, shape (n,).
+        max_depth: Highest degree of brackets to form; fewer where a lower one decides.
+
+    Raises:
+        StratumError: The gait is not a closed walk in the graph of strata.
+        ValueError: The configuration is misshapen, or not in the first stratum.
+        SingularConfigurationError: A field is not finite there.
+    """
+    walk = Gait(system, tuple(gait))
+    home = system.level_set(walk.strata[0])
+    x = _configuration(system, home, at)
+    dimension = system.dimension - len(home.functions)
+    algebras = _algebras(system, walk, x, max_depth)
+    filtered = _filtration(system, walk, algebras, x)
+    union = (
+        _closure(system, walk.strata, x, max_depth)
+        if len(algebras) > 1
+        else algebras[walk.strata[0]]
+    )
+    closed = column_space(union.columns)
+    reached = max(filtered, closed, key=lambda space: space.shape[1])
+    controllable = reached.shape[1] == dimension
+    missing = () if controllable else system.missing(reached, x, walk.strata[0])
+    unjudged = () if controllable else _unjudged(system, walk.strata, union)
+    tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
+    return Controllability(
+        gait=str(walk),
+        at=tuple(x.tolist()),
+        controllable=controllable,
+        conclusive=controllable or (union.complete and not unjudged),
+        rank=reached.shape[1],
+        dimension=dimension,
+        **tests,
+        decided_by=next(
+            (t for t, rank in tests.items() if rank == dimension), "neither"
+        ),
+        depth=max(union.depth, *(algebra.depth for algebra in algebras.values())),
+        missing=missing,
+        advice=()
+        if controllable
+        else (*unjudged, *_advice(system, walk, x, union, max_depth, missing)),
+    )
+
+
+def _configuration(
+    system: StratifiedSystem, home: LevelSet, at: Sequence[float]
+) -> Array:
+    x = np.asarray(at, dtype=float)
+    if x.shape != (system.dimension,):
+        raise ValueError(
+            f"configuration has shape {x.shape}, expected ({system.dimension},): "
+            f"{', '.join(map(str, system.state))}"
+        )
+    if not np.isfinite(x).all():
+        raise ValueError(f"configuration {point(x)} is not finite")
+    if home.functions and (missed := np.abs(home.value(x))).max() > OFF_STRATUM:
+        raise ValueError(
+            f"configuration {point(x)} is not in the gait's first stratum: "
+            f"{home.functions[missed.argmax()]} is not 0 there; choose one where it is"
+        )
+    return x
+
+
+def _algebras(
+    system: StratifiedSystem, walk: Gait, x: Array, max_depth: int
+) -> dict[str, LieClosure]:
+    """The involutive closure of each stratum's own fields."""
+
+    def closure(stratum: str) -> LieClosure:
+        size = system.dimension - len(system.level_set(stratum).functions)
+        return involutive_closure(
+            system.strata[stratum],
+            system.state,
+            x,
+            max_depth,
+            until=lambda algebra: rank(algebra.columns) == size,
+        )
+
+    return {stratum: closure(stratum) for stratum in dict.fromkeys(walk.strata)}
+
+
+def _filtration(
+    system: StratifiedSystem, walk: Gait, algebras: dict[str, LieClosure], x: Array
+) -> Array:
+    """D_{n+1} of Sec. 4 in the numbering of eq. (11), as orthonormal columns."""
+    space = column_space(algebras[walk.strata[0]].columns)
+    for before, here in steps(walk.strata):
+        if system.contacts[before] < system.contacts[here]:
+            space = _within_tangent_space(space, system.level_set(here), x)
+        space = column_space(np.hstack([space, algebras[here].columns]))
+    return space
+
+
+def _closure(
+    system: StratifiedSystem, strata: Sequence[str], x: Array, max_depth: int
+) -> LieClosure:
+    """The algebra of all fields that are tangent to the first stratum, or made so."""
+    home = strata[0]
+    size = system.dimension - len(system.level_set(home).functions)
+    fields = {
+        name: field
+        for stratum in dict.fromkeys(strata)
+        for name in system.strata[stratum]
+        if (field := tangent_field(system, name, home)) is not None
+    }
+    return involutive_closure(
+        fields,
+        system.state,
+        x,
+        max_depth,
+        until=lambda algebra: rank(algebra.columns) == size,
+    )
+
+
+def _unjudged(
+    system: StratifiedSystem, strata: Sequence[str], union: LieClosure
+) -> tuple[str, ...]:
+    """What the closure cannot judge, as advice: nothing left out under Assumption 2."""
+    home, *others = dict.fromkeys(strata)
+    advice = []
+    if nearly_dependent(union.columns):
+        advice.append(f"make fields differ by more than {SPANNED:.0e} of themselves")
+    for stratum in others:
+        lifting = lifts(system, stratum, home)
+        fields = {
+            name: tangent_field(system, name, home) for name in system.strata[stratum]
+        }
+        advice += [
+            f"let a lift of S{stratum} hold {name} on S{home}"
+            for name, field in fields.items()
+            if field is None and name not in lifting
+        ]
+        held = {name: field for name, field in fields.items() if field is not None}
+        raised = {name: system.fields[name] for name in lifting}
+        advice += [
+            f"make {name} independent of what {lift} lifts (eq. 13)"
+            for lift, name in coupled(system, raised, held | raised)
+        ]
+    return tuple(advice)
+
+
+def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
+    """The part of a space, given by orthonormal columns, on which all d Phi vanish."""
+    if not level_set.functions:
+        return space
+    slopes = column_space(level_set.gradients(x)).T @ space  # (codimension, rank)
+    return space @ null_space(slopes)
+
+
+def _advice(
+    system: StratifiedSystem,
+    walk: Gait,
+    x: Array,
+    union: LieClosure,
+    max_depth: int,
+    missing: Sequence[str],
+) -> tuple[str, ...]:
+    """What would help: a further stratum, more depth, or another field."""
+    reached = rank(union.columns)
+    advice = []
+    for stratum in system.strata:
+        if stratum not in walk.strata:
+            wider = _closure(system, (*walk.strata, stratum), x, union.depth)
+            if rank(wider.columns) > reached:
+                advice.append(f"visit S{stratum}")
+    if not union.complete and union.depth == max_depth:
+        advice.append(f"form brackets beyond degree {max_depth}")
+    elif not union.complete:
+        advice.append(f"simplify the fields: too much beyond degree {union.depth}")
+    return (*advice, f"give some stratum a field that moves along {missing[0]}")

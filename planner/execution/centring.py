@@ -1,0 +1,161 @@
+"""Centre every sweep under load on shape zero, by swings in the air that cost nothing.
+
+A field that moves one shape coordinate alone, on which no field depends, commutes with
+everything: a leg in the air may be put anywhere. A plan's own air swings are dropped;
+before each visit that sweeps a leg under load, the leg is put where the sweep will lie
+around zero. The body moves as before, the legs stay near the middle of their range.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from planner.numerics.arrays import Array
+from planner.systems.flows import Flow
+from planner.systems.shape import ShapeCoordinates
+from planner.systems.strata import StratifiedSystem
+
+NEGLIGIBLE = 1e-12  # swings shorter than this are rounding
+
+
+@dataclass(slots=True)
+class _Visit:
+    """A stay on one stratum: swings in the air first, then sweeps under load."""
+
+    stratum: str
+    segment: int  # to which its air swings belong
+    swings: dict[str, float] = field(default_factory=dict)  # duration by field
+    sweeps: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
+    runs: list[tuple[str, float]] = field(
+        default_factory=list
+    )  # sweeps of a field joined
+
+    def add(self, segment: int, flow: Flow) -> None:
+        """One more sweep under load."""
+        self.sweeps.append((segment, flow))
+        before = 0.0
+        if self.runs and self.runs[-1][0] == flow.field:
+            _, before = self.runs.pop()
+        self.runs.append((flow.field, before + flow.duration))
+
+    def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
+        """Middle and net of a coordinate's sweep from its start, if there is one."""
+        lowest = highest = net = 0.0
+        loaded = False
+        for name, duration in self.runs:
+            if rate := rates[name]:
+                loaded = True
+                net += rate * duration
+                lowest, highest = min(lowest, net), max(highest, net)
+        return ((lowest + highest) / 2, net) if loaded else None
+
+
+def centred(
+    shape: ShapeCoordinates,
+    segments: Sequence[Sequence[Flow]],
+    start: Array,
+    goal: Array | None,
+    ends: tuple[str, str],
+) -> list[list[Flow]]:
+    """The same motion of the body with sweeps under load centred on zero.
+
+    Args:
+        shape: Shape coordinates of the system.
+        segments: Flows of each segment, grouped by stratum.
+        start: Configuration before the first flow, shape (n,).
+        goal: Configuration whose shape to return to; None lets the legs be.
+        ends: Strata at rest before the first flow and after the last one.
+    """
+    visits = list(_visits(shape, segments))
+    if visits or goal is not None:
+        for coordinate in sorted({i for i, _ in shape.free.values()}):
+            last = None if goal is None else float(goal[coordinate])
+            _centre(shape, visits, coordinate, float(start[coordinate]), last, ends)
+    ordered: list[list[Flow]] = [[] for _ in segments]
+    for visit in visits:
+        for name, duration in visit.swings.items():
+            ordered[visit.segment].append(Flow(visit.stratum, name, duration))
+        for segment, flow in visit.sweeps:
+            ordered[segment].append(flow)
+    return ordered
+
+
+def _visits(
+    shape: ShapeCoordinates, segments: Sequence[Sequence[Flow]]
+) -> Iterator[_Visit]:
+    """Visits without the plan's own air swings, which may leave some empty."""
+    visit = None
+    for k, flows in enumerate(segments):
+        for flow in flows:
+            if visit is None or visit.stratum != flow.stratum:
+                if visit is not None:
+                    yield visit
+                visit = _Visit(flow.stratum, k)
+            if flow.field not in shape.free:
+                visit.add(k, flow)
+    if visit is not None:
+        yield visit
+
+
+def _centre(
+    shape: ShapeCoordinates,
+    visits: list[_Visit],
+    coordinate: int,
+    angle: float,
+    last: float | None,
+    ends: tuple[str, str],
+) -> None:
+    """Put one coordinate where each of its sweeps lies around zero."""
+    swings = {
+        shape.system.stratum_of[name]: (name, rate)
+        for name, (moved, rate) in shape.free.items()
+        if moved == coordinate
+    }
+    rates = {name: float(rate[coordinate]) for name, rate in shape.rates.items()}
+    previous, i = -1, 0
+    while i < len(visits):
+        if load := visits[i].load(rates):
+            middle, net = load
+            if abs(-middle - angle) > NEGLIGIBLE:
+                place, added = _place(shape.system, visits, swings, (previous, i), ends)
+                name, rate = swings[place.stratum]
+                place.swings[name] = (-middle - angle) / rate
+                i += added
+            angle, previous = net - middle, i
+        i += 1
+    if last is not None and abs(last - angle) > NEGLIGIBLE:
+        place, _ = _place(shape.system, visits, swings, (previous, len(visits)), ends)
+        name, rate = swings[place.stratum]
+        place.swings[name] = (last - angle) / rate
+
+
+def _place(
+    system: StratifiedSystem,
+    visits: list[_Visit],
+    swings: Mapping[str, tuple[str, float]],
+    between: tuple[int, int],
+    ends: tuple[str, str],
+) -> tuple[_Visit, bool]:
+    """The latest visit between two that can swing in the air, or else a new one.
+
+    A new visit goes where it adds fewest contact switches.
+    """
+    first, last = between
+    for visit in reversed(visits[first + 1 : last]):
+        if visit.stratum in swings:
+            return visit, False
+    walk = [ends[0], *(visit.stratum for visit in visits), ends[1]]
+
+    def added(k: int, stratum: str) -> int:
+        return system.switches(walk[k], stratum) + system.switches(stratum, walk[k + 1])
+
+    k, stratum = min(
+        ((k, stratum) for k in range(first + 1, last + 1) for stratum in swings),
+        key=lambda place: (
+            added(*place) - system.switches(walk[place[0]], walk[place[0] + 1])
+        ),
+    )
+    segment = visits[min(k, len(visits) - 1)].segment if k else 0
+    visits.insert(k, _Visit(stratum, segment))
+    return visits[k], True

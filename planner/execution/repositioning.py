@@ -1,0 +1,84 @@
+"""Where to set legs in the air, one after another, so that the others always stand.
+
+Whether the others stand without a leg depends on where they are. So a leg may have to
+wait for another one, or another one may have to stand elsewhere for a while: the
+cheapest such sequence is found among the places that each leg is given. Knows neither
+what a leg is nor why the others stand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+
+LIFT = 1.0  # what lifting a leg costs, in units of its way
+
+
+def reposition_legs(
+    places: Sequence[Array],
+    steady: Array,
+    now: Sequence[int],
+    goal: Sequence[int],
+) -> list[tuple[int, float]] | None:
+    """The cheapest sequence of moves, one leg at a time.
+
+    Args:
+        places: Where each of L legs may stand, shape (P_i,).
+        steady: For each leg whether the others stand while it is off the ground, for
+            all combinations of places, shape (L, P_1, ..., P_L), bool.
+        now: Where each leg is, as an index of its places.
+        goal: Where each is to be, likewise.
+
+    Returns:
+        Leg and place of each move in time order; None if there is no such sequence.
+    """
+    ways = [_ways(np.asarray(place)) for place in places]
+    cost = np.full([len(place) for place in places], np.inf)
+    cost[tuple(goal)] = 0.0
+    nearer = _nearer(cost, ways, steady)
+    while (nearer < cost).any():
+        cost, nearer = nearer, _nearer(nearer, ways, steady)
+    here, moves = list(now), list[tuple[int, float]]()
+    if not np.isfinite(cost[tuple(here)]):
+        return None
+    while here != list(goal):
+        leg, place = _next(cost, ways, steady, here)
+        here[leg] = place
+        moves.append((leg, float(places[leg][place])))
+    return moves
+
+
+def _ways(place: Array) -> Array:
+    """Cost of a move between two places of a leg, shape (P, P); none stays."""
+    way = LIFT + np.abs(place[:, None] - place)
+    np.fill_diagonal(way, np.inf)
+    return np.asarray(way)
+
+
+def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:
+    """Cost of reaching the goal, with one more move than before at most."""
+    best = cost
+    for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
+        landed = np.where(free, cost, np.inf).swapaxes(leg, 0)  # (P, ...)
+        across = way.reshape(*way.shape, *[1] * (cost.ndim - 1)) + landed
+        onward = across.min(axis=1).swapaxes(leg, 0)
+        best = np.minimum(best, np.where(free, onward, np.inf))
+    return best
+
+
+def _next(
+    cost: Array, ways: Sequence[Array], steady: Array, here: Sequence[int]
+) -> tuple[int, int]:
+    """The leg and place to which a cheapest sequence goes on."""
+    best = (np.inf, 0, 0)
+    for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
+        if free[tuple(here)]:
+            landed = np.where(free, cost, np.inf)
+            line = np.moveaxis(landed, leg, -1)[(*here[:leg], *here[leg + 1 :])]
+            onward = way[here[leg]] + line
+            place = int(np.argmin(onward))
+            best = min(best, (float(onward[place]), leg, place))
+    return best[1], best[2]

@@ -1,0 +1,210 @@
+"""Choose the elements of an extended system, and say why (Def. 3).
+
+In order: they must span the bottom stratum at given configurations, with brackets of
+the lowest degree, few contact switches, and far from linear dependence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.controllability.closure import involutive_closure
+from planner.controllability.decoupling import on_bottom
+from planner.errors import PlannerError, RankError, SingularConfigurationError
+from planner.extension.hall_fields import hall_fields
+from planner.numerics.arrays import Array
+from planner.numerics.subspaces import column_space, in_words
+from planner.systems.elements import Tree, leaves, parse_names
+from planner.systems.fields import VectorField
+from planner.systems.rounding import WeighedValues
+from planner.systems.strata import StratifiedSystem, steps
+
+LEAST_ANGLE = 0.05  # sine of the angle to the span that a new element must have
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Elements and the reasons for them.
+
+    Attributes:
+        elements: Names for `extension.extended.extend`.
+        condition: Largest condition number of B(x) at the configurations.
+        reasons: One sentence for each element.
+    """
+
+    elements: tuple[str, ...]
+    condition: float
+    reasons: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join([*self.reasons, f"condition number {self.condition:.3g}"])
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """An element that might be chosen.
+
+    Attributes:
+        name: Its name.
+        degree: Number of fields in it.
+        switches: Contact events of its word, from the bottom stratum and back.
+        columns: Its directions at the configurations, shape (k, n), of length one.
+    """
+
+    name: str
+    degree: int
+    switches: int
+    columns: Array
+
+    def beyond(self, spans: Sequence[Array]) -> Array:
+        """What it adds to spans, shape (k, n); its length is the sine of an angle."""
+        parts = [c - Q @ (Q.T @ c) for c, Q in zip(self.columns, spans, strict=True)]
+        return np.array(parts)
+
+
+def choose_elements(
+    system: StratifiedSystem, at: ArrayLike, max_degree: int = 4
+) -> Choice:
+    """Elements that span the bottom stratum at some configurations.
+
+    Brackets of the fields chosen first are tried before those of all fields.
+
+    Args:
+        system: System to steer.
+        at: Configurations on the bottom stratum, shape (n,) or (k, n).
+        max_degree: Highest degree of brackets to try.
+
+    Raises:
+        RankError: Nothing up to that degree spans it.
+        ValueError: The configurations are misshapen, or the degree is below 1.
+        SingularConfigurationError: A field is not finite at one of them.
+    """
+    x = np.atleast_2d(np.asarray(at, dtype=float))
+    if x.ndim != 2 or x.shape[1] != system.dimension:
+        raise ValueError(
+            f"configurations have shape {x.shape}, expected (k, {system.dimension})"
+        )
+    if max_degree < 1:
+        raise ValueError(f"max_degree is {max_degree}; fields themselves have degree 1")
+    usable = _usable_fields(system)
+    fields = _candidates(system, list(usable), list(usable.values()), x)
+    few = _enlarged([], fields, system, x)
+    independent = involutive_closure(usable, system.state, x[0], max_depth=1).names
+    spanning = [field for field in fields if field.name in independent]
+    for first, degree in product((few, spanning), range(1, max_degree + 1)):
+        generators = [candidate.name for candidate in first]
+        hall = hall_fields(system, generators, degree)
+        count = len(generators)
+        brackets = _candidates(system, hall.names[count:], hall.fields[count:], x)
+        chosen = _enlarged(first, brackets, system, x)
+        ranks = [Q.shape[1] for Q in _spans(chosen, x)]
+        if min(ranks) == system.bottom_dimension:
+            return _explained(system, chosen, x)
+    worst = int(np.argmin(ranks))
+    missing = system.missing(_spans(chosen, x)[worst], x[worst])
+    raise RankError(x[worst], system.bottom_dimension, missing)
+
+
+def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
+    """Fields that act on the bottom stratum as they are."""
+    usable: dict[str, VectorField] = {}
+    for name, field in system.fields.items():
+        try:
+            held, _ = on_bottom(system, [name])
+        except PlannerError:
+            continue
+        if held is system:
+            usable[name] = field
+    return usable
+
+
+def _candidates(
+    system: StratifiedSystem,
+    names: Sequence[str],
+    fields: Sequence[VectorField],
+    x: Array,
+) -> list[_Candidate]:
+    evaluation = WeighedValues(system.state, x)
+
+    def candidate(name: str, field: VectorField) -> _Candidate:
+        column = evaluation(field)
+        if not (sound := np.isfinite(column).all(axis=1)).all():
+            raise SingularConfigurationError(name, x[~sound][0])
+        lengths = np.linalg.norm(column, axis=-1, keepdims=True)
+        directions = column / np.where(lengths > 0, lengths, 1.0)
+        tree = parse_names(name)
+        return _Candidate(name, len(leaves(tree)), _switches(system, tree), directions)
+
+    return [candidate(*named) for named in zip(names, fields, strict=True)]
+
+
+def _switches(system: StratifiedSystem, tree: Tree) -> int:
+    walk = [system.stratum_of[name] for name in _letters(tree)]
+    walk = [system.bottom, *walk, system.bottom]
+    return sum(system.switches(a, b) for a, b in steps(walk))
+
+
+def _letters(tree: Tree) -> tuple[str, ...]:
+    """Fields in the word of an element, signs left out."""
+    if isinstance(tree, str):
+        return (tree,)
+    left, right = _letters(tree[0]), _letters(tree[1])
+    return (*left, *right, *left[::-1], *right[::-1])
+
+
+def _spans(chosen: Sequence[_Candidate], x: Array) -> list[Array]:
+    """Orthonormal columns of what the chosen span at each configuration."""
+    if not chosen:
+        return [np.empty((x.shape[1], 0))] * len(x)
+    columns = np.stack([candidate.columns for candidate in chosen], axis=-1)
+    return [column_space(c) for c in columns]
+
+
+def _enlarged(
+    chosen: Sequence[_Candidate],
+    candidates: Sequence[_Candidate],
+    system: StratifiedSystem,
+    x: Array,
+) -> list[_Candidate]:
+    """Add candidates, the best first, until they span or none adds anything."""
+    chosen = list(chosen)
+    while True:
+        spans = _spans(chosen, x)
+        lacking = [Q.shape[1] < system.bottom_dimension for Q in spans]
+        gains = {
+            c.name: np.linalg.norm(c.beyond(spans), axis=1)[lacking] for c in candidates
+        }
+        useful = [c for c in candidates if gains[c.name].max(initial=0) > LEAST_ANGLE]
+        if not useful:
+            return chosen
+        chosen.append(
+            min(useful, key=lambda c: (c.degree, c.switches, -gains[c.name].mean()))
+        )
+
+
+def _explained(
+    system: StratifiedSystem, chosen: Sequence[_Candidate], x: Array
+) -> Choice:
+    reasons = [
+        f"{candidate.name}: degree {candidate.degree}, {candidate.switches} contact "
+        f"events, adds {_addition(candidate.beyond(_spans(chosen[:k], x)), system)}"
+        for k, candidate in enumerate(chosen)
+    ]
+    matrices = np.stack([candidate.columns for candidate in chosen], axis=-1)
+    singular = np.linalg.svd(matrices, compute_uv=False)
+    condition = (singular[:, 0] / singular[:, system.bottom_dimension - 1]).max()
+    names = tuple(candidate.name for candidate in chosen)
+    return Choice(names, float(condition), tuple(reasons))
+
+
+def _addition(added: Array, system: StratifiedSystem) -> str:
+    """The direction that an element adds where it adds most."""
+    most = added[np.linalg.norm(added, axis=1).argmax()]
+    if not most.any():
+        return "nothing but brackets"
+    return in_words(np.round(most / np.abs(most).max(), 3), system.state)

@@ -1,0 +1,203 @@
+"""The stratified extended system on the bottom stratum (Def. 3, eq. 15), compiled once.
+
+Fields of all strata and brackets of them become the columns of one matrix B(x) with
+x' = B(x) v. It gives the fictitious inputs v of a path; `extension.steering` makes
+flows of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from planner.controllability.decoupling import on_bottom
+from planner.errors import PlannerError, RankError, point
+from planner.extension.steering import Steering, steering
+from planner.numerics.arrays import Array
+from planner.systems.elements import column, leaves, name_of, parse
+from planner.systems.fields import (
+    CompiledFields,
+    compile_fields,
+    sample_configurations,
+)
+from planner.systems.grouping import Grouper
+from planner.systems.rounding import vanishing
+from planner.systems.shape import ShapeCoordinates
+from planner.systems.strata import StratifiedSystem
+
+CONDITION = 1e9  # of B(x) beyond which its rank counts as lost
+UNREACHED = 1e-6  # relative part of a velocity that the elements may fail to give
+
+
+@dataclass(frozen=True, eq=False)
+class ExtendedSystem:
+    """x' = B(x) v with one column an element.
+
+    Attributes:
+        system: The stratified system it is built from.
+        elements: Names of the elements, one a column, p of them.
+        columns: The elements, compiled: the matrix B(x).
+        steering: Hall coordinates and words of the elements' generators.
+    """
+
+    system: StratifiedSystem
+    elements: tuple[str, ...]
+    columns: CompiledFields
+    steering: Steering
+
+    def fictitious_inputs(self, x: Array, velocity: Array) -> Array:
+        """Inputs v with B(x) v = velocity, eq. (5), of least norm if there are many.
+
+        Args:
+            x: Configurations on the bottom stratum, shape (..., n).
+            velocity: Velocities there, same shape.
+
+        Returns:
+            Shape (..., p).
+
+        Raises:
+            SingularConfigurationError: A field is not finite at one of them.
+            RankError: The elements do not span the bottom stratum there.
+            PlannerError: A velocity leaves the bottom stratum.
+        """
+        matrix = self.columns(x)  # (..., n, p)
+        inverse = _inverse(matrix[..., self._moving, :])
+        if inverse is None or len(self._moving) != self.system.bottom_dimension:
+            inputs = self._least_norm(matrix, velocity, x)
+        else:
+            inputs = (inverse @ velocity[..., self._moving, None])[..., 0]
+        self._require_reached(matrix, inputs, velocity, x)
+        return inputs
+
+    @cached_property
+    def shape(self) -> ShapeCoordinates:
+        """Shape coordinates of the system."""
+        return ShapeCoordinates(self.system)
+
+    @cached_property
+    def grouper(self) -> Grouper:
+        """Arrangements of flows by stratum, remembered from plan to plan."""
+        return Grouper(self.system, self.steering.hall.commute)
+
+    @cached_property
+    def _moving(self) -> Array:
+        """Coordinates that some element moves."""
+        moving = (self.columns.constant != 0).any(axis=1) | bool(self.columns.numeric)
+        moving[[i for i, _ in self.columns.varying]] = True
+        return np.flatnonzero(moving)
+
+    def _least_norm(
+        self, matrix: Array, velocity: Array, x: Array, sizes: Array | None = None
+    ) -> Array:
+        """Inputs of least norm, in the sizes of the elements where these are given."""
+        unit = matrix if sizes is None else matrix / sizes
+        left, singular, right = np.linalg.svd(unit, full_matrices=False)
+        needed = self.system.bottom_dimension
+        largest = singular[..., :1] if sizes is None else 1.0
+        kept = singular > largest / CONDITION  # (..., min(n, p))
+        rank = kept.sum(axis=-1)
+        if (rank < needed).any() and sizes is None:
+            return self._least_norm(matrix, velocity, x, self._sizes(matrix, x))
+        if (rank < needed).any():
+            worst = np.unravel_index(rank.argmin(), rank.shape)
+            reached = left[worst][:, kept[worst]]
+            raise RankError(x[worst], needed, self.system.missing(reached, x[worst]))
+        scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
+        parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
+        inputs: Array = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[
+            ..., 0
+        ]
+        return inputs if sizes is None else inputs / sizes
+
+    def _sizes(self, matrix: Array, x: Array) -> Array:
+        """Largest length of each element on a path and around its start, shape (p,)."""
+        around = x.reshape(-1, x.shape[-1])[0] + sample_configurations(x.shape[-1])
+        near = self.columns.values(around)
+        lengths = [
+            np.linalg.norm(np.where(np.isfinite(columns), columns, 0.0), axis=-2)
+            for columns in (matrix, near)
+        ]
+        flat = [each.reshape(-1, each.shape[-1]) for each in lengths]
+        sizes: Array = np.concatenate(flat).max(axis=0)
+        return np.where(sizes > 0.0, sizes, 1.0)
+
+    def orientations(self, x: Array) -> Array:
+        """Signs of det B(x), shape (...), where B is square; ones where it is not.
+
+        A path along which the sign changes leaves the elements' span, or its bounds.
+        """
+        matrix = self.columns(x)[..., self._moving, :]
+        if matrix.shape[-1] != matrix.shape[-2]:
+            return np.ones(x.shape[:-1])
+        signs: Array = np.linalg.slogdet(matrix)[0]
+        return signs
+
+    def _require_reached(
+        self, matrix: Array, inputs: Array, velocity: Array, x: Array
+    ) -> None:
+        missed = np.abs((matrix @ inputs[..., None])[..., 0] - velocity)
+        allowed = UNREACHED * np.abs(velocity).max(axis=-1, keepdims=True) + 1e-12
+        if (missed > allowed).any():
+            *where, i = np.unravel_index((missed - allowed).argmax(), missed.shape)
+            raise PlannerError(
+                f"the path moves {self.system.state[i]} at {point(x[tuple(where)])} by "
+                f"{missed[(*where, i)]:.3g} that no element can give; keep it on "
+                f"S{self.system.bottom}"
+            )
+
+
+def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
+    """The extended system of chosen elements; the slow part of planning, done once.
+
+    Args:
+        system: System whose fields the elements are made of.
+        elements: Names as in `systems.elements`; brackets are Hall elements in the
+            order in which their fields first appear. A field that leaves the bottom
+            stratum is replaced by its tangent part, `controllability.decoupling`.
+
+    Raises:
+        ValueError: An element is unknown, repeated or no Hall element.
+        PlannerError: An element vanishes everywhere, leaves the bottom stratum for
+            good, or does not commute with the lifts it needs (eq. 13).
+    """
+    if isinstance(elements, str):
+        raise ValueError(f"elements is the text {elements!r}; give a sequence of names")
+    trees = [parse(text, system) for text in elements]
+    system, trees = on_bottom(system, trees)
+    names = tuple(map(name_of, trees))
+    _require_distinct(names)
+    columns = [column(tree, system) for tree in trees]
+    zeros = vanishing(columns, system.state)
+    for name, tree, zero in zip(names, trees, zeros, strict=True):
+        if zero:
+            reason = "its fields commute" if len(leaves(tree)) > 1 else "it is zero"
+            raise PlannerError(f"element {name} vanishes everywhere: {reason}; drop it")
+    compiled = compile_fields(columns, system.state, names)
+    return ExtendedSystem(system, names, compiled, steering(system, trees))
+
+
+def _require_distinct(names: Sequence[str]) -> None:
+    if not names:
+        raise ValueError(
+            "no elements; choose fields that span the bottom stratum (Def. 3)"
+        )
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"element {name} is listed twice; keep one")
+
+
+def _inverse(matrix: Array) -> Array | None:
+    """Inverses of square, well-conditioned matrices; else None."""
+    if matrix.shape[-1] != matrix.shape[-2]:
+        return None
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        return None
+    size = np.abs(matrix).sum(axis=-1).max(axis=-1) * np.abs(inverse).sum(axis=-1).max(
+        axis=-1
+    )
+    return inverse if bool((size < CONDITION).all()) else None

@@ -1,0 +1,146 @@
+"""The Hall basis over fields of a system: which brackets vanish, which remain.
+
+Where formal elements meet vector fields. Brackets with a field that commutes with all
+others are left out before they are formed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from planner.lie.free_lie import structure_constants
+from planner.lie.hall import Bracket, Element, hall_basis
+from planner.systems.elements import Tree, name_of
+from planner.systems.fields import Symbols, VectorField, lie_bracket
+from planner.systems.rounding import vanishing
+from planner.systems.strata import StratifiedSystem
+
+
+@dataclass(frozen=True, eq=False)
+class HallFields:
+    """Hall elements over generators, as fields.
+
+    Attributes:
+        generators: Names of fields, in the order that makes the basis.
+        elements: Hall elements over them, less an ideal that vanishes as fields.
+        names: Their names.
+        fields: Their fields.
+        vanishing: Elements that are kept for their brackets but vanish as fields.
+        clashing: Pairs of generators that do not commute.
+    """
+
+    generators: tuple[str, ...]
+    elements: tuple[Element, ...]
+    names: tuple[str, ...]
+    fields: tuple[VectorField, ...]
+    vanishing: frozenset[Element]
+    clashing: frozenset[frozenset[str]]
+
+    def commute(self, a: str, b: str) -> bool:
+        """Whether the flows of two generators may be interchanged."""
+        return frozenset((a, b)) not in self.clashing
+
+
+def hall_fields(
+    system: StratifiedSystem, generators: Sequence[str], max_degree: int
+) -> HallFields:
+    """The Hall basis over some of a system's fields.
+
+    Args:
+        system: System that has the fields.
+        generators: Their names, each once.
+        max_degree: Highest degree of brackets.
+    """
+    clashing = _clashing(system, generators)
+    full = _entangled_basis(generators, clashing, max_degree)
+    fields = _fields(full, [system.fields[name] for name in generators], system.state)
+    zeros = vanishing(list(fields.values()), system.state)
+    zero = frozenset(e for e, gone in zip(full, zeros, strict=True) if gone)
+    ideal = _largest_ideal(zero, full, len(generators))
+    elements = tuple(e for e in full if e not in ideal)
+    return HallFields(
+        generators=tuple(generators),
+        elements=elements,
+        names=tuple(name_of(_tree(e, generators)) for e in elements),
+        fields=tuple(fields[e] for e in elements),
+        vanishing=zero - ideal,
+        clashing=clashing,
+    )
+
+
+def _clashing(
+    system: StratifiedSystem, names: Sequence[str]
+) -> frozenset[frozenset[str]]:
+    """Pairs of fields that do not commute."""
+    pairs = list(combinations(names, 2))
+    brackets = [
+        lie_bracket(system.fields[a], system.fields[b], system.state) for a, b in pairs
+    ]
+    zeros = vanishing(brackets, system.state)
+    return frozenset(
+        frozenset(p) for p, zero in zip(pairs, zeros, strict=True) if not zero
+    )
+
+
+def _entangled_basis(
+    generators: Sequence[str], clashing: frozenset[frozenset[str]], highest: int
+) -> list[Element]:
+    """All generators, and the brackets of those that do not commute with all others."""
+    numbers = [
+        i
+        for i, g in enumerate(generators, start=1)
+        if any(g in pair for pair in clashing)
+    ]
+    brackets = hall_basis(len(numbers), highest)[len(numbers) :] if numbers else ()
+    return [
+        *range(1, len(generators) + 1),
+        *(_renumbered(e, numbers) for e in brackets),
+    ]
+
+
+def _renumbered(element: Element, numbers: Sequence[int]) -> Element:
+    if isinstance(element, Bracket):
+        return Bracket(
+            _renumbered(element.left, numbers), _renumbered(element.right, numbers)
+        )
+    return numbers[element - 1]
+
+
+def _fields(
+    elements: Sequence[Element], generators: Sequence[VectorField], state: Symbols
+) -> dict[Element, VectorField]:
+    """Every element as a field."""
+    fields: dict[Element, VectorField] = dict(enumerate(generators, start=1))
+    for element in elements:
+        if isinstance(element, Bracket):
+            left, right = fields[element.left], fields[element.right]
+            fields[element] = lie_bracket(left, right, state)
+    return fields
+
+
+def _largest_ideal(
+    zero: frozenset[Element], elements: Sequence[Element], generators: int
+) -> frozenset[Element]:
+    """The elements among those that vanish whose brackets are all among them, too."""
+    kept = set(elements) - zero
+    ideal = set(zero)
+    while True:
+        needed = {
+            lost
+            for lost in ideal
+            for generator in range(1, generators + 1)
+            if kept & structure_constants(generator, lost).keys()
+        }
+        if not needed:
+            return frozenset(ideal)
+        ideal -= needed
+        kept |= needed
+
+
+def _tree(element: Element, generators: Sequence[str]) -> Tree:
+    """A Hall element with fields for its generators' numbers."""
+    if isinstance(element, Bracket):
+        return (_tree(element.left, generators), _tree(element.right, generators))
+    return generators[element - 1]

@@ -1,0 +1,131 @@
+"""From fictitious inputs to Hall coordinates to words of real inputs, many at a time.
+
+Brackets outside the selected elements get coordinates too, h_ij' = h_i v_j in degree 2,
+and are realised unless their fields vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from planner.extension.hall_fields import HallFields, hall_fields
+from planner.lie.coordinates import integrate
+from planner.lie.hall import Bracket
+from planner.lie.short_words import short_durations
+from planner.lie.words import Spelling, joined, spellings
+from planner.numerics.arrays import Array
+from planner.systems.elements import Tree, leaves, name_of
+from planner.systems.flows import Word
+from planner.systems.strata import StratifiedSystem
+
+Wording = Literal["backward", "forward", "shortest"]
+
+
+@dataclass(frozen=True, eq=False)
+class Steering:
+    """Hall coordinates over the generators of an extended system.
+
+    Attributes:
+        hall: The generators, in order of first appearance among the elements, and the
+            Hall basis over them up to the elements' highest degree.
+        selected: Index in the basis of each selected element.
+    """
+
+    hall: HallFields
+    selected: tuple[int, ...]
+
+    @property
+    def basis(self) -> tuple[str, ...]:
+        """Names of the Hall coordinates."""
+        return self.hall.names
+
+    def hall_coordinates(self, inputs: Array) -> Array:
+        """Backward Hall coordinates that inputs reach in unit time, eq. (9).
+
+        Args:
+            inputs: Fictitious inputs of the selected elements at collocation nodes,
+                shape (segments, nodes, p).
+
+        Returns:
+            Shape (segments, s), in the order of `basis`.
+        """
+        everywhere = np.zeros((*inputs.shape[:-1], len(self.basis)))
+        everywhere[..., list(self.selected)] = inputs
+        return integrate(self.hall.elements, everywhere)
+
+    def words(self, hall_coordinates: Array, order: Wording) -> list[Word]:
+        """Words of the generators that realise Hall coordinates, one a segment.
+
+        Args:
+            hall_coordinates: Backward coordinates, shape (segments, s).
+            order: `backward` runs brackets first, `forward` generators first,
+                `shortest` lets the sweeps of a single pair into its bracket's and is
+                the shorter of the two elsewhere.
+        """
+        if order == "shortest":
+            return self._short_words(hall_coordinates)
+        elements, vanishing = self.hall.elements, self.hall.vanishing
+        return self._named(spellings(elements, hall_coordinates, order, vanishing))
+
+    def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
+        names = self.hall.generators
+        patterns = {letters for letters, _ in spelled}
+        fields = {letters: tuple(names[i - 1] for i in letters) for letters in patterns}
+        return [Word(fields[letters], durations) for letters, durations in spelled]
+
+    def _short_words(self, hall_coordinates: Array) -> list[Word]:
+        count = len(self.hall.generators)
+        match self.hall.elements[count:]:
+            case (Bracket(left=int() as first, right=int() as second),):
+                return self._named(_single_pair(hall_coordinates, count, first, second))
+        both = (
+            self.words(hall_coordinates, order) for order in ("backward", "forward")
+        )
+        return [min(pair, key=_travel) for pair in zip(*both, strict=True)]
+
+
+def _single_pair(
+    hall_coordinates: Array, count: int, first: int, second: int
+) -> list[Spelling]:
+    """Shortest words where two of the generators have the only bracket."""
+    h = hall_coordinates.T
+    sweeps = short_durations(h[first - 1], h[second - 1], h[count])
+    apart = [i for i in range(1, count + 1) if i not in (first, second)]
+    generators = (first, second, first, second, first, *apart)
+    durations = np.hstack([sweeps, h[[i - 1 for i in apart]].T])
+    return [joined(generators, row) for row in durations.tolist()]
+
+
+def _travel(word: Word) -> float:
+    return sum(map(abs, word.durations))
+
+
+def steering(system: StratifiedSystem, trees: Sequence[Tree]) -> Steering:
+    """Prepare the Hall coordinates of selected elements.
+
+    Args:
+        system: System whose fields the elements are made of.
+        trees: Elements over field names.
+
+    Raises:
+        ValueError: An element is not in the Hall basis over its generators.
+    """
+    generators = tuple(dict.fromkeys(leaf for tree in trees for leaf in leaves(tree)))
+    hall = hall_fields(system, generators, max(len(leaves(tree)) for tree in trees))
+    return Steering(hall, tuple(_index(tree, hall.names) for tree in trees))
+
+
+def _index(tree: Tree, basis: Sequence[str]) -> int:
+    name = name_of(tree)
+    if name in basis:
+        return basis.index(name)
+    turned = name_of((tree[1], tree[0])) if isinstance(tree, tuple) else name
+    way_out = f"write {turned}" if turned in basis else "choose among the Hall basis"
+    raise ValueError(
+        f"element {name} is not in the Hall basis over the fields in order of "
+        f"appearance; {way_out}"
+    )

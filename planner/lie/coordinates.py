@@ -1,0 +1,253 @@
+"""Hall coordinates of formal flows: h' = A(h) v, eq. (9), and what follows from it.
+
+A flow S has backward coordinates h and forward coordinates f,
+
+    S = e^(h_s B_s) ... e^(h_1 B_1) = e^(f_1 B_1) ... e^(f_s B_s),    eq. (6)
+
+in time order: B_s runs first in the one, B_1 in the other. Words of generators that
+realise them are made in `lie.words`.
+
+    integrate(basis, inputs) -> (..., s)    many segments at once, the fast path:
+        inputs of shape (..., nodes, s) at the nodes of `numerics.collocation`
+    backward(basis, v) -> (s,)              one segment, v constant or a function of t
+    forward(basis, h), backward_from_forward(basis, f)
+    logarithm(basis, h), exponential(basis, a)    S = e^(a_1 B_1 + ... + a_s B_s)
+    product(basis, first, then)             one flow after another
+    backward_matrix(basis)                  A(h) in symbols
+
+Wherever a basis is asked for, it is a Hall basis or what is left of one when the
+elements of an ideal vanish (`lie.free_lie.LieAlgebra`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+from sympy.polys.rings import ring
+
+from planner.errors import ConvergenceError
+from planner.lie.free_lie import LieAlgebra, lie_algebra
+from planner.lie.hall import Element
+from planner.numerics.arrays import Array
+from planner.numerics.collocation import collocation
+
+NODES = 16  # of an interval, where inputs are functions of time
+TOLERANCE = 1e-12  # of what halving an interval changes, relative
+SHORTEST = 1e-14  # interval, in which bounded inputs do nothing
+PIECES = 16  # of unit time to begin with; their nodes are at most 1/300 apart
+EVALUATIONS = 100_000  # of inputs before they are given up; a jump needs 2 000
+
+Terms = dict[int, Any]  # coefficients by place in the basis
+
+
+def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
+    """The matrix A(h) of eq. (9) over the symbols h1, ..., hs, polynomials in them."""
+    algebra = lie_algebra(tuple(basis))
+    size = len(algebra.basis)
+    _, *h = ring([f"h{j + 1}" for j in range(size)], sp.QQ)
+    matrix = sp.zeros(size, size)
+    for column in range(size):
+        rates = _unwind(algebra, {column: h[0].ring.one}, lambda j, _: h[j])
+        for row, rate in rates.items():
+            matrix[row, column] = rate.as_expr()
+    return matrix
+
+
+def integrate(
+    basis: Sequence[Element], inputs: ArrayLike, start: Array | None = None
+) -> Array:
+    """Backward coordinates that inputs reach in unit time, eq. (9).
+
+    Exact for inputs that are polynomials of degree below the number of nodes, as long
+    as the coordinates' rates are, too. Inputs that are zero throughout cost nothing.
+
+    Args:
+        basis: Hall elements, s of them.
+        inputs: Inputs v at the nodes of `collocation(nodes)`, shape (..., nodes, s).
+        start: Coordinates at time zero, shape (..., s); zero if not given.
+
+    Returns:
+        Shape (..., s).
+
+    Raises:
+        ValueError: The inputs are not finite or have another shape.
+    """
+    algebra = lie_algebra(tuple(basis))
+    inputs = algebra.vector(inputs, "inputs")
+    integral = collocation(inputs.shape[-2]).integral.T
+    h = np.zeros((*inputs.shape[:-2], len(algebra.basis)))
+    if start is not None:
+        h += start
+
+    def advance(j: int, rate: Array | None) -> Array | None:
+        before = h[..., j, None]
+        if rate is None:
+            return before if before.any() else None
+        path: Array = before + rate @ integral
+        h[..., j] = path[..., -1]
+        return path
+
+    driven = {j: v for j, v in enumerate(np.moveaxis(inputs, -1, 0)) if v.any()}
+    _unwind(algebra, driven, advance)
+    return h
+
+
+def backward(
+    basis: Sequence[Element], v: ArrayLike | Callable[[float], ArrayLike]
+) -> Array:
+    """Backward coordinates h(1) that inputs reach in unit time, eq. (9), shape (s,).
+
+    Args:
+        basis: Hall elements, s of them.
+        v: Inputs of shape (s,), constant or a function of time in [0, 1] with at most
+            a few jumps. What they do for less than 1/300 may pass unseen.
+
+    Raises:
+        ValueError: The inputs are not finite or have another shape.
+        ConvergenceError: The inputs are not bounded, or noise throughout.
+    """
+    algebra = lie_algebra(tuple(basis))
+    if not callable(v):
+        return exponential(basis, algebra.vector(v, "inputs"))
+
+    evaluations = count(1)
+
+    def inputs(t: float) -> Array:
+        if next(evaluations) > EVALUATIONS:
+            raise ConvergenceError(
+                f"inputs still change from one time to the next at {t:.6g}, after "
+                f"{EVALUATIONS} evaluations (eq. 9); make them smooth but for a few "
+                "jumps"
+            )
+        return algebra.vector(v(t), f"inputs at {t:.6g}")
+
+    h = np.zeros(len(algebra.basis))
+    for piece in range(PIECES):
+        h = _adapted(algebra, inputs, piece / PIECES, 1 / PIECES, h)
+    return h
+
+
+def _adapted(
+    algebra: LieAlgebra,
+    inputs: Callable[[float], Array],
+    time: float,
+    length: float,
+    start: Array,
+) -> Array:
+    """Coordinates at the end of an interval, halved until that changes nothing."""
+    middle, half = time + length / 2, length / 2
+    whole = _step(algebra, inputs, time, length, start)
+    first = _step(algebra, inputs, time, half, start)
+    second = _step(algebra, inputs, middle, half, first)
+    change = np.abs(second - whole).max()
+    if change <= TOLERANCE * (1.0 + np.abs(second).max()):
+        return second
+    if length < SHORTEST:
+        raise ConvergenceError(
+            f"inputs at {time:.6g} move the Hall coordinates by {change:.3g} within "
+            f"{length:.3g} of unit time (eq. 9); keep them bounded"
+        )
+    first = _adapted(algebra, inputs, time, half, start)
+    return _adapted(algebra, inputs, middle, half, first)
+
+
+def _step(
+    algebra: LieAlgebra,
+    inputs: Callable[[float], Array],
+    time: float,
+    length: float,
+    start: Array,
+) -> Array:
+    values = [
+        inputs(time + length * node) for node in collocation(NODES).nodes.tolist()
+    ]
+    return integrate(algebra.basis, length * np.array(values), start)
+
+
+def forward(basis: Sequence[Element], h: ArrayLike) -> Array:
+    """Forward coordinates of a flow from its backward ones, shape (..., s).
+
+    S^-1 = e^(-f_s B_s) ... e^(-f_1 B_1): its backward coordinates are -f.
+    """
+    return -exponential(basis, -logarithm(basis, h))
+
+
+def backward_from_forward(basis: Sequence[Element], f: ArrayLike) -> Array:
+    """Backward coordinates of a flow from its forward ones, shape (..., s)."""
+    return -forward(basis, -np.asarray(f))
+
+
+def exponential(
+    basis: Sequence[Element], a: ArrayLike, start: Array | None = None
+) -> Array:
+    """Backward coordinates of S e^(a_1 B_1 + ... + a_s B_s), shape (..., s).
+
+    Args:
+        basis: Hall elements, s of them.
+        a: Coordinates of the first kind, shape (..., s).
+        start: Backward coordinates of S, shape (..., s); S = 1 if not given.
+    """
+    algebra = lie_algebra(tuple(basis))
+    a = algebra.vector(a)
+    nodes = max(2, algebra.max_degree)  # the coordinates' rates have a lower degree
+    constant = np.broadcast_to(a[..., None, :], (*a.shape[:-1], nodes, a.shape[-1]))
+    return integrate(basis, constant, start)
+
+
+def logarithm(basis: Sequence[Element], h: ArrayLike) -> Array:
+    """Coordinates a of the first kind from backward ones, shape (..., s)."""
+    algebra = lie_algebra(tuple(basis))
+    a = h = algebra.vector(h)
+    for _ in range(1, algebra.max_degree):  # each makes one degree more exact
+        a = a + h - exponential(basis, a)
+    return a
+
+
+def product(basis: Sequence[Element], first: ArrayLike, then: ArrayLike) -> Array:
+    """Backward coordinates of one flow, then another, from theirs, shape (..., s)."""
+    return exponential(basis, logarithm(basis, then), np.asarray(first))
+
+
+def _unwind(
+    algebra: LieAlgebra, terms: Terms, coordinate: Callable[[int, Any], Any]
+) -> Terms:
+    """Rates h' for which S^-1 S' is the given sum of terms, eqs. (7) to (9).
+
+    S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is its
+    coefficient at B_1. Ad(e^(h_1 B_1)) of the rest is the same sum without B_1.
+
+    Args:
+        algebra: Lie algebra of the terms.
+        terms: Coefficients by place; anything that adds and multiplies.
+        coordinate: Gives h_j from its place and rate, None for zero.
+    """
+    rates = {}
+    for j, structure in enumerate(algebra.structure):
+        rate = terms.pop(j, None)
+        h = coordinate(j, rate)
+        if rate is not None:
+            rates[j] = rate
+        if h is not None:
+            terms = _conjugated(structure, h, terms)
+    return rates
+
+
+def _conjugated(
+    structure: Mapping[int, Mapping[int, int]], h: Any, terms: Terms
+) -> Terms:
+    """Ad(e^(h B)) of a sum of terms, from the structure constants of [B, .]."""
+    total, power, n = dict(terms), terms, 0
+    while power:
+        n, before, power = n + 1, power, {}
+        for j in structure.keys() & before.keys():
+            for k, c in structure[j].items():
+                term = before[j] * h * c / n
+                power[k] = power[k] + term if k in power else term
+        for k, term in power.items():
+            total[k] = total[k] + term if k in total else term
+    return total

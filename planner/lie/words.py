@@ -1,0 +1,220 @@
+"""Words: flows of real inputs that realise Hall coordinates at any degree (Sec. 2.1).
+
+A bracket's flow is approximated by the commutator word of its parts. What the word does
+beyond that, in higher degrees, is taken off the coordinates that are still to be
+realised, so the whole word is exact wherever brackets beyond the basis vanish.
+
+A word lists generators, counted from 1, and signed durations in time order. Words for
+systems whose longer brackets do not vanish, and their repetition until the goal is met,
+are not made here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Sequence
+from functools import cache
+from typing import Literal, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.lie.coordinates import exponential, forward
+from planner.lie.free_lie import LieAlgebra, lie_algebra
+from planner.lie.hall import Bracket, Element
+from planner.numerics.arrays import Array
+
+Order = Literal["backward", "forward"]
+Spelling = tuple[tuple[int, ...], list[float]]  # generators, and durations for each
+Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
+T = TypeVar("T", int, Array)
+
+NEGLIGIBLE = 1e-12  # rounding of this size in degree k would move by its k-th root
+
+
+def word(
+    basis: Sequence[Element],
+    hall_coordinates: ArrayLike,
+    order: Order = "backward",
+    vanishing: Collection[Element] = (),
+) -> list[tuple[int, float]]:
+    """Flows of generators that realise backward Hall coordinates.
+
+    Args:
+        basis: Hall elements, s of them.
+        hall_coordinates: Backward coordinates, shape (s,).
+        order: `backward` runs the words of B_s, ..., B_1, `forward` those of B_1, ...,
+            B_s; both end at the same point where brackets beyond the basis vanish.
+        vanishing: Elements whose fields are zero and need no flow.
+
+    Returns:
+        Generators, from 1, and signed durations in time order, no generator twice in
+        a row.
+
+    Raises:
+        ValueError: The coordinates are not finite or have another shape, or the order
+            has another name.
+    """
+    h = _shaped(1, lie_algebra(tuple(basis)).vector(hall_coordinates))
+    (found,) = words(basis, h[None], order, vanishing)
+    return found
+
+
+def words(
+    basis: Sequence[Element],
+    hall_coordinates: ArrayLike,
+    order: Order = "backward",
+    vanishing: Collection[Element] = (),
+) -> list[list[tuple[int, float]]]:
+    """Words of many segments at once, see `word`.
+
+    Args:
+        basis: Hall elements, s of them.
+        hall_coordinates: Backward coordinates, shape (segments, s).
+        order: As in `word`.
+        vanishing: As in `word`.
+    """
+    spelled = spellings(basis, hall_coordinates, order, vanishing)
+    return [list(zip(*spelling, strict=True)) for spelling in spelled]
+
+
+def spellings(
+    basis: Sequence[Element],
+    hall_coordinates: ArrayLike,
+    order: Order = "backward",
+    vanishing: Collection[Element] = (),
+) -> list[Spelling]:
+    """The same words with generators apart from durations: many share the former.
+
+    Args:
+        basis: Hall elements, s of them.
+        hall_coordinates: Backward coordinates, shape (segments, s).
+        order: As in `word`.
+        vanishing: As in `word`.
+    """
+    algebra = lie_algebra(tuple(basis))
+    h = _shaped(2, algebra.vector(hall_coordinates))
+    if order == "backward":
+        return _spelled(algebra, _amounts(algebra, h, vanishing))
+    if order != "forward":
+        raise ValueError(f"order is {order!r}; choose backward or forward")
+    # -f are the backward coordinates of the flow back, whose word is then run back.
+    way_back = _amounts(algebra, -forward(basis, h), vanishing)
+    return _spelled(algebra, way_back, back=True)
+
+
+def _shaped(axes: int, h: Array) -> Array:
+    if h.ndim != axes:
+        raise ValueError(
+            f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give word "
+            "those of one segment, words those of many as rows"
+        )
+    return h
+
+
+def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> Array:
+    """How much of each element its word has to give, shape (segments, s).
+
+    The words come off the right of the flow one by one, lower degrees first; what is
+    left keeps the backward coordinates `rest`.
+    """
+    amounts, rest = np.zeros_like(h), h.copy()
+    for j, element in enumerate(algebra.basis):
+        if element not in vanishing:
+            amounts[:, j] = np.where(np.abs(rest[:, j]) < NEGLIGIBLE, 0.0, rest[:, j])
+            if 1 < algebra.degrees[j] < algebra.max_degree and amounts[:, j].any():
+                undone = -_given(algebra, j, amounts[:, j])
+                rest = exponential(algebra.basis, undone, rest)
+        rest[:, j] = 0.0
+    return amounts
+
+
+def _given(algebra: LieAlgebra, j: int, amounts: Array) -> Array:
+    """The logarithms of an element's words for some amounts, shape (segments, s)."""
+    scale = np.abs(amounts) ** (1 / algebra.degrees[j])
+    powers = scale[:, None] ** np.array(algebra.degrees)
+    unit = _logarithm(algebra, algebra.basis[j])
+    return np.asarray(np.sign(amounts)[:, None] * powers * unit)
+
+
+@cache
+def _logarithm(algebra: LieAlgebra, element: Element) -> Array:
+    """The logarithm of an element's word with durations of one, shape (s,)."""
+    if not isinstance(element, Bracket):
+        return np.asarray(np.eye(len(algebra.basis))[algebra.index[element]])
+    left = _logarithm(algebra, element.left)
+    right = _logarithm(algebra, element.right)
+    join = algebra.campbell_baker_hausdorff
+    return join(join(left, right), join(-left, -right))
+
+
+@cache
+def _letters(element: Element) -> Letters:
+    """The word of an element: A C A^-1 C^-1 for [A, C], after Sec. 2."""
+    if not isinstance(element, Bracket):
+        return ((element, 1),)
+    left, right = _letters(element.left), _letters(element.right)
+    return (*left, *right, *_inverse(left), *_inverse(right))
+
+
+def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Spelling]:
+    """The words for amounts of all elements, the last element's first, or run back.
+
+    Segments whose amounts have the same signs share their generators.
+    """
+    sizes = np.abs(amounts) ** (1 / np.array(algebra.degrees))
+    signs, sort = np.unique(np.sign(amounts), axis=0, return_inverse=True)
+    spelled: list[Spelling] = [((), [])] * len(amounts)
+    for k, sign in enumerate(signs.astype(int).tolist()):
+        generators, parts = _pattern(algebra, tuple(sign), back)
+        segments = np.flatnonzero(sort.ravel() == k)
+        durations = sizes[segments] @ parts.T
+        least = np.abs(durations).min(axis=-1, initial=np.inf)
+        rows = zip(segments.tolist(), durations.tolist(), least.tolist(), strict=True)
+        for segment, row, shortest in rows:
+            whole = shortest >= NEGLIGIBLE
+            spelled[segment] = (generators, row) if whole else joined(generators, row)
+    return spelled
+
+
+@cache
+def _pattern(
+    algebra: LieAlgebra, signs: tuple[int, ...], back: bool
+) -> tuple[tuple[int, ...], Array]:
+    """The words for amounts of given signs: generators, and durations as sums.
+
+    Durations are sums of the amounts' sizes, each to the power of its degree's inverse,
+    with coefficients of shape (flows, s).
+    """
+    letters: list[tuple[int, Array]] = []
+    units = np.eye(len(signs), dtype=int)
+    for element, sign, unit in zip(algebra.basis, signs, units, strict=True):
+        word = [(i, sense * unit) for i, sense in _letters(element) if sign]
+        letters = (_inverse(word) if sign < 0 else word) + letters
+    generators: list[int] = []
+    durations: list[Array] = []
+    for generator, duration in _inverse(letters) if back else letters:
+        if generators and generators[-1] == generator:
+            durations[-1] = durations[-1] + duration
+        else:
+            generators.append(generator)
+            durations.append(duration)
+    return tuple(generators), np.array(durations).reshape(-1, len(signs))
+
+
+def _inverse(letters: Sequence[tuple[int, T]]) -> list[tuple[int, T]]:
+    """The same flows run back."""
+    return [(generator, -amount) for generator, amount in reversed(letters)]
+
+
+def joined(generators: Iterable[int], durations: Iterable[float]) -> Spelling:
+    """Drop letters that have vanished, and join those of one generator they parted."""
+    letters: list[int] = []
+    together: list[float] = []
+    for generator, duration in zip(generators, durations, strict=True):
+        if letters and letters[-1] == generator:
+            letters.pop()
+            duration += together.pop()
+        if abs(duration) >= NEGLIGIBLE:
+            letters.append(generator)
+            together.append(duration)
+    return tuple(letters), together

@@ -1,0 +1,1 @@
+"""Arrays, polynomials by their values at nodes, and subspaces."""

@@ -1,0 +1,77 @@
+"""Subspaces as columns of a matrix: span, complement, and words for directions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from planner.numerics.arrays import ROUNDING, Array
+
+SPANNED = 1e-8  # relative size of a singular value that counts
+
+
+def column_space(columns: Array) -> Array:
+    """Orthonormal columns that span the same space; each column counts alike."""
+    left, singular = _decomposed(columns)
+    spanned: Array = left[:, singular > SPANNED]
+    return spanned
+
+
+def nearly_dependent(columns: Array) -> bool:
+    """Whether some column is so near the others' span that its part is in doubt."""
+    _, singular = _decomposed(columns)
+    return bool(((singular > ROUNDING) & (singular <= SPANNED)).any())
+
+
+def _decomposed(columns: Array) -> tuple[Array, Array]:
+    sizes = np.linalg.norm(columns, axis=0)
+    scaled = columns / np.where(sizes > 0, sizes, 1.0)
+    left, singular, _ = np.linalg.svd(scaled, full_matrices=False)
+    return left, singular
+
+
+def rank(columns: Array) -> int:
+    """Dimension of the space that columns span."""
+    return int(column_space(columns).shape[1])
+
+
+def null_space(rows: Array) -> Array:
+    """Orthonormal columns orthogonal to all rows."""
+    _, singular, right = np.linalg.svd(rows)
+    orthogonal: Array = right[int((singular > SPANNED).sum()) :].T
+    return orthogonal
+
+
+def sparse_basis(columns: Array) -> Array:
+    """A basis of the same space with many zeros: its reduced echelon form."""
+    rows, done = columns.T.copy(), 0
+    for k in range(rows.shape[1]):
+        if done == len(rows):
+            break
+        pivot = done + int(np.abs(rows[done:, k]).argmax())
+        if abs(rows[pivot, k]) > SPANNED:
+            rows[[done, pivot]] = rows[[pivot, done]]
+            rows[done] /= rows[done, k]
+            others = np.arange(len(rows)) != done
+            rows[others] -= np.outer(rows[others, k], rows[done])
+            done += 1
+    return rows.T
+
+
+def directions_beyond(columns: Array, names: Iterable[object]) -> tuple[str, ...]:
+    """Directions orthogonal to all columns, in words."""
+    names = tuple(names)
+    directions = sparse_basis(null_space(column_space(columns).T))
+    return tuple(in_words(direction, names) for direction in directions.T)
+
+
+def in_words(direction: Array, names: Iterable[object]) -> str:
+    """A direction as a sum of coordinates, `x - 0.5 y`."""
+    words = ""
+    for value, name in zip(direction.tolist(), names, strict=True):
+        if abs(value) > SPANNED:
+            size = "" if abs(abs(value) - 1) < SPANNED else f"{abs(value):.3g} "
+            sign = "-" if value < 0 else "+"
+            words += f" {sign} {size}{name}" if words else f"{sign}{size}{name}"
+    return words.removeprefix("+")

@@ -1,0 +1,164 @@
+"""Systems and plans as tables of text and numbers, and plans as JSON files.
+
+Tables hold nothing but strings, numbers, lists and tables, so that a system may as well
+stand in a TOML file.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from planner.planning.algorithm import Plan
+from planner.systems.fields import NumericField
+from planner.systems.flows import Flow
+from planner.systems.formulas import read_formula, write_formula
+from planner.systems.strata import StratifiedSystem
+
+FORMAT = "stratified plan, version 1"
+
+
+def system_table(system: StratifiedSystem) -> dict[str, Any]:
+    """A system as a table of formulas.
+
+    Raises:
+        ValueError: A field is known as a function only.
+    """
+    for name, field in system.fields.items():
+        if isinstance(field, NumericField):
+            raise ValueError(
+                f"field {name} is a function, which cannot be written down"
+            )
+    return {
+        "state": [str(s) for s in system.state],
+        "bottom": system.bottom,
+        "strata": {
+            stratum: {
+                name: [write_formula(e) for e in field]
+                for name, field in fields.items()
+            }
+            for stratum, fields in system.strata.items()
+        },
+        "level_sets": {
+            stratum: [write_formula(f) for f in functions]
+            for stratum, functions in system.level_sets.items()
+        },
+    }
+
+
+def system_from(table: Mapping[str, Any]) -> StratifiedSystem:
+    """The system that a table describes.
+
+    Args:
+        table: `state`, `bottom`, `strata` with the formulas of their fields and, where
+            feet have heights, `level_sets`.
+
+    Raises:
+        ValueError: A key is missing or unknown, or the system is not sound.
+    """
+    _require_keys(table, {"state", "bottom", "strata"}, {"level_sets"}, "system")
+    state = [sp.Symbol(str(name), real=True) for name in table["state"]]
+    return StratifiedSystem(
+        state=tuple(state),
+        bottom=table["bottom"],
+        strata={
+            stratum: {
+                name: sp.ImmutableMatrix([read_formula(e, state) for e in column])
+                for name, column in fields.items()
+            }
+            for stratum, fields in table["strata"].items()
+        },
+        level_sets={
+            stratum: tuple(read_formula(f, state) for f in functions)
+            for stratum, functions in table.get("level_sets", {}).items()
+        },
+    )
+
+
+def _require_keys(
+    table: Mapping[str, Any], needed: set[str], optional: set[str], what: str
+) -> None:
+    for key in sorted(needed - table.keys()):
+        raise ValueError(
+            f"{what} lacks {key!r}; it has {', '.join(table) or 'nothing'}"
+        )
+    for key in sorted(table.keys() - needed - optional):
+        raise ValueError(f"{what} has the unknown key {key!r}")
+
+
+def save_plan(plan: Plan, path: Path | str) -> None:
+    """Write a plan, whole or not at all.
+
+    Raises:
+        ValueError: The plan's system has fields known as functions only.
+        OSError: The file cannot be written.
+    """
+    table = {
+        "format": FORMAT,
+        "system": system_table(plan.system),
+        "elements": list(plan.elements),
+        "basis": list(plan.basis),
+        "flows": [list(flow) for flow in plan.flows],
+        "segment_ends": list(plan.segment_ends),
+        "inputs": plan.inputs.tolist(),
+        "hall_coordinates": plan.hall_coordinates.tolist(),
+        "start": plan.start.tolist(),
+        "goal": plan.goal.tolist(),
+        "depart": plan.depart,
+        "arrive": plan.arrive,
+    }
+    path = Path(path)
+    part = Path(f"{path}.{os.getpid()}.part")
+    try:
+        with part.open("w") as file:
+            json.dump(table, file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def load_plan(path: Path | str) -> Plan:
+    """Read a plan that `save` wrote.
+
+    Raises:
+        ValueError: The file is no plan.
+        OSError: The file cannot be read.
+    """
+    try:
+        table = json.loads(Path(path).read_text())
+    except (ValueError, RecursionError):
+        raise ValueError(
+            f"{path} is not JSON; give a file that a plan was saved to"
+        ) from None
+    if not isinstance(table, dict) or table.get("format") != FORMAT:
+        raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
+    try:
+        return _plan(table)
+    except (KeyError, TypeError, AttributeError, ValueError) as error:
+        raise ValueError(f"{path} is damaged: {error}; save the plan again") from None
+
+
+def _plan(table: Mapping[str, Any]) -> Plan:
+    return Plan(
+        system=system_from(table["system"]),
+        elements=tuple(table["elements"]),
+        basis=tuple(table["basis"]),
+        flows=tuple(Flow(s, f, float(t)) for s, f, t in table["flows"]),
+        segment_ends=tuple(table["segment_ends"]),
+        inputs=np.array(table["inputs"]),
+        hall_coordinates=np.array(table["hall_coordinates"]),
+        start=np.array(table["start"]),
+        goal=np.array(table["goal"]),
+        depart=table["depart"],
+        arrive=table["arrive"],
+    )

@@ -1,0 +1,147 @@
+"""Nominal paths: configurations along s in [0, 1], many at a time.
+
+Coordinates may be any: heading is continuous along a path and is never wrapped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.numerics.arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """A curve through configurations.
+
+    Attributes:
+        at: Maps parameters of shape (k,) to configurations of shape (k, n).
+        corners: Parameters in (0, 1) where the direction jumps, ascending.
+    """
+
+    at: Callable[[Array], Array]
+    corners: tuple[float, ...] = ()
+
+    def __call__(self, s: float) -> Array:
+        """The configuration at one parameter, shape (n,)."""
+        configuration: Array = self.at(np.array([s], dtype=float))[0]
+        return configuration
+
+
+def line(start: ArrayLike, goal: ArrayLike) -> Path:
+    """The straight line between two configurations (Figs. 6 and 8)."""
+    return waypoints([start, goal])
+
+
+def waypoints(points: Sequence[ArrayLike]) -> Path:
+    """Straight lines from each configuration to the next, s by the length travelled.
+
+    Args:
+        points: At least two configurations of one size. Repeated ones are passed over.
+
+    Raises:
+        ValueError: Fewer than two points, unequal sizes, or values not finite.
+    """
+    knots = _configurations(points)
+    lengths = np.linalg.norm(np.diff(knots, axis=0), axis=1)
+    knots = knots[np.concatenate([[True], lengths > 0])]
+    total = lengths.sum()
+    if total == 0:
+        return Path(lambda s: np.repeat(knots, s.size, axis=0))
+    where = np.concatenate([[0.0], np.cumsum(lengths[lengths > 0]) / total])
+    where[-1] = 1.0
+
+    def at(s: Array) -> Array:
+        k = np.clip(np.searchsorted(where, s, side="right") - 1, 0, len(where) - 2)
+        part = (s - where[k]) / (where[k + 1] - where[k])
+        part = part[:, None]
+        between: Array = (1 - part) * knots[k] + part * knots[k + 1]
+        return between
+
+    return Path(at, tuple(float(s) for s in where[1:-1]))
+
+
+def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
+    """A whole ellipse in the first two coordinates, the others constant, Fig. 7.
+
+    It starts at `start`, where it moves along the second coordinate, and is centred one
+    semi-axis behind: start + (a cos 2 pi s - a, b sin 2 pi s, 0, ...).
+
+    Raises:
+        ValueError: The configuration has fewer than two coordinates or is not finite.
+    """
+    (origin,) = _configurations([start], least=1)
+    if origin.size < 2:
+        raise ValueError(f"an ellipse needs two coordinates, got {origin.size}")
+    a, b = semi_axes
+
+    def at(s: Array) -> Array:
+        configurations = np.repeat(origin[None], s.size, axis=0)
+        turn = 2 * np.pi * s
+        configurations[:, 0] += a * np.cos(turn) - a
+        configurations[:, 1] += b * np.sin(turn)
+        return configurations
+
+    return Path(at)
+
+
+def as_path(path: Path | Callable[[float], ArrayLike]) -> Path:
+    """Any function of s as a path; functions are called once a parameter."""
+    if isinstance(path, Path):
+        return path
+    if not callable(path):
+        raise ValueError(f"path is {path!r}; give a function of s in [0, 1], or a Path")
+    return Path(lambda s: np.array([path(float(t)) for t in s], dtype=float))
+
+
+def grid(path: Path, segments: int) -> Array:
+    """Parameters that divide a path into segments, uniform but for its corners.
+
+    Each corner draws the nearest inner division to itself that leaves one to each of
+    the others. Where there are too few divisions they are uniform and cut the corners.
+    """
+    parameters = np.linspace(0.0, 1.0, segments + 1)
+    corners = np.array(path.corners)
+    spare = segments - 1 - corners.size
+    if spare >= 0:
+        before = np.arange(
+            1, corners.size + 1
+        )  # divisions that each leaves, and its own
+        later = np.clip(np.rint(corners * segments) - before, 0, spare)
+        parameters[np.maximum.accumulate(later).astype(int) + before] = corners
+    return parameters
+
+
+def recut(path: Path, cuts: Array) -> Path:
+    """The same curve, with s running evenly over the pieces between given parameters.
+
+    Dividing it uniformly divides the original at the cuts and nowhere else, so corners
+    in between are no corners any more.
+
+    Args:
+        path: Curve to run along.
+        cuts: Parameters of it from 0 to 1, ascending.
+    """
+    even = np.linspace(0.0, 1.0, len(cuts))
+    kept = even[np.isin(cuts, path.corners)]
+    return Path(
+        lambda s: path.at(np.interp(s, even, cuts)), tuple(float(s) for s in kept)
+    )
+
+
+def _configurations(points: Sequence[ArrayLike], least: int = 2) -> Array:
+    if len(points) < least:
+        raise ValueError(f"a path needs at least {least} points, got {len(points)}")
+    rows = [np.asarray(point, dtype=float) for point in points]
+    for k, row in enumerate(rows):
+        if row.ndim != 1 or row.shape != rows[0].shape:
+            raise ValueError(
+                f"point {k + 1} has shape {row.shape}, the first {rows[0].shape}"
+            )
+        if not np.isfinite(row).all():
+            raise ValueError(f"point {k + 1} is not finite: {row.tolist()}")
+    return np.array(rows)

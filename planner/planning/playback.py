@@ -1,0 +1,52 @@
+"""Play plans on the exact kinematics: the prediction that physics is compared with."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+from planner.numerics.collocation import follow
+from planner.planning.algorithm import Plan
+from planner.systems.flows import Flow, require_flows
+from planner.systems.strata import StratifiedSystem
+
+
+def rollout(plan: Plan, samples: int = 1) -> Array:
+    """States that a plan leads through, from its start.
+
+    Args:
+        plan: Plan to play.
+        samples: States recorded along each flow, its end the last of them.
+
+    Returns:
+        Shape (1 + samples * flows, n): the start, then `samples` rows a flow.
+    """
+    return play(plan.system, plan.flows, plan.start, samples)
+
+
+def play(
+    system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
+) -> Array:
+    """States along any flows, as `rollout` gives them.
+
+    Raises:
+        ValueError: A flow names a field that its stratum does not have, or the start
+            is misshapen.
+        ConvergenceError: A flow escapes.
+    """
+    if samples < 1:
+        raise ValueError(f"samples is {samples}; at least 1 is needed")
+    require_flows(system, flows)
+    states = [np.asarray(start, dtype=float)]
+    if states[0].shape != (system.dimension,):
+        raise ValueError(
+            f"start has shape {states[0].shape}; {system.dimension} coordinates are "
+            "needed"
+        )
+    for flow in flows:
+        velocity = system.compiled(flow.field).velocity
+        for _ in range(samples):
+            states.append(follow(velocity, states[-1], flow.duration / samples))
+    return np.array(states)

@@ -1,0 +1,206 @@
+"""Meet goals exactly on systems that are not nilpotent, by repeated plans (Sec. 2.1).
+
+`steer` plans again from where the last plan ended and appends what it finds. `aim`
+plans one segment again and again, each time aiming beside its end by what it missed,
+and keeps the last: as many flows as open loop, and no further travel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.errors import ConvergenceError, RangeError
+from planner.execution.execution import CHOICES, Execution
+from planner.extension.extended import ExtendedSystem
+from planner.numerics.arrays import Array
+from planner.planning.algorithm import Plan, assemble, with_remedy
+from planner.planning.nominal import fictitious_inputs, require_segments, sample
+from planner.planning.paths import Path, as_path, grid, line
+from planner.planning.playback import play
+from planner.planning.replanning import FINEST, NODES
+
+MOST_AIMS = 40  # where aiming converges, a dozen do
+
+
+@dataclass(frozen=True)
+class _Shot:
+    inputs: Array  # (1, nodes, p)
+    hall_coordinates: Array  # (1, s)
+    end: Array  # (n,)
+
+
+@dataclass(frozen=True)
+class Steered:
+    """A plan of shots, each from where the one before ended.
+
+    Attributes:
+        plan: The flows; every shot is a segment.
+        distances: Distance to the goal before the first shot and after each.
+        critical_step: Length of the shortest shot that did not halve its distance;
+            infinite if all did.
+    """
+
+    plan: Plan
+    distances: tuple[float, ...]
+    critical_step: float
+
+
+def aim(
+    extended: ExtendedSystem,
+    path: Path | Callable[[float], ArrayLike],
+    segments: int,
+    execution: Execution,
+    *,
+    tolerance: float = 1e-9,
+) -> Plan:
+    """A plan that meets the end of each segment, open loop.
+
+    Args:
+        extended: System to steer.
+        path: Configurations on the bottom stratum for s in [0, 1].
+        segments: Number of straight pieces that the path is replaced by.
+        execution: How to carry them out, not in the coordinates of `fewest`.
+        tolerance: Distance to the segments' ends to stay within.
+
+    Raises:
+        ValueError: The execution leaves the choice of coordinates open, or there is no
+            such number of segments.
+        ConvergenceError: A segment is too long to be aimed at.
+        RangeError: The plan leaves the limits; about how many segments would do is
+            judged open loop.
+    """
+    nominal = as_path(path)
+    require_segments(segments, nominal)
+    targets = nominal.at(grid(nominal, segments))
+    shots, here = [], targets[0]
+    for number, target in enumerate(targets[1:], start=1):
+        shot = _aimed(extended, (here, target), execution, tolerance)
+        if shot is None:
+            raise ConvergenceError(
+                f"segment {number} of {segments} cannot be aimed to within "
+                f"{tolerance:.3g} of its end; cut the path into more segments"
+            )
+        shots.append(shot)
+        here = shot.end
+    try:
+        return _assembled(extended, shots, (targets[0], targets[-1]), execution)
+    except RangeError as error:
+        raise with_remedy(error, extended, nominal, segments, execution) from None
+
+
+def _aimed(
+    extended: ExtendedSystem,
+    ends: tuple[Array, Array],
+    execution: Execution,
+    tolerance: float,
+) -> _Shot | None:
+    """The shot that ends where it should, by Broyden's method on where to aim.
+
+    The first guess is that an end moves as its aim does; no correction is longer than
+    the way.
+    """
+    here, target = ends
+    there, inverse = target, np.eye(target.size)  # of the end's change with the aim
+    shot = _shot(extended, here, there, execution)
+    miss = target - shot.end
+    for _ in range(MOST_AIMS):
+        if np.linalg.norm(miss) <= tolerance:
+            return shot
+        step = inverse @ miss
+        step *= min(1.0, float(np.linalg.norm(target - here) / np.linalg.norm(step)))
+        there = there + step
+        shot = _shot(extended, here, there, execution)
+        missed, miss = miss, target - shot.end
+        expected = inverse @ (missed - miss)
+        if not abs(step @ expected) > 0.0:
+            return None
+        inverse += np.outer(step - expected, step @ inverse) / (step @ expected)
+    return None
+
+
+def steer(
+    extended: ExtendedSystem,
+    start: ArrayLike,
+    goal: ArrayLike,
+    execution: Execution,
+    *,
+    tolerance: float = 1e-9,
+    max_shots: int = 100,
+) -> Steered:
+    """Shots along straight lines until the goal is met (Sec. 2.1).
+
+    A shot must at least halve the distance to its target. One that does not was longer
+    than the critical step: it is dropped and the next one aims half as far.
+
+    Args:
+        extended: System to steer.
+        start: Configuration to start from, shape (n,).
+        goal: Configuration to meet, shape (n,).
+        execution: How to carry the shots out, not in the coordinates of `fewest`.
+        tolerance: Distance to the goal to end with, in the mixed unit of the state.
+        max_shots: Number of shots after which to give up.
+
+    Raises:
+        ValueError: The execution leaves the choice of coordinates open, or an end is
+            misshapen or not finite.
+        ConvergenceError: The shots do not come closer, or not within `max_shots`.
+    """
+    way = line(start, goal)
+    ends = here, end = way(0.0), way(1.0)
+    shots: list[_Shot] = []
+    distances = [float(np.linalg.norm(end - here))]
+    part, critical = 1.0, np.inf
+    while distances[-1] > tolerance:
+        if len(shots) >= max_shots or part < FINEST:
+            raise ConvergenceError(
+                f"{len(shots)} shots end {distances[-1]:.3g} from the goal, beyond the "
+                f"tolerance {tolerance:.3g}; allow more, or cut the path into segments"
+            )
+        target = here + part * (end - here)
+        shot = _shot(extended, here, target, execution)
+        length = float(np.linalg.norm(target - here))
+        if np.linalg.norm(target - shot.end) > length / 2:
+            critical, part = min(critical, length), part / 2
+            continue
+        here, part = shot.end, min(1.0, 2 * part)
+        shots.append(shot)
+        distances.append(float(np.linalg.norm(end - here)))
+    return Steered(
+        _assembled(extended, shots, ends, execution),
+        tuple(distances),
+        float(critical),
+    )
+
+
+def _shot(
+    extended: ExtendedSystem, here: Array, target: Array, execution: Execution
+) -> _Shot:
+    """One straight segment, and where it ends."""
+    orders = CHOICES[execution.coordinates][0]
+    if len(orders) > 1:
+        raise ValueError(
+            "where shots end depends on the coordinates followed; choose "
+            "backward, forward or shortest instead of fewest"
+        )
+    samples = sample(line(here, target), extended.system, 1, NODES)
+    inputs = fictitious_inputs(extended, samples)
+    coordinates = extended.steering.hall_coordinates(inputs)
+    (word,) = extended.steering.words(coordinates, orders[0])
+    flows = extended.grouper.flows(word, tuple(range(len(word.fields))))
+    return _Shot(inputs, coordinates, play(extended.system, flows, here)[-1])
+
+
+def _assembled(
+    extended: ExtendedSystem,
+    shots: list[_Shot],
+    ends: tuple[Array, Array],
+    execution: Execution,
+) -> Plan:
+    shots = shots or [_shot(extended, ends[0], ends[0], execution)]
+    inputs = np.concatenate([shot.inputs for shot in shots])
+    coordinates = np.concatenate([shot.hall_coordinates for shot in shots])
+    return assemble(extended, inputs, coordinates, ends, execution)

@@ -1,0 +1,168 @@
+"""What a caller writes for a stratified system, checked and brought to one form."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from planner.errors import point, unknown
+from planner.systems.fields import (
+    STEP,
+    NumericField,
+    Symbols,
+    VectorField,
+    central_difference,
+    sample_configurations,
+)
+from planner.systems.formulas import RESERVED, read_formula
+from planner.systems.level_sets import LevelSet
+
+LARGEST = 1e100  # size of a number; products of three still fit a float
+NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def checked_state(state: Iterable[Any]) -> Symbols:
+    """Symbols of a state from symbols, names, or one text of names.
+
+    Raises:
+        ValueError: There are none, or one is no name or comes twice.
+    """
+    if isinstance(state, str):
+        state = state.replace(",", " ").split()
+    symbols = tuple(sp.Symbol(s) if isinstance(s, str) else s for s in state)
+    if not symbols:
+        raise ValueError("state is empty; name at least one coordinate")
+    names = [str(s) for s in symbols]
+    for s in symbols:
+        if not isinstance(s, sp.Symbol) or not NAME.fullmatch(str(s)):
+            raise ValueError(
+                f"state has {s!s}, which is not a name; use letters, digits, _"
+            )
+        if str(s) in RESERVED:
+            raise ValueError(f"state has {s}, which formulas use; rename it")
+        if names.count(str(s)) > 1:
+            raise ValueError(f"state names {s} twice; rename one")
+    return symbols
+
+
+def checked_strata(
+    strata: Mapping[str, Mapping[str, Any]], state: Symbols
+) -> dict[str, dict[str, VectorField]]:
+    """Fields of each stratum as immutable columns, or as numeric fields.
+
+    Raises:
+        ValueError: A field is misshapen, misnamed or not over the state.
+    """
+    if not strata or not any(strata.values()):
+        raise ValueError(
+            "strata hold no fields; give at least one stratum with one field"
+        )
+    checked: dict[str, dict[str, VectorField]] = {}
+    owner: dict[str, str] = {}
+    for stratum, fields in strata.items():
+        checked[stratum] = {}
+        for name, value in fields.items():
+            if not NAME.fullmatch(name):
+                raise ValueError(
+                    f"field name {name!r} of S{stratum}: use letters, digits, _"
+                )
+            if name in owner:
+                raise ValueError(
+                    f"field {name} is in S{owner[name]} and S{stratum}; rename one"
+                )
+            owner[name] = stratum
+            checked[stratum][name] = _field(f"field {name} of S{stratum}", value, state)
+    return checked
+
+
+def _field(what: str, value: Any, state: Symbols) -> VectorField:
+    if callable(value) and not isinstance(value, sp.Basic):
+        field = value if isinstance(value, NumericField) else NumericField(value)
+        _require_differentiable(what, field, len(state))
+        return field
+    entries = np.atleast_1d(np.asarray(value, dtype=object))
+    read_all = np.vectorize(lambda e: _expression(what, e, state), otypes=[object])
+    column = sp.ImmutableMatrix(read_all(entries))
+    if column.shape != (len(state), 1):
+        raise ValueError(f"{what} has shape {column.shape}, expected ({len(state)}, 1)")
+    return column
+
+
+def _require_differentiable(what: str, field: NumericField, size: int) -> None:
+    """Check derivatives, given or by differences, against finer differences."""
+    for x in sample_configurations(size):
+        direction = np.cos(np.arange(size) + x)  # any direction will do
+        given = field.derivative(x, direction)
+        found = central_difference(field, x, direction, STEP / 4)
+        if np.isfinite(found).all() and not np.allclose(given, found, 1e-6, 1e-6):
+            raise ValueError(
+                f"{what} has a derivative of {point(given)} at {point(x)} where "
+                f"finite differences give {point(found)}; correct its jacobian or make "
+                "it smooth"
+            )
+
+
+def _expression(what: str, value: Any, state: Symbols) -> sp.Expr:
+    """A number or expression as it is, a text as the formula it writes."""
+    try:
+        text = isinstance(value, str)
+        expression = (
+            read_formula(value, state) if text else sp.sympify(value, strict=True)
+        )
+    except ValueError as error:
+        raise ValueError(f"{what}: {error}") from None
+    _require_known(what, expression, state)
+    return expression
+
+
+def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
+    strangers = sorted(map(str, expression.free_symbols - set(state)))
+    if strangers:
+        listed = ", ".join(map(str, state))
+        raise ValueError(
+            f"{what} uses {strangers[0]}, which is not in the state ({listed})"
+        )
+    for part in sp.preorder_traversal(expression):
+        if part.is_number and not _is_real(part):
+            raise ValueError(f"{what} has {part}, no real number below {LARGEST:.0e}")
+
+
+def _is_real(number: sp.Expr) -> bool:
+    try:
+        return abs(float(number)) < LARGEST
+    except (TypeError, OverflowError):
+        return False
+
+
+def checked_level_sets(
+    level_sets: Mapping[str, Any], strata: Mapping[str, Any], state: Symbols
+) -> dict[str, tuple[sp.Expr, ...]]:
+    """Expressions that vanish on each stratum, from one or several, texts included.
+
+    Raises:
+        ValueError: A stratum is unknown, or its expressions are not over the state or
+            depend on one another.
+    """
+    checked = {}
+    for stratum, functions in level_sets.items():
+        if stratum not in strata:
+            raise ValueError(
+                f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
+            )
+        listed = functions if isinstance(functions, (tuple, list)) else [functions]
+        what = f"level set of S{stratum}"
+        checked[stratum] = tuple(_expression(what, f, state) for f in listed)
+        if checked[stratum] and _dependent(checked[stratum], state):
+            raise ValueError(
+                f"level sets of S{stratum} are not independent: "
+                f"{', '.join(map(str, checked[stratum]))} (Def. 1)"
+            )
+    return checked
+
+
+def _dependent(functions: tuple[sp.Expr, ...], state: Symbols) -> bool:
+    return bool(LevelSet(functions, state).differential.rank() < len(functions))

@@ -1,0 +1,238 @@
+"""Vector fields on the configuration space: brackets, and fast evaluation of many.
+
+A field is a sympy column over the state's symbols, or a `NumericField` where only a
+Python function is at hand. Nothing here knows strata, inputs or plans.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from planner.errors import SingularConfigurationError
+from planner.numerics.arrays import Array
+
+Symbols = tuple[sp.Symbol, ...]
+VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
+
+STEP = 0.02  # of central differences; their sixth-order extrapolation errs by its power
+SAMPLES = 12  # an analytic field that vanishes at so many random points is zero
+
+KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
+"""Derivatives of `sign`: zero but for where it jumps, and has none."""
+
+
+def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
+    """The Lie bracket [f, g] = (dg/dx) f - (df/dx) g of symbolic fields, Sec. 2.
+
+    Args:
+        f: First field, a column of as many expressions as there are symbols.
+        g: Second field, likewise.
+        x: Symbols of the state.
+
+    Raises:
+        ValueError: A field's shape does not match the state.
+    """
+    f, g = (_column(field, len(x)) for field in (f, g))
+    change, back = _derivative(g, f, x), _derivative(f, g, x)
+    return sp.ImmutableMatrix([a - b for a, b in zip(change, back, strict=True)])
+
+
+def _derivative(
+    field: sp.Matrix, direction: sp.Matrix, x: Sequence[sp.Symbol]
+) -> list[sp.Expr]:
+    """Derivative of a field along another, entry by entry."""
+    moving = [(s, speed) for s, speed in zip(x, direction, strict=True) if speed != 0]
+    return [
+        sp.Add(*(entry.diff(s) * speed for s, speed in moving if entry.has(s)))
+        for entry in field
+    ]
+
+
+def _column(field: sp.Matrix, size: int) -> sp.Matrix:
+    if not isinstance(field, sp.MatrixBase):  # which would run texts to read them
+        strictly = np.vectorize(lambda e: sp.sympify(e, strict=True), otypes=[object])
+        field = strictly(np.atleast_1d(np.asarray(field, dtype=object)))
+    column = sp.Matrix(field)
+    if column.shape != (size, 1):
+        raise ValueError(
+            f"field has shape {column.shape}; the state asks for ({size}, 1)"
+        )
+    return column
+
+
+@dataclass(frozen=True, slots=True)
+class NumericField:
+    """A field known as a function only.
+
+    Attributes:
+        value: Maps one configuration, shape (n,), to a velocity, shape (n,).
+        jacobian: Maps one configuration to the derivative, shape (n, n); without it
+            derivatives are taken by extrapolated central differences.
+        terms: Maps one configuration to the size of the terms that the velocity is a
+            sum of; without it they are as large as the velocity.
+        calls: Number of calls of given functions behind one velocity.
+    """
+
+    value: Callable[[Array], ArrayLike]
+    jacobian: Callable[[Array], ArrayLike] | None = None
+    terms: Callable[[Array], float] | None = None
+    calls: int = 1
+
+    def __call__(self, x: Array) -> Array:
+        """The velocity at one configuration, shape (n,)."""
+        velocity = np.asarray(self.value(x), dtype=float)
+        if velocity.shape != x.shape:
+            raise ValueError(
+                f"numeric field returned shape {velocity.shape} "
+                f"for a configuration of shape {x.shape}"
+            )
+        return velocity
+
+    def weight(self, x: Array) -> float:
+        """Size of the terms whose rounding the velocity carries."""
+        return self.terms(x) if self.terms else float(np.linalg.norm(self(x)))
+
+    def derivative(self, x: Array, direction: Array) -> Array:
+        """Derivative of the field along a direction, both of shape (n,)."""
+        if self.jacobian is not None:
+            return np.asarray(self.jacobian(x), dtype=float) @ direction
+        return central_difference(self, x, direction)
+
+
+def central_difference(
+    function: Callable[[Array], Array], x: Array, direction: Array, step: float = STEP
+) -> Array:
+    """Derivative along a direction, by extrapolated central differences."""
+    size = float(np.linalg.norm(direction))
+    if size == 0.0:
+        return np.zeros_like(function(x))
+    along = direction / size
+
+    def quotient(h: float) -> Array:
+        return (function(x + h * along) - function(x - h * along)) / (2 * h)
+
+    coarse, middle, fine = (quotient(step / 2**k) for k in range(3))
+    derivative: Array = size * (64 * fine - 20 * middle + coarse) / 45
+    return derivative
+
+
+def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
+    """The Lie bracket of numeric fields, by differentiation along one another."""
+
+    def value(x: Array) -> Array:
+        return g.derivative(x, f(x)) - f.derivative(x, g(x))
+
+    def terms(x: Array) -> float:
+        speeds = np.linalg.norm(f(x)), np.linalg.norm(g(x))
+        return float(speeds[0] * g.weight(x) + speeds[1] * f.weight(x)) / STEP
+
+    return NumericField(value, None, terms, 7 * (f.calls + g.calls))
+
+
+def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
+    """The Lie bracket of two fields of either kind; numeric if one of them is."""
+    if isinstance(f, NumericField) or isinstance(g, NumericField):
+        return numeric_bracket(as_numeric(f, state), as_numeric(g, state))
+    return bracket(f, g, state)
+
+
+def as_numeric(field: VectorField, state: Symbols) -> NumericField:
+    """The field as a function, with the exact derivative where it is symbolic."""
+    if isinstance(field, NumericField):
+        return field
+    value = compile_fields([field], state)
+    rows = compile_fields(
+        list(map(sp.Matrix, field.jacobian(sp.Matrix(state)).T.tolist())), state
+    )
+    return NumericField(lambda x: value(x)[..., 0], rows)
+
+
+@dataclass(frozen=True, slots=True)
+class CompiledFields:
+    """Several fields, evaluated together at many configurations at once."""
+
+    names: tuple[str, ...]
+    constant: Array  # (n, p), entries that do not depend on the configuration
+    varying: tuple[tuple[int, int], ...]  # entries that do
+    function: Callable[..., Sequence[Array]]
+    numeric: tuple[tuple[int, NumericField], ...]
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The fields as columns, shape (..., n, p), at configurations (..., n).
+
+        Raises:
+            SingularConfigurationError: A field has no finite value somewhere.
+        """
+        x = np.asarray(x, dtype=float)
+        columns = self.values(x)
+        if not np.isfinite(columns).all():
+            *where, _, j = np.argwhere(~np.isfinite(columns))[0]
+            raise SingularConfigurationError(self.names[j], x[tuple(where)])
+        return columns
+
+    def velocity(self, x: Array) -> Array:
+        """The first field at configurations (..., n), same shape, without the check."""
+        first: Array = self.values(x)[..., 0]
+        return first
+
+    def values(self, x: Array) -> Array:
+        """The same without the check: not finite where a field is singular."""
+        columns = np.empty((*x.shape[:-1], *self.constant.shape))
+        columns[...] = self.constant
+        if self.varying:
+            with np.errstate(all="ignore"):
+                values = self.function(*np.moveaxis(x, -1, 0))
+            for (i, j), value in zip(self.varying, values, strict=True):
+                columns[..., i, j] = value
+        for j, field in self.numeric:
+            columns[..., j] = np.apply_along_axis(field, -1, x)
+        return columns
+
+
+def compile_fields(
+    fields: Sequence[VectorField], state: Symbols, names: Sequence[str] = ()
+) -> CompiledFields:
+    """Turn fields into one numeric function, shared subexpressions computed once.
+
+    Args:
+        fields: Fields that become the columns, in order.
+        state: Symbols of the state.
+        names: Names of the fields, for messages.
+    """
+    rows = next((len(f) for f in fields if not isinstance(f, NumericField)), len(state))
+    constant = np.zeros((rows, len(fields)))
+    varying: list[tuple[int, int]] = []
+    expressions: list[sp.Expr] = []
+    numeric: list[tuple[int, NumericField]] = []
+    for j, field in enumerate(fields):
+        if isinstance(field, NumericField):
+            numeric.append((j, field))
+            continue
+        for i, entry in enumerate(field):
+            if entry.free_symbols:
+                varying.append((i, j))
+                expressions.append(entry)
+            else:
+                constant[i, j] = float(entry)
+    return CompiledFields(
+        names=tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields))),
+        constant=constant,
+        varying=tuple(varying),
+        function=sp.lambdify(
+            state, expressions, modules=[KINKS, "numpy"], cse=True, dummify=True
+        ),
+        numeric=tuple(numeric),
+    )
+
+
+def sample_configurations(size: int, count: int = SAMPLES) -> Array:
+    """Fixed random configurations, shape (count, size), the later half positive."""
+    points = np.random.default_rng(0).uniform(-1.0, 1.0, (count, size))
+    points[count // 2 :] = np.abs(points[count // 2 :]) + 0.1
+    return points

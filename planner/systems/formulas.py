@@ -1,0 +1,123 @@
+"""Formulas as text, read without running code and written to the last digit."""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import sympy as sp
+from sympy.printing.str import StrPrinter
+
+FUNCTIONS: Mapping[str, Callable[..., sp.Expr]] = {
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "tan": sp.tan,
+    "asin": sp.asin,
+    "acos": sp.acos,
+    "atan": sp.atan,
+    "atan2": sp.atan2,
+    "sinh": sp.sinh,
+    "cosh": sp.cosh,
+    "tanh": sp.tanh,
+    "exp": sp.exp,
+    "log": sp.log,
+    "sqrt": sp.sqrt,
+    "Abs": sp.Abs,
+    "sign": sp.sign,
+}
+CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
+RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # no coordinate can be told from them
+BINARY: Mapping[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: lambda base, exponent: _power(base, exponent),
+}
+UNARY: Mapping[type, Callable[[Any], Any]] = {
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+}
+LONGEST = 10_000  # characters of one formula
+MOST_BITS = 1024  # of a whole number, or of either part of a fraction
+SHOWN = 60  # characters of a formula that a message repeats
+
+
+def read_formula(
+    text: str | float,
+    names: Iterable[sp.Symbol],
+    values: Mapping[str, float] | None = None,
+) -> sp.Expr:
+    """The expression that a text or number stands for.
+
+    Args:
+        text: Formula in the given names, numbers, `+ - * / **` and common functions.
+        names: Symbols it may use.
+        values: Numbers it may use by name.
+
+    Raises:
+        ValueError: It is no such formula; the message says what is in the way.
+    """
+    if isinstance(text, (int, float)):
+        return sp.sympify(text)
+    if len(text) > LONGEST:
+        raise ValueError(f"formula is {len(text)} characters long, {LONGEST} at most")
+    numbers = {name: sp.sympify(value) for name, value in (values or {}).items()}
+    known = {str(s): s for s in names} | numbers | dict(CONSTANTS)
+    try:
+        return _expression(ast.parse(text.strip(), mode="eval").body, known, text)
+    except (SyntaxError, TypeError, RecursionError, MemoryError) as error:
+        raise ValueError(f"formula {_short(text)} cannot be read: {error}") from None
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}...")
+
+
+def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
+    """A power whose numbers, which sympy multiplies out, stay of a sensible size."""
+    if exponent.is_Rational:
+        parts = [n for r in base.atoms(sp.Rational) for n in (r.p, r.q)]
+        bits = max((int(n).bit_length() for n in parts), default=0)
+        if bits * abs(exponent) > MOST_BITS:
+            raise ValueError(
+                f"{_short(str(base))} to the power {exponent} is too large a number"
+            )
+    return base**exponent
+
+
+def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.Expr:
+    def part(child: ast.expr) -> sp.Expr:
+        return _expression(child, names, text)
+
+    match node:
+        case ast.Constant(value=int() | float()) if not isinstance(node.value, bool):
+            return sp.sympify(node.value)
+        case ast.Name(id=name) if name in names:
+            return names[name]
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in BINARY:
+            return BINARY[type(op)](part(left), part(right))
+        case ast.UnaryOp(op=op, operand=operand) if type(op) in UNARY:
+            return UNARY[type(op)](part(operand))
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if (
+            name in FUNCTIONS
+        ):
+            return FUNCTIONS[name](*map(part, args))
+    raise ValueError(
+        f"formula {_short(text)} has {_short(ast.unparse(node))}, which is neither a "
+        f"number nor one of {', '.join([*names, *FUNCTIONS])}"
+    )
+
+
+class _Writer(StrPrinter):  # type: ignore[misc]
+    """Prints numbers with all their digits."""
+
+    def _print_Float(self, number: sp.Float) -> str:  # noqa: N802
+        return repr(float(number))
+
+
+def write_formula(expression: sp.Expr) -> str:
+    """The text that `read` turns into the same expression."""
+    return str(_Writer().doprint(expression))

@@ -1,0 +1,122 @@
+"""The set where given functions vanish, such as a stratum where feet have height zero.
+
+Answers which configurations lie on it and how fast a field leaves it (Sec. 5.1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+
+from planner.numerics.arrays import Array
+from planner.numerics.subspaces import rank
+from planner.systems.fields import (
+    CompiledFields,
+    NumericField,
+    Symbols,
+    VectorField,
+    compile_fields,
+    sample_configurations,
+)
+from planner.systems.rounding import TRUSTED, WeighedValues
+
+SWEEPS = 30  # of Newton's method, which needs far fewer where it converges
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSet:
+    """Common zeros of functions of the state.
+
+    Attributes:
+        functions: Expressions Phi_i, as many as the set's codimension.
+        state: Symbols of the state.
+    """
+
+    functions: tuple[sp.Expr, ...]
+    state: Symbols
+
+    @cached_property
+    def differential(self) -> sp.Matrix:
+        """Rows d Phi_i, shape (codimension, n)."""
+        return sp.Matrix(self.functions).jacobian(sp.Matrix(self.state))
+
+    def leaves(self, field: VectorField) -> bool:
+        """Whether a field is not tangent to the set."""
+        return bool(self.rates(field).any())
+
+    def rates(self, field: VectorField) -> Array:
+        """Rates <d Phi_i, field> at `points`, shape (points, codimension).
+
+        What rounding leaves of a rate is zero; points where it is singular are passed
+        over.
+        """
+        if not isinstance(field, NumericField):
+            formulas = self.differential * field
+            if formulas.is_zero_matrix:
+                return np.zeros((1, len(self.functions)))
+            rates = WeighedValues(self.state, self.points)(formulas)
+            return np.where(np.isfinite(rates), rates, 0.0)
+        velocities = WeighedValues(self.state, self.points)(field)[:, None]
+        terms = np.swapaxes(self.gradients(self.points), -1, -2) * velocities
+        rates, sizes = terms.sum(axis=-1), np.abs(terms).sum(axis=-1)
+        return np.where(np.abs(rates) > TRUSTED * sizes, rates, 0.0)
+
+    @cached_property
+    def points(self) -> Array:
+        """Random configurations on the set, shape (points, n), by Newton's method.
+
+        Raises:
+            ValueError: None is found, or the functions depend on one another (Def. 1).
+        """
+        x = sample_configurations(len(self.state))
+        for _ in range(SWEEPS):
+            residual, slopes = self._linear(x)
+            sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all((1, 2))
+            step = np.linalg.pinv(slopes[sound]) @ residual[sound, :, None]
+            x = x[sound] - step[..., 0]
+            if not step.any():
+                break
+        residual, slopes = self._linear(x)
+        there = ~residual.any(axis=1)
+        listed = ", ".join(map(str, self.functions))
+        if not there.any():
+            raise ValueError(f"found no configuration where {listed} vanish together")
+        if any(rank(rows.T) < len(self.functions) for rows in slopes[there]):
+            raise ValueError(f"{listed} are not independent where they vanish (Def. 1)")
+        return x[there]
+
+    def _linear(self, x: Array) -> tuple[Array, Array]:
+        """Values, shape (points, codimension), and slopes (points, codimension, n)."""
+        evaluation = WeighedValues(self.state, x)
+        slopes = evaluation(list(self.differential))
+        return evaluation(self.functions), slopes.reshape(
+            len(x), len(self.functions), len(self.state)
+        )
+
+    def value(self, x: Array) -> Array:
+        """The functions at configurations (..., n), shape (..., codimension)."""
+        return self._values.values(x)[..., 0]
+
+    def gradients(self, x: Array) -> Array:
+        """Gradients at configurations (..., n), shape (..., n, codimension)."""
+        if not self.functions:
+            return np.zeros((*x.shape, 0))
+        return self._gradients.values(x)
+
+    @cached_property
+    def _values(self) -> CompiledFields:
+        return _stack(sp.Matrix(self.functions), self.state)
+
+    @cached_property
+    def _gradients(self) -> CompiledFields:
+        return _stack(self.differential.T, self.state)
+
+
+def _stack(matrix: sp.Matrix, state: Symbols) -> CompiledFields:
+    """Compile a matrix of expressions; its columns need not be fields."""
+    columns: Sequence[sp.Matrix] = [matrix.col(j) for j in range(matrix.cols)]
+    return compile_fields(columns, state)

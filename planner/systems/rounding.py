@@ -1,0 +1,154 @@
+"""Values of fields in which rounding is told apart from what is merely small.
+
+Beside every value goes its weight: the size of the terms that it is a sum of, carried
+through products and functions as errors are. A value below `ROUNDING` of its weight is
+what cancelling terms left over, and counts as zero; whatever the units, any other value
+counts. Many small formulas are evaluated once each; hot loops compile theirs instead,
+`systems.fields.compile_fields`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+
+import numpy as np
+import sympy as sp
+
+from planner.numerics.arrays import ROUNDING, Array
+from planner.systems.fields import (
+    NumericField,
+    Symbols,
+    VectorField,
+    sample_configurations,
+)
+
+TRUSTED = 1e-9  # the same for functions, whose terms are not known
+FAR = 10.0  # times as far away fields are looked at, too, before they count as zero
+NUDGE = 1e-6  # of an argument, in its weight, to see how a function carries errors
+
+Weighed = tuple[Array, Array]  # values and their weights, broadcastable to (points,)
+
+
+class WeighedValues:
+    """Formulas at given configurations; what was evaluated once is remembered.
+
+    Coordinates are taken to be known to `ROUNDING` of themselves, or of 1.
+    """
+
+    def __init__(self, state: Symbols, points: Array) -> None:
+        """Prepare for formulas in a state's symbols, at points of shape (points, n)."""
+        self.points = points
+        self._known: dict[sp.Basic, Weighed] = {
+            symbol: (x, np.maximum(np.abs(x), 1.0))
+            for symbol, x in zip(state, points.T, strict=True)
+        }
+        self._state = state
+
+    def __call__(self, column: VectorField) -> Array:
+        """A column of formulas, or a function's; shape (points, rows).
+
+        Not finite where it is singular.
+        """
+        with np.errstate(all="ignore"):
+            if isinstance(column, NumericField):
+                return self._function(column)
+            rows = [self._settled(entry) for entry in column]
+            return np.stack(np.broadcast_arrays(self.points[:, 0], *rows)[1:], axis=1)
+
+    def _settled(self, entry: sp.Expr) -> Array:
+        value, weight = self._weighed(entry)
+        rounding = np.isfinite(value) & (np.abs(value) <= ROUNDING * weight)
+        settled: Array = np.where(rounding, 0.0, value)
+        return settled
+
+    def _function(self, field: NumericField) -> Array:
+        values = np.array([field(x) for x in self.points])
+        sizes = np.array([field.weight(x) for x in self.points])
+        largest = np.where(np.isfinite(sizes), sizes, 0.0).max()
+        settled: Array = np.where(np.abs(values) <= TRUSTED * largest, 0.0, values)
+        return settled
+
+    def _weighed(self, entry: sp.Expr) -> Weighed:
+        if entry not in self._known:
+            self._known[entry] = self._evaluated(entry)
+        return self._known[entry]
+
+    def _evaluated(self, entry: sp.Expr) -> Weighed:
+        if entry.is_Number or entry.is_NumberSymbol:
+            value = np.asarray(float(entry) if entry.is_extended_real else np.nan)
+            return value, np.abs(value)
+        if not all(isinstance(part, sp.Expr) for part in entry.args):
+            return self._whole(entry)
+        parts = [self._weighed(part) for part in entry.args]
+        if entry.is_Add:
+            return _sum(parts)
+        if entry.is_Mul:
+            return _product(parts)
+        return _carried(_function(entry.func, len(parts)), parts)
+
+    def _whole(self, entry: sp.Expr) -> Weighed:
+        """A formula whose parts are not all formulas, such as one by cases."""
+        function = sp.lambdify(self._state, entry, modules="numpy")
+        value = np.asarray(function(*self.points.T), dtype=float)
+        return value, np.abs(value)
+
+
+def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]:
+    """Which fields are zero everywhere, decided at random configurations.
+
+    Analytic fields that vanish at random points vanish; no simplification is needed.
+    Points where a field is singular are passed over; one that is singular at all of
+    them does not count as zero. Functions are not called far away.
+    """
+    near = sample_configurations(len(state))
+    formulas = WeighedValues(state, np.vstack([near, FAR * near]))
+    functions = WeighedValues(state, near)
+    return tuple(
+        _vanishes(functions if isinstance(field, NumericField) else formulas, field)
+        for field in fields
+    )
+
+
+def _vanishes(evaluation: WeighedValues, field: VectorField) -> bool:
+    values = evaluation(field)
+    finite = np.isfinite(values)
+    return bool(finite.all(axis=1).any() and not values[finite].any())
+
+
+def _sum(parts: Sequence[Weighed]) -> Weighed:
+    values, weights = zip(*parts, strict=True)
+    return sum(values[1:], values[0]), sum(weights[1:], weights[0])
+
+
+def _product(parts: Sequence[Weighed]) -> Weighed:
+    (value, weight), *others = parts
+    for factor, its_weight in others:
+        weight = weight * np.abs(factor) + np.abs(value) * its_weight
+        value = value * factor
+    return value, weight
+
+
+def _carried(function: Callable[..., Array], parts: Sequence[Weighed]) -> Weighed:
+    """A function's values; each argument's weight counts by the slope there."""
+    arguments = [value for value, _ in parts]
+    value = function(*arguments)
+    weight = np.abs(value)
+    for k, (argument, its_weight) in enumerate(parts):
+        nudged = [*arguments]
+        nudged[k] = argument + NUDGE * its_weight
+        slope = np.abs(function(*nudged) - value) / NUDGE
+        weight = weight + np.where(np.isfinite(slope), slope, 0.0)
+    return value, weight
+
+
+@cache
+def _function(function: type[sp.Expr], count: int) -> Callable[..., Array]:
+    """A function of formulas as one of arrays."""
+    if function is sp.Pow:
+        return np.float_power
+    arguments = [sp.Dummy(real=True) for _ in range(count)]
+    compiled: Callable[..., Array] = sp.lambdify(
+        arguments, function(*arguments, evaluate=False), modules="numpy"
+    )
+    return compiled

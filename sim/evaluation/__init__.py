@@ -1,0 +1,1 @@
+"""A walk beside its predictions: errors, their sources, contacts, clearance."""

@@ -1,0 +1,54 @@
+"""Which phases of a walk the error at its end comes from.
+
+Let the first k phases move the body as achieved and the others as predicted: from k to
+k + 1 the end moves by what phase k contributes, and all contributions add up to the
+error exactly. They are summed by stratum and kind of phase.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner import Array
+from sim.motion.poses import compose, relative
+from sim.motion.prediction import Prediction
+from sim.walking.walker import Walk
+
+
+def contributions(achieved: Array, predicted: Array) -> Array:
+    """What each phase contributes to the final pose error.
+
+    Args:
+        achieved: Pose at the start and at the end of each phase, shape (P + 1, 3).
+        predicted: Likewise; both from the same start.
+
+    Returns:
+        Shape (P, 3); the sum is achieved[-1] - predicted[-1].
+    """
+    rest = relative(predicted, predicted[-1])  # predicted way from each pose to the end
+    ends = compose(achieved, rest)  # (P + 1, 3)
+    return np.asarray(np.diff(ends, axis=0))
+
+
+def error_sources(
+    walk: Walk, achieved: Array, prediction: Prediction
+) -> dict[str, list[float]]:
+    """Contributions to the final error by kind and stratum, as `swing S1`.
+
+    Args:
+        walk: An open-loop walk.
+        achieved: Achieved pose at every moment recorded, shape (T, 3).
+        prediction: Prediction at the same moments.
+
+    Returns:
+        For each source its part in x, y [m] and yaw [rad].
+    """
+    phases = [phase for phase in walk.phases if phase.start >= walk.starts]
+    edges = np.array([phases[0].start, *(phase.stop for phase in phases)])
+    at = walk.recording.moments.step.searchsorted(edges)  # phases' ends are looked at
+    both = (poses[at] for poses in (achieved, prediction.pose))
+    sources: dict[str, Array] = {}
+    for phase, part in zip(phases, contributions(*both), strict=True):
+        name = f"{phase.kind} S{phase.stratum}"
+        sources[name] = sources.get(name, np.zeros(3)) + part
+    return {name: [float(v) for v in part] for name, part in sources.items()}

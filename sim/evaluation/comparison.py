@@ -1,0 +1,99 @@
+"""The comparison of predictions and physics in words and columns, from a summary.
+
+Prints nothing and computes nothing but units.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+HEADER = (
+    f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics ends off by':28}"
+    f"{'at most':>9}{'margin':>10}{'slip':>11}"
+)
+PREDICTIONS = {
+    "ideal": "ideal",
+    "quasi_static": "quasi-static",
+    "identified": "identified",
+}
+
+
+def describe(summary: Mapping[str, Any]) -> str:
+    """What was walked and how it compares, in lines for a terminal.
+
+    Args:
+        summary: Contents of summary.json.
+    """
+    return "\n".join(
+        [*_headline(summary), "", HEADER, *_rows(summary), *_clearance(summary)]
+    )
+
+
+def _headline(summary: Mapping[str, Any]) -> list[str]:
+    replan = ", replanned" if summary["replan"] else ""
+    lines = [
+        f"{summary['scenario']}: {summary['robot']}, {summary['fields']} fields, "
+        f"{summary['stance']} stance, steered on {summary['steer']}{replan}",
+        f"{'planned':13}{summary['segments']} segments, {summary['contact_switches']} "
+        f"contact switches, {summary['distance_walked']:.3f} m to walk for a path of "
+        f"{summary['path_length']:.3f} m",
+        f"{'walked':13}{summary['contact_switches_achieved']} contact switches, "
+        f"{summary['bounces']} bounces, {summary['simulated_time']:.1f} s simulated in "
+        f"{summary['timing']['simulate']:.1f} s",
+    ]
+    if summary["saturated_segments"]:
+        scaled = "segments scaled down to the joint range"
+        lines.append(f"{'saturated':13}{summary['saturated_segments']} {scaled}")
+    if touched := summary.get("self_contacts"):
+        lines.append(
+            f"{'collided':13}parts of the robot came to touch each other {touched} "
+            "times, of which no prediction knows"
+        )
+    return lines
+
+
+def _rows(summary: Mapping[str, Any]) -> list[str]:
+    off, predicted = summary["error"], summary["predicted"]
+    rows = [_row("goal", summary["goal"], _off(off["goal"], summary["path_length"]))]
+    for key, name in PREDICTIONS.items():
+        if why := summary.get("unpredicted", {}).get(key):
+            rows.append(f"{name:13}{why}")
+        elif predicted.get(key) is not None:
+            by = _off(off[key], summary["path_length"])
+            rows.append(_row(name, predicted[key]["pose"], by, predicted[key]))
+    achieved = summary["achieved"]
+    return [*rows, _row("achieved", achieved["pose"], "", achieved)]
+
+
+def _clearance(summary: Mapping[str, Any]) -> list[str]:
+    """Distance from obstacles, where there are any."""
+    achieved = summary["achieved"].get("min_clearance")
+    if achieved is None:
+        return []
+    predicted = summary["predicted"][summary["steer"].replace("-", "_")]
+    return [
+        "",
+        f"{'clearance':13}{1e3 * predicted['min_clearance']:.1f} mm predicted, "
+        f"{1e3 * achieved:.1f} mm achieved, {summary['wall_contacts']} wall contacts",
+    ]
+
+
+def _row(
+    name: str, pose: Any, off: str, along: Mapping[str, float] | None = None
+) -> str:
+    x, y, yaw = pose
+    end = f"{x:z8.4f} {y:z8.4f} {yaw:z8.4f}"
+    way = "" if along is None else _way(along)
+    return f"{name:13}{end:29}{off:37}{way}".rstrip()
+
+
+def _off(error: Mapping[str, float], path_length: float) -> str:
+    share = f"{error['position'] / path_length:6.2%}" if path_length else f"{'':6}"
+    farthest = f"{1e3 * error['farthest']:6.2f} mm" if "farthest" in error else ""
+    end = f"{1e3 * error['position']:6.2f} mm {share} {error['yaw']:7.4f} rad"
+    return f"{end:28}{farthest}"
+
+
+def _way(along: Mapping[str, float]) -> str:
+    return f"{1e3 * along['min_margin']:7.1f} mm{1e3 * along['slip']:8.1f} mm"

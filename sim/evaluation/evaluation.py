@@ -1,0 +1,265 @@
+"""Judge a walk: achieved beside predicted on one time axis, and the summary of both.
+
+Definitions are in the README. Writes nothing; `sim.simulation` does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models import MeasurementError, TwistModel
+from planner import Array
+from sim.evaluation.attribution import error_sources
+from sim.evaluation.passage import clearances
+from sim.evaluation.phases import count_changes, swing_slip
+from sim.experiments.predictions import MODELS, twist_model
+from sim.motion.poses import rotate, seen_from, wrap
+from sim.motion.prediction import Prediction, Predictor
+from sim.motion.schedule import Phase
+from sim.motion.stability import BLOCK, carrying, stability_margin
+from sim.walking.walker import Walk
+
+Summary = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Achieved:
+    """What the physics did at every moment recorded, in the frame of the start pose."""
+
+    pose: Array  # (T, 3)
+    margin: Array  # (T,) [m]
+    slip: Array  # since the walk's start, (T, F) [m]
+    contact: Array  # (T, F), bool
+    point: Array  # where each foot touches, (T, F, 2) [m]
+    center_of_mass: Array  # (T, 3) [m]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A walk and everything said about it, at every moment recorded."""
+
+    walk: Walk
+    achieved: Achieved
+    predicted: Mapping[str, Prediction]
+    unpredicted: Mapping[str, str]  # predictions that could not be made, and why
+    clearance: Mapping[str, Array]  # achieved and predicted, if anything is in the way
+    walking: Array  # moments from the start of the walk on, (T,), bool
+
+    @property
+    def judged(self) -> Array:
+        """Moments that the summary's extremes are taken over, (T,), bool.
+
+        They depend on what was commanded alone, not on which rows are written.
+        """
+        return np.asarray(self.walking & self.walk.recording.marks.looked)
+
+
+def evaluate(walk: Walk) -> Evaluation:
+    """Put achieved and predicted motion side by side."""
+    predicted: dict[str, Prediction] = {}
+    unpredicted: dict[str, str] = {}
+    for name in MODELS:
+        try:
+            predicted[name] = _predicted(walk, twist_model(walk.setup, name))
+        except MeasurementError as error:
+            unpredicted[name] = str(error)
+    walking = walk.recording.moments.step >= walk.starts
+    near = clearances(walk, predicted)
+    return Evaluation(walk, _achieved(walk), predicted, unpredicted, near, walking)
+
+
+def _achieved(walk: Walk) -> Achieved:
+    recording, moments = walk.recording, walk.recording.moments
+    contact, points, center = moments.contact, moments.point, moments.center_of_mass
+    margin = stability_margin(points, carrying(points, contact, center), center[:, :2])
+    (x, y, yaw), before = walk.origin, recording.slip_after(walk.starts)
+    on_floor = rotate(center[:, :2] - (x, y), -yaw)
+    return Achieved(
+        pose=seen_from(walk.origin, walk.setup.pose(moments.qpos)),
+        margin=margin,
+        slip=np.maximum(moments.slip - before, 0.0),
+        contact=contact,
+        point=rotate(points - (x, y), -yaw),
+        center_of_mass=np.concatenate([on_floor, center[:, 2:]], axis=1),
+    )
+
+
+def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
+    """One prediction over all stretches, each from the pose it was planned from."""
+    pieces: list[Prediction] = []
+    slipped, during = np.zeros(len(walk.setup.robot.legs)), walk.recording.during
+    for stretch in walk.stretches:
+        schedule = stretch.schedule
+        inside = during[(during >= schedule.start) & (during < schedule.stop)]
+        local = inside - schedule.start  # a stretch's last step is always among them
+        predict = Predictor(
+            schedule, twists, walk.setup.kinematics, tuple(stretch.pose)
+        )
+        for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
+            piece = predict(rows)
+            pose = np.concatenate([piece.pose[:, :2], wrap(piece.pose[:, 2:])], axis=1)
+            slip = piece.slip + slipped
+            pieces.append(Prediction(pose, slip, piece.margin, piece.contact))
+        slipped = slip[-1]
+    names = ("pose", "slip", "margin", "contact")
+    return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
+
+
+def trajectory(evaluation: Evaluation) -> Iterator[tuple[str, Array]]:
+    """The arrays of trajectory.npz, one after another."""
+    walk, achieved = evaluation.walk, evaluation.achieved
+    recording, predicted = walk.recording, evaluation.predicted
+    moments, ideal = recording.moments, predicted["ideal"]
+    starts = np.array([phase.start for phase in walk.phases])
+    arrays = {
+        "time": moments.step * recording.timestep,
+        "qpos": moments.qpos,
+        "qvel": moments.qvel,
+        "achieved_pose": achieved.pose,
+        "predicted_pose": ideal.pose,
+        "contact": achieved.contact,
+        "planned_contact": ideal.contact,
+        "slip": achieved.slip,
+        "predicted_slip": ideal.slip,
+        "achieved_margin": achieved.margin,
+        "predicted_margin": ideal.margin,
+        "contact_point": achieved.point,
+        "center_of_mass": achieved.center_of_mass,
+        "phase": np.searchsorted(starts, recording.during, side="right") - 1,
+    }
+    for name, prediction in predicted.items():
+        if name != "ideal":
+            arrays[f"{name}_pose"] = prediction.pose
+            arrays[f"{name}_slip"] = prediction.slip
+            arrays[f"{name}_margin"] = prediction.margin
+    for name, clearance in evaluation.clearance.items():
+        arrays[f"{'predicted' if name == 'ideal' else name}_clearance"] = clearance
+    for name, array in arrays.items():
+        yield name, array[recording.marks.sampled]
+    yield "world_start_pose", walk.origin
+
+
+def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
+    """The numbers of summary.json, unrounded, timing left out.
+
+    Args:
+        evaluation: A walk and its predictions.
+        creep_floor: Slip of the same measure while standing as long [m].
+    """
+    walk, achieved = evaluation.walk, evaluation.achieved
+    setup, scenario = walk.setup, walk.setup.scenario
+    pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
+    swings = [p for p in walk.phases if p.kind == "swing"]
+    walked = float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
+    length = scenario.path.length
+    in_swings, judged = swing_slip(walk), evaluation.judged
+    predicted = {
+        name: _of_prediction(prediction, judged)
+        | {"min_clearance": _least(evaluation, name)}
+        for name, prediction in evaluation.predicted.items()
+    }
+    absent = dict.fromkeys(evaluation.unpredicted)
+    errors = {
+        name: _error(achieved.pose[judged], prediction.pose[judged], length, walked)
+        for name, prediction in evaluation.predicted.items()
+    }
+    return {
+        "scenario": scenario.name,
+        "robot": setup.robot.name,
+        "fields": scenario.fields,
+        "stance": setup.stance,
+        "segments": scenario.segments,
+        "replan": scenario.replan,
+        "steer": scenario.steer,
+        "goal": [float(g) for g in goal],
+        "path_length": length,
+        "distance_walked": walked,
+        "contact_switches": sum(p.kind in ("lift", "land") for p in walk.phases),
+        "contact_switches_achieved": count_changes(walk),
+        "swing_travel": _travel(swings, setup.robot.groups, loaded=True),
+        "air_travel": _travel(swings, setup.robot.groups, loaded=False),
+        "bounces": walk.recording.bounces,
+        "wall_contacts": walk.recording.wall_contacts,
+        "self_contacts": walk.recording.self_contacts,
+        "saturated_segments": walk.saturated_segments,
+        "walk_starts": walk.starts * setup.limits.timestep,
+        "predicted": predicted | absent,
+        "unpredicted": dict(evaluation.unpredicted),
+        "achieved": {
+            "pose": [float(p) for p in pose],
+            "min_margin": walk.recording.least_margin,
+            "min_clearance": _least(evaluation, "achieved"),
+            "slip": float(achieved.slip[-1].sum()),
+            "slip_swing": in_swings,
+            "slip_transition": float(achieved.slip[-1].sum()) - in_swings,
+            "slip_per_foot": {
+                str(leg): float(s)
+                for leg, s in zip(setup.robot.legs, achieved.slip[-1], strict=True)
+            },
+            "creep_floor": creep_floor,
+        },
+        "error": {
+            **errors,
+            **absent,
+            "goal": _departure(pose, goal),
+        },
+        "error_sources": _sources(evaluation),
+        "simulated_time": walk.recording.steps * setup.limits.timestep,
+        "timestep": setup.limits.timestep,
+    }
+
+
+def _travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> float:
+    """Way of all groups' angles on the ground, or in the air [rad]."""
+    return sum(
+        abs(phase.amount * phase.direction[i])
+        for phase in swings
+        for i in phase.moving
+        if (groups[i] in phase.stratum) == loaded
+    )
+
+
+def _least(evaluation: Evaluation, name: str) -> float | None:
+    """Least clearance [m]; None where there are no obstacles."""
+    clearance = evaluation.clearance.get(name)
+    return None if clearance is None else float(clearance[evaluation.judged].min())
+
+
+def _of_prediction(prediction: Prediction, judged: Array) -> Summary:
+    return {
+        "pose": [float(p) for p in prediction.pose[-1]],
+        "min_margin": float(prediction.margin[judged].min()),
+        "slip": float(prediction.slip[-1].sum()),
+    }
+
+
+def _sources(evaluation: Evaluation) -> Summary | None:
+    """Where open-loop errors come from; replanned, each segment starts afresh."""
+    walk, achieved = evaluation.walk, evaluation.achieved.pose
+    if walk.setup.scenario.replan:
+        return None
+    return {
+        name: error_sources(walk, achieved, prediction)
+        for name, prediction in evaluation.predicted.items()
+    } | dict.fromkeys(evaluation.unpredicted)
+
+
+def _departure(pose: Array, other: Array) -> dict[str, float]:
+    return {
+        "position": float(np.hypot(*(pose - other)[:2])),
+        "yaw": float(abs(wrap(pose[2] - other[2]))),
+    }
+
+
+def _error(poses: Array, others: Array, length: float, walked: float) -> Summary:
+    """How far the end is off, and the farthest that the walk ever is."""
+    departure = _departure(poses[-1], others[-1])
+    position = departure["position"]
+    return departure | {
+        "position_per_path": position / length if length else None,
+        "position_per_walked": position / walked if walked else None,
+        "farthest": float(np.hypot(*(poses - others)[:, :2].T).max()),
+    }

@@ -1,0 +1,47 @@
+"""How far the feet of a standing robot seem to slip: the floor under every slip.
+
+Soft contacts let a loaded foot creep, ever slower as stresses between the feet relax.
+A stand as long as the walk tells how much; long ones are cut off, and their last second
+is taken to go on.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.motion.schedule import Scheduler
+from sim.physics.engine import Engine
+from sim.physics.measure import Sensors
+from sim.physics.recording import Recorder
+from sim.preparation.setup import Setup
+
+LONGEST_STAND = 10.0  # [s]
+
+
+def creep_floor(setup: Setup, duration: float) -> float:
+    """Slip of all feet together in a stand that lasts as long as a walk [m].
+
+    Args:
+        setup: Robot, world and timestep.
+        duration: From the start of the walk to its end [s]; beyond `LONGEST_STAND` the
+            slip is extrapolated at the rate of its last second, which is too much
+            rather than too little.
+    """
+    stand = min(duration, LONGEST_STAND)
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.hold(setup.limits.hold)
+    scheduler.hold(stand)
+    schedule = scheduler.finish()
+    held, end = (phase.stop for phase in schedule.phases)
+    last = min(round(1.0 / setup.limits.timestep), end)
+    sensors = Sensors(setup.model, setup.robot)
+    recorder = Recorder(Engine(setup.model), sensors, end)
+    looks = np.unique([held, end - last, end])
+    for _ in recorder.play(setup.commands(schedule), looks):
+        pass
+    recording = recorder.finish()
+    begin, before, after = (
+        float(recording.slip_after(step).sum()) for step in (held, end - last, end)
+    )
+    rate = (after - before) / (last * setup.limits.timestep)
+    return after - begin + rate * (duration - stand)

@@ -1,0 +1,179 @@
+"""Measure a robot's fields by short experiments: one stratum, one input at a time.
+
+Each experiment brings the legs to one end of the field's swing through the air, steps
+onto the stratum, swings to the other end, and reads the body's pose on the way. No
+model of the contacts takes part. Experiments are no slower than `SPEED`, below which
+the physics does not depend on speed: what they cost does not grow as walks slow down.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.polynomial import Polynomial
+
+from models import (
+    UPRIGHT,
+    FailedField,
+    IdentifiedTwists,
+    MeasuredField,
+    MeasurementError,
+)
+from planner import Array, Flow
+from sim.errors import SimulationError
+from sim.motion.poses import tilt
+from sim.motion.schedule import MotionLimits, Schedule, Scheduler
+from sim.physics.engine import Engine
+from sim.physics.measure import Sensors
+from sim.physics.recording import Moments, Recorder, Recording
+from sim.preparation.effort import check_effort
+from sim.preparation.setup import Setup
+
+SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
+DEGREE = 6  # of the pose by the angle; the twist is of one degree less
+ROWS = 400  # poses read during a swing
+SPEED = 0.5  # [rad/s], at least
+ACCELERATION = 5.0  # [rad/s^2], at least
+HOLD = 0.5  # [s], at most; a robot has settled by then
+
+
+def identify(setup: Setup) -> IdentifiedTwists:
+    """Measure every loaded field of every stratum, or say why one cannot be.
+
+    Args:
+        setup: Robot, world and limits; its plan and path do not matter.
+    """
+    equations, system = setup.equations, setup.equations.system
+    fields: dict[str, MeasuredField] = {}
+    failed: dict[str, FailedField] = {}
+    for name in (name for name, twist in equations.twists.items() if any(twist)):
+        stratum = system.stratum_of[name]
+        try:
+            fields[name] = measure(setup, stratum, name)
+        except (MeasurementError, SimulationError) as error:
+            failed[name] = FailedField(stratum, str(error))
+    return IdentifiedTwists(fields, failed)
+
+
+def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
+    """One experiment.
+
+    Args:
+        setup: Robot, world and limits.
+        stratum: Groups in contact while the field is followed.
+        field: Name of the field.
+
+    Raises:
+        MeasurementError: If the robot falls, or stands on other feet than those of the
+            stratum.
+        SimulationError: If the physics diverges.
+    """
+    direction, limits = setup.equations.swings[field], _brisk(setup.limits)
+    span = _span(setup, direction)
+    scheduler = Scheduler(limits, setup.at_rest)
+    scheduler.hold(limits.hold)
+    for flow in _approach(setup, direction, -span):
+        scheduler.flow(flow, setup.equations.swings[flow.field])
+    scheduler.flow(Flow(stratum, field, 2 * span), direction)
+    schedule = scheduler.finish()
+    begin = schedule.phases[-1].start
+    recording = _record(setup, schedule, begin)
+    moments = recording.moments
+    on_the_way = moments.at(recording.marks.sampled & (moments.step > begin))
+    _check(setup, stratum, on_the_way)
+    qpos = on_the_way.qpos
+    d = np.array(direction)
+    way = setup.channels.swing(qpos) @ d / (d @ d)
+    return MeasuredField(
+        stratum=stratum,
+        direction=direction,
+        span=span,
+        twist=_fit(way, setup.pose(qpos), span),
+        slip=float((moments.slip[-1] - recording.slip_after(begin)).sum()),
+    )
+
+
+def _brisk(limits: MotionLimits) -> MotionLimits:
+    """MotionLimits of an experiment: the walk's, unless that would take long."""
+    return replace(
+        limits,
+        swing_speed=max(limits.swing_speed, SPEED),
+        swing_acceleration=max(limits.swing_acceleration, ACCELERATION),
+        hold=min(limits.hold, HOLD),
+    )
+
+
+def _check(setup: Setup, stratum: str, way: Moments) -> None:
+    """Refuse a swing that was not on the feet of its stratum most of the time."""
+    leaning = float(tilt(way.qpos, setup.robot.root_address).max())
+    if leaning > UPRIGHT:
+        raise MeasurementError(
+            f"on S{stratum} the robot tilts by {np.rad2deg(leaning):.3g} degrees"
+        )
+    planned = setup.robot.planted(stratum)
+    wrong = (way.contact != planned).mean(axis=0) > 0.5
+    for leg, foot, down in zip(setup.robot.legs, wrong, planned, strict=True):
+        if foot:
+            where = "in the air" if down else "on the ground"
+            raise MeasurementError(f"on S{stratum} the foot of leg {leg} stays {where}")
+
+
+def _span(setup: Setup, direction: tuple[float, ...]) -> float:
+    """How far to swing either way, within the range of every group that moves."""
+    ranges = [setup.robot.swing_range[group] for group in setup.robot.groups]
+    reach = [
+        min(-low, high) / abs(share)
+        for (low, high), share in zip(ranges, direction, strict=True)
+        if share
+    ]
+    return min(SPAN, *reach)
+
+
+def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list[Flow]:
+    """Swings in the air that bring the legs to one end of a field's swing."""
+    equations = setup.equations
+    stratum_of = equations.system.stratum_of
+    flows = []
+    for i, share in enumerate(direction):
+        only = tuple(float(k == i) for k in range(len(direction)))
+        for name, moved in equations.swings.items():
+            if share and moved == only and not any(equations.twists[name]):
+                flows.append(Flow(stratum_of[name], name, amount * share))
+                break
+    return flows
+
+
+def _record(setup: Setup, schedule: Schedule, begin: int) -> Recording:
+    check_effort(setup, schedule.stop)
+    engine, sensors = Engine(setup.model), Sensors(setup.model, setup.robot)
+    every = max(schedule.phases[-1].steps // ROWS, 1)
+    recorder = Recorder(engine, sensors, every)
+    for _ in recorder.play(setup.commands(schedule), np.array([begin])):
+        pass
+    return recorder.finish()
+
+
+def _fit(
+    way: Array, pose: Array, span: float
+) -> tuple[Polynomial, Polynomial, Polynomial]:
+    """Polynomials of the body twist by the way along the field.
+
+    Poses are smooth functions of the way, so they are fitted and differentiated; the
+    velocity is turned into the body's frame and fitted once more.
+    """
+    yaw = np.unwrap(pose[:, 2])
+    x, y, theta = (_polynomial(way, c, DEGREE) for c in (pose[:, 0], pose[:, 1], yaw))
+    grid = span * np.cos(np.linspace(np.pi, 0, 4 * DEGREE))
+    vx, vy, turn = (p.deriv()(grid) for p in (x, y, theta))
+    cos, sin = np.cos(theta(grid)), np.sin(theta(grid))
+    forward, left = cos * vx + sin * vy, cos * vy - sin * vx
+    first, second, third = (
+        _polynomial(grid, values, DEGREE - 1) for values in (forward, left, turn)
+    )
+    return first, second, third
+
+
+def _polynomial(x: Array, values: Array, degree: int) -> Polynomial:
+    fitted: Polynomial = Polynomial.fit(x, values, degree)
+    return fitted

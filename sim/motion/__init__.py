@@ -1,0 +1,1 @@
+"""Joint commands from flows, and the motion and stability predicted for them."""

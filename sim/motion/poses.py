@@ -1,0 +1,68 @@
+"""Planar poses (x, y, yaw): read from qpos, seen from another pose, compared."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from planner import Array
+
+
+def wrap(angle: Array | float) -> Array:
+    """Angle in (-pi, pi]."""
+    return -((np.pi - np.asarray(angle, dtype=float)) % (2 * np.pi) - np.pi)
+
+
+def pose_of(qpos: Array, address: int) -> Array:
+    """Planar pose of a free body.
+
+    Args:
+        qpos: Shape (..., nq).
+        address: Where the free joint's seven numbers begin.
+
+    Returns:
+        Shape (..., 3): x, y [m], yaw [rad] in (-pi, pi].
+    """
+    w, x, y, z = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
+    yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    return np.concatenate([qpos[..., address : address + 2], yaw[..., None]], axis=-1)
+
+
+def tilt(qpos: Array, address: int) -> Array:
+    """Angle between a free body's z axis and the vertical, shape (...,) [rad].
+
+    Args:
+        qpos: Shape (..., nq).
+        address: Where the free joint's seven numbers begin.
+    """
+    _, x, y, _ = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
+    return np.asarray(2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0)))
+
+
+def seen_from(origin: Array, pose: Array) -> Array:
+    """Pose in the frame of another, yaw wrapped, shape (..., 3)."""
+    step = relative(origin, pose)
+    return np.concatenate([step[..., :2], wrap(step[..., 2:])], axis=-1)
+
+
+def compose(pose: Array, step: Array) -> Array:
+    """The pose reached by a step given in the frame of a pose; yaw is not wrapped."""
+    moved = pose[..., :2] + rotate(step[..., :2], pose[..., 2])
+    return np.concatenate([moved, pose[..., 2:] + step[..., 2:]], axis=-1)
+
+
+def relative(pose: Array, other: Array) -> Array:
+    """The step from a pose to another, so that `compose` gets there; not wrapped."""
+    moved = rotate(other[..., :2] - pose[..., :2], -pose[..., 2])
+    return np.concatenate([moved, other[..., 2:] - pose[..., 2:]], axis=-1)
+
+
+def rotate(points: Array, angle: Array | float) -> Array:
+    """Points turned about the vertical, shape (..., 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+
+
+def nearest_turn(yaw: float, to: float) -> float:
+    """The yaw, up to full turns, that is closest to another one."""
+    return float(to + wrap(yaw - to))

@@ -1,0 +1,136 @@
+"""What a kinematic model predicts for a schedule: pose, slip and margin at any step.
+
+Ideal, quasi-static and identified predictions are the same computation with another
+twist model. The body stands still while feet lift and land, and is level throughout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models import Kinematics, Strokes, TwistModel, travel
+from planner import Array
+from sim.motion.poses import compose
+from sim.motion.schedule import Phase, Schedule
+from sim.motion.stability import stability_margin
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Predicted motion at chosen steps of a schedule."""
+
+    pose: Array  # x, y [m], yaw [rad] not wrapped, shape (T, 3)
+    slip: Array  # of each foot since the schedule's start, shape (T, F) [m]
+    margin: Array  # signed, shape (T,) [m]
+    contact: Array  # planned, shape (T, F), bool
+
+
+def predict(
+    schedule: Schedule,
+    rows: Array,
+    twists: TwistModel,
+    kinematics: Kinematics,
+    start_pose: Sequence[float] = (0.0, 0.0, 0.0),
+) -> Prediction:
+    """Predict the motion along the commanded angles.
+
+    Args:
+        schedule: Commands to follow.
+        rows: Steps to report on, by the command applied during them, shape (T,); row 0
+            is the schedule's own first step.
+        twists: How the body moves when loaded legs swing.
+        kinematics: Of the robot.
+        start_pose: Pose before the schedule's first step.
+    """
+    return Predictor(schedule, twists, kinematics, start_pose)(rows)
+
+
+class Predictor:
+    """Predicts the motion of one schedule, at as many steps and as often as asked.
+
+    Its arguments are those of `predict`.
+    """
+
+    def __init__(
+        self,
+        schedule: Schedule,
+        twists: TwistModel,
+        kinematics: Kinematics,
+        start_pose: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.schedule, self.kinematics, self.start_pose = (
+            schedule,
+            kinematics,
+            np.asarray(start_pose, dtype=float),
+        )
+        self._begins = _begins(schedule)
+        self._loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
+        strokes = _strokes(schedule, self._begins, self._loaded)
+        self._path = travel(strokes, twists, kinematics)
+
+    def angles(self, rows: Array) -> tuple[Array, Array]:
+        """Commanded swing and lift of every group, shape (T, G) each [rad]."""
+        return self.schedule.angles(rows)
+
+    def __call__(self, rows: Array) -> Prediction:
+        """Predict the motion at steps of the schedule, shape (T,)."""
+        swing, lift = self.angles(rows)
+        phase = self.schedule.phase_of(rows)
+        clock = _clock(self.schedule, self._begins, self._loaded, phase, swing)
+        contact = _contact(self.schedule, phase, self.kinematics)
+        stance = self.kinematics.stance(swing, lift)
+        return Prediction(
+            pose=compose(self.start_pose, self._path.pose(clock)),
+            slip=self._path.slip(clock),
+            margin=stability_margin(stance.feet, contact, stance.center_of_mass),
+            contact=contact,
+        )
+
+
+def _is_loaded(phase: Phase, schedule: Schedule) -> bool:
+    groups = schedule.limits.groups
+    on_ground = any(groups[i] in phase.stratum for i in phase.moving)
+    return phase.kind == "swing" and on_ground
+
+
+def _changes(schedule: Schedule) -> Array:
+    """Change of every group's swing angle in each phase, shape (phases, G)."""
+    changes = np.zeros((len(schedule.phases), len(schedule.begin.swing)))
+    for row, phase in zip(changes, schedule.phases, strict=True):
+        if phase.kind == "swing":
+            row[:] = np.multiply(phase.direction, phase.amount)
+    return changes
+
+
+def _begins(schedule: Schedule) -> Array:
+    """Swing angles at the start of each phase and at the end, (phases + 1, G)."""
+    steps = np.concatenate([[schedule.begin.swing], _changes(schedule)])
+    return np.cumsum(steps, axis=0)
+
+
+def _strokes(schedule: Schedule, begins: Array, loaded: list[bool]) -> Strokes:
+    strata = (phase.stratum for phase in schedule.phases)
+    return Strokes(
+        strata=tuple(s for s, on in zip(strata, loaded, strict=True) if on),
+        begin=begins[:-1][loaded],
+        change=np.diff(begins, axis=0)[loaded],
+    )
+
+
+def _clock(
+    schedule: Schedule, begins: Array, loaded: list[bool], phase: Array, swing: Array
+) -> Array:
+    """Each row's moment on the clock of the loaded swings, shape (T,)."""
+    before = np.cumsum(loaded) - loaded  # loaded swings finished before each phase
+    change = np.diff(begins, axis=0)
+    length = np.where(loaded, (change**2).sum(axis=1), 1.0)
+    gone = ((swing - begins[phase]) * change[phase]).sum(axis=1) / length[phase]
+    return np.asarray(before[phase] + np.where(np.array(loaded)[phase], gone, 0.0))
+
+
+def _contact(schedule: Schedule, phase: Array, kinematics: Kinematics) -> Array:
+    planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
+    return np.asarray(np.array(planted)[phase])

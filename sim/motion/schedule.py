@@ -1,0 +1,269 @@
+"""From flows to smooth joint commands: when each group lifts, swings and lands.
+
+Lays what it is told, one phase after another. A group that leaves the
+ground is raised before anything swings, and lands before another one lifts. Knows
+angles and steps; which actuator they drive is for `sim.world`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, sqrt
+from typing import Literal
+
+import numpy as np
+
+from planner import Array, Flow
+
+Kind = Literal["hold", "lift", "swing", "land"]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionLimits:
+    """Bounds on every commanded motion."""
+
+    swing_speed: float  # [rad/s]
+    swing_acceleration: float  # [rad/s^2]
+    lift_angle: float  # [rad]
+    lift_time: float  # [s], from the ground to `lift_angle`
+    hold: float  # [s], at both ends
+    timestep: float  # [s]
+    groups: tuple[str, ...]  # names, in the order of every array
+
+    def swing_steps(self, direction: Sequence[float], amount: float) -> tuple[int, int]:
+        """Number of steps of a swing and of its acceleration."""
+        farthest = amount * max(map(abs, direction))
+        return ramp_steps(
+            farthest, self.swing_speed, self.swing_acceleration, self.timestep
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """One uninterrupted motion of one or more groups, or a hold, in whole timesteps."""
+
+    kind: Kind
+    stratum: str  # groups in contact while it lasts; lifting and landing ones are not
+    direction: tuple[float, ...]  # how far each group moves for one of `amount`
+    amount: float  # signed change of the angle [rad]
+    start: int  # first timestep
+    steps: int
+    segment: int
+    field: str = ""
+
+    @property
+    def stop(self) -> int:
+        """First timestep after the phase."""
+        return self.start + self.steps
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Indices of the groups that move."""
+        return tuple(i for i, share in enumerate(self.direction) if share)
+
+
+@dataclass(frozen=True, slots=True)
+class LegState:
+    """What a schedule starts from: the angles of every group and who is in contact."""
+
+    swing: tuple[float, ...]  # (G,) [rad]
+    stratum: str
+
+
+def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
+    """A smooth way from 0 to 1 in `steps` steps, at constant speed but for the ends.
+
+    The speed rises and falls along a cubic over `rise` steps each, so the acceleration
+    is continuous.
+
+    Args:
+        done: Steps made, from 1; after the last one the way is exactly 1.
+        steps: Of the whole way.
+        rise: Of each end, at most half of them; 0 for none.
+    """
+
+    def covered(t: Array) -> Array:  # integral of the cubic smoothstep, t in [0, 1]
+        t = np.clip(t, 0, 1)
+        return np.asarray(t**3 - t**4 / 2)
+
+    full = np.clip(done - rise, 0, np.subtract(steps, np.multiply(2, rise)))
+    end = np.maximum(rise, 1)
+    ends = covered(done / end) + 0.5 - covered((steps - done) / end)
+    return np.asarray((full + rise * ends) / np.subtract(steps, rise))
+
+
+def ramp_steps(
+    amount: float, speed: float, acceleration: float, timestep: float
+) -> tuple[int, int]:
+    """Number of steps of a swing and of its acceleration, within both bounds.
+
+    Args:
+        amount: Size of the move [rad].
+        speed: Highest speed [rad/s].
+        acceleration: Highest acceleration [rad/s^2]; the cubic's peak is 1.5 times its
+            mean.
+        timestep: [s].
+    """
+    peak = min(speed, sqrt(abs(amount) * acceleration / 1.5))
+    rise = ceil(1.5 * peak / acceleration / timestep)
+    cruise = ceil(max(abs(amount) / peak / timestep - rise, 0.0)) if peak else 0
+    return 2 * rise + cruise, rise
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Phases in time order; consecutive ones share their boundary step."""
+
+    phases: tuple[Phase, ...]
+    begin: LegState
+    end: LegState
+    limits: MotionLimits
+
+    @property
+    def start(self) -> int:
+        """First timestep."""
+        return self.phases[0].start if self.phases else 0
+
+    @property
+    def stop(self) -> int:
+        """First timestep after the last phase."""
+        return self.phases[-1].stop if self.phases else 0
+
+    def angles(self, rows: Array | None = None) -> tuple[Array, Array]:
+        """Commanded swing and lift of every group, shape (T, G) each [rad].
+
+        Args:
+            rows: Steps, by the command applied during them, shape (T,); row 0 is the
+                schedule's own first step. All of them if not given.
+        """
+        if rows is None:
+            rows = np.arange(self.stop - self.start)
+        phase = self.phase_of(rows)
+        starts, steps, rise = self._timing[:, phase]
+        way = ramp(rows + self.start - starts + 1.0, steps, rise)[:, None]
+        swing, lift = (
+            begin[phase] + way * change[phase] for begin, change in self._trajectories
+        )
+        return swing, lift
+
+    def phase_of(self, rows: Array) -> Array:
+        """Index of the phase that each of the schedule's steps lies in, shape (T,)."""
+        return np.searchsorted(self._timing[0] - self.start, rows, side="right") - 1
+
+    @cached_property
+    def _timing(self) -> Array:
+        """First step, number of steps and rise of every phase, shape (3, phases)."""
+        timing = [(p.start, p.steps, self._rise(p)) for p in self.phases]
+        return np.array(timing, dtype=int).reshape(-1, 3).T
+
+    def _rise(self, phase: Phase) -> int:
+        if phase.kind == "swing":
+            return self.limits.swing_steps(phase.direction, phase.amount)[1]
+        return 0 if phase.kind == "hold" else phase.steps // 2
+
+    @cached_property
+    def _trajectories(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Swing, and lift, of every group as each phase begins, and its change then."""
+        moved = np.array(
+            [np.multiply(p.direction, p.amount) for p in self.phases]
+        ).reshape(-1, len(self.begin.swing))
+        swings = np.array([[p.kind == "swing"] for p in self.phases], dtype=bool)
+        swings = swings.reshape(-1, 1)
+        return (
+            _trajectory(np.array(self.begin.swing), np.where(swings, moved, 0.0)),
+            _trajectory(self._lifted(self.begin.stratum), np.where(swings, 0.0, moved)),
+        )
+
+    def _lifted(self, stratum: str) -> Array:
+        groups = self.limits.groups
+        return np.array(
+            [0.0 if g in stratum else self.limits.lift_angle for g in groups]
+        )
+
+
+def _trajectory(begin: Array, changes: Array) -> tuple[Array, Array]:
+    """Angles before each of some changes, and the changes, shape (phases, G) each."""
+    return np.cumsum(np.vstack([begin, changes]), axis=0)[:-1], changes
+
+
+class Scheduler:
+    """Lays phases one after another, remembering angles and contacts."""
+
+    def __init__(
+        self, limits: MotionLimits, begin: LegState, step: int = 0, segment: int = 0
+    ) -> None:
+        self._limits, self._begin, self._step = limits, begin, step
+        self._swing, self._stratum = list(begin.swing), begin.stratum
+        self._phases: list[Phase] = []
+        self.segment = segment
+
+    def finish(self) -> Schedule:
+        """What has been laid so far."""
+        end = LegState(tuple(self._swing), self._stratum)
+        return Schedule(tuple(self._phases), self._begin, end, self._limits)
+
+    def hold(self, seconds: float) -> None:
+        """Stand still."""
+        still = (0.0,) * len(self._limits.groups)
+        self._lay("hold", still, 0.0, max(round(seconds / self._limits.timestep), 1))
+
+    def flow(self, flow: Flow, direction: tuple[float, ...]) -> None:
+        """Go to the flow's stratum and swing its groups.
+
+        Args:
+            flow: Flow to carry out.
+            direction: How far each group swings in one unit of its duration [rad].
+        """
+        self.enter(flow.stratum)
+        steps, _ = self._limits.swing_steps(direction, flow.duration)
+        self._swing = [
+            angle + flow.duration * share
+            for angle, share in zip(self._swing, direction, strict=True)
+        ]
+        self._lay("swing", direction, flow.duration, steps, flow.field)
+
+    def enter(self, stratum: str) -> None:
+        """Land the groups that the stratum stands on, then lift the others."""
+        groups = self._limits.groups
+        raised = [g for g in groups if g not in self._stratum]
+        for group in (g for g in raised if g in stratum):
+            self._move("land", group, -self._limits.lift_angle)
+            self._stratum = _ordered(self._stratum + group, groups)
+        for group in (g for g in self._stratum if g not in stratum):
+            self._stratum = self._stratum.replace(group, "")
+            self._move("lift", group, self._limits.lift_angle)
+
+    def _move(self, kind: Kind, group: str, amount: float) -> None:
+        steps = max(round(self._limits.lift_time / self._limits.timestep), 2)
+        only = tuple(float(g == group) for g in self._limits.groups)
+        self._lay(kind, only, amount, steps)
+
+    def _lay(
+        self,
+        kind: Kind,
+        direction: tuple[float, ...],
+        amount: float,
+        steps: int,
+        field: str = "",
+    ) -> None:
+        if steps == 0:
+            return
+        self._phases.append(
+            Phase(
+                kind,
+                self._stratum,
+                direction,
+                amount,
+                self._step,
+                steps,
+                self.segment,
+                field,
+            )
+        )
+        self._step += steps
+
+
+def _ordered(stratum: str, groups: Sequence[str]) -> str:
+    return "".join(g for g in groups if g in stratum)

@@ -1,0 +1,115 @@
+"""Support polygon and stability margin: how far the weight is from tipping over.
+
+The margin is the signed distance of the centre of mass, projected on the ground, to the
+boundary of the convex hull of the feet in contact: positive inside, and with fewer than
+three feet minus the distance to the segment or point.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from planner import Array
+
+BLOCK = 20_000  # rows that are geometries at once, each of some hundred bytes
+
+
+def support_polygons(points: Array, contact: Array) -> Array:
+    """Convex hull of the points in contact, row by row.
+
+    Args:
+        points: Contact points, shape (T, F, 2) [m].
+        contact: Which of them carry load, shape (T, F), bool.
+
+    Returns:
+        Shapely geometries, shape (T,): polygons, segments, points, or nothing at all.
+    """
+    rows = np.nonzero(contact)[0]
+    standing = shapely.points(points[contact])
+    hulls = np.full(len(points), shapely.GeometryCollection(), dtype=object)
+    some = np.unique(rows)
+    hulls[some] = shapely.multipoints(standing, indices=np.searchsorted(some, rows))
+    return np.asarray(shapely.convex_hull(hulls))
+
+
+def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
+    """Signed distance of the centre of mass to the edge of the support polygon.
+
+    Args:
+        points: Contact points, shape (T, F, 2) [m].
+        contact: Which of them carry load, shape (T, F), bool.
+        center_of_mass: Shape (T, 2) [m], in the frame of the points.
+
+    Returns:
+        Shape (T,) [m]; minus infinity where nothing touches the ground.
+    """
+    margin = np.empty(len(points))
+    for begin in range(0, len(points), BLOCK):
+        rows = slice(begin, begin + BLOCK)
+        margin[rows] = _margin(points[rows], contact[rows], center_of_mass[rows])
+    return margin
+
+
+def _margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
+    hulls = support_polygons(points, contact)
+    weight = shapely.points(center_of_mass)
+    flat = shapely.get_dimensions(hulls) < 2
+    edges = np.where(flat, hulls, shapely.boundary(hulls))
+    distance = shapely.distance(weight, edges)
+    inside = ~flat & shapely.covers(hulls, weight)
+    margin = np.where(inside, distance, -distance)
+    return np.where(shapely.is_empty(hulls), -np.inf, margin)
+
+
+def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
+    """Feet in contact; with none, the one that last touched closest to the weight.
+
+    Args:
+        points: Where each foot touches, or last did, shape (T, F, 2) [m].
+        contact: Shape (T, F), bool.
+        center_of_mass: Shape (T, 3) [m].
+    """
+    standing = np.asarray(contact.any(axis=1))
+    if standing.all():
+        return contact
+    far = np.linalg.norm(points - center_of_mass[:, None, :2], axis=2)
+    nearest = far == far.min(axis=1, keepdims=True)
+    return np.asarray(contact | (nearest & ~standing[:, None]))
+
+
+def _way(places: Array, since: Array) -> Array:
+    """At least the way from earlier places to these; (T, ..., 2) to (T, ...)."""
+    step = np.abs(places - places[since])
+    return np.asarray(step[..., 0] + step[..., 1])
+
+
+class LeastMargin:
+    """The least stability margin of states, looking closely where it may be.
+
+    While the same feet stand, the margin changes by no more than the centre of mass and
+    the farthest moved foot have come since: states that cannot be the least so far are
+    passed over. The result is that of looking at them all.
+    """
+
+    STRIDE = 64  # states passed over at most, to begin with
+
+    def __init__(self) -> None:
+        self.value = np.inf  # [m]
+
+    def see(self, points: Array, contact: Array, center_of_mass: Array) -> None:
+        """Take in further states; arguments are those of `stability_margin`."""
+        count = np.arange(len(points))
+        changed = (contact[1:] != contact[:-1]).any(axis=1)
+        anchors = (count % self.STRIDE == 0) | np.append(False, changed)
+        known = stability_margin(
+            points[anchors], contact[anchors], center_of_mass[anchors]
+        )
+        self.value = min(self.value, float(known.min()))
+        of = np.cumsum(anchors) - 1  # the anchor before each state
+        at = count[anchors][of]
+        moved = _way(points, at).max(axis=1) + _way(center_of_mass, at)
+        near = ~anchors & (known[of] - moved < self.value)
+        if near.any():
+            margin = stability_margin(points[near], contact[near], center_of_mass[near])
+            self.value = min(self.value, float(margin.min()))

@@ -1,0 +1,1 @@
+"""Steps of the engine, and what is measured and kept of them."""

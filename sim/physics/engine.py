@@ -1,0 +1,115 @@
+"""Step a model through commands given ahead, in stretches that can be interrupted.
+
+The engine steps whole stretches; nothing here looks at single steps. MuJoCo never
+raises when a simulation goes bad, so every stretch ends with a look at its warnings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import mujoco
+import numpy as np
+from mujoco import batch
+
+from planner import Array
+from sim.errors import SimulationError
+
+STRETCH = 4000  # steps handed to the engine at once: a tenth of a second of work
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What the engine reports of consecutive steps."""
+
+    qpos: Array  # (n, nq), after each step
+    qvel: Array  # (n, nv), after each step
+    sensordata: Array  # (n, nsensordata), of the state before each step
+
+
+class State(NamedTuple):
+    """Where a simulation is."""
+
+    qpos: Array  # (nq,)
+    qvel: Array  # (nv,)
+
+
+class Engine:
+    """One simulation that starts at keyframe `start` and only moves forward."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        silence_the_engine()
+        self.model = model
+        self._batch = batch.Batch(model, nsim=1, nthread=1)
+        self._batch.reset(
+            keyframe=model.key("start").id, stage=mujoco.mjtStage.mjSTAGE_NONE.value
+        )
+        self._warnings = self._batch.warning.copy()
+        self.steps = 0
+
+    @property
+    def state(self) -> State:
+        """After the last step."""
+        return State(*(np.array(self._batch.bind(name)[0]) for name in State._fields))
+
+    def sense(self) -> Array:
+        """What sensors say of the state now, under the last command, (nsensordata,)."""
+        data = self._batch.get_data(0)
+        mujoco.mj_forward(self.model, data)
+        return np.array(data.sensordata)
+
+    def advance(self, ctrl: Array) -> Record:
+        """Apply one row of commands a step.
+
+        Args:
+            ctrl: Shape (n, nu), at most `STRETCH` rows.
+
+        Raises:
+            SimulationError: If a command is not finite, or the simulation diverges.
+        """
+        self._check_commands(ctrl)
+        items = ("qpos", "qvel", "sensordata")
+        try:
+            out = self._batch.rollout(len(ctrl), control=ctrl[None], record=items)
+        except batch.SimulationError as error:
+            raise self._failure(str(error), 0) from error
+        record = Record(*(out[item][0] for item in items))
+        self._check_warnings(record)
+        self.steps += len(ctrl)
+        return record
+
+    def _check_commands(self, ctrl: Array) -> None:
+        bad = np.argwhere(~np.isfinite(ctrl))
+        if len(bad):
+            step, channel = bad[0]
+            name = self.model.actuator(int(channel)).name
+            raise self._failure(
+                f"command of {name!r} is {ctrl[step, channel]}", int(step)
+            )
+
+    def _check_warnings(self, record: Record) -> None:
+        now = self._batch.warning
+        risen = np.flatnonzero(
+            (now != self._warnings).reshape(-1, now.shape[-1])[..., -1]
+        )
+        if len(risen):
+            moved = np.flatnonzero((np.diff(record.qpos, axis=0) != 0).any(axis=1))
+            step = int(moved[-1]) + 1 if len(moved) else 0
+            name = mujoco.mjtWarning(int(risen[0])).name.removeprefix("mjWARN_")
+            failure = self._failure(f"simulation diverged, warning {name}", step)
+            self.steps += step + 1  # the engine made this one and no more
+            raise failure
+
+    def _failure(self, what: str, step: int) -> SimulationError:
+        time = (self.steps + step) * self.model.opt.timestep
+        return SimulationError(
+            what, f"t = {time:.4f} s", "try a smaller timestep or softer servos"
+        )
+
+
+def silence_the_engine() -> None:
+    """Warnings are raised here as errors; no need to print and log them too."""
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = log.logto_console = False
+    log.set()

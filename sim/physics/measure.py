@@ -1,0 +1,154 @@
+"""From sensors to what the feet did: contact, where it is, and how fast it slips.
+
+A foot is in contact while the summed normal force of its geoms exceeds one per cent of
+the weight; shorter interruptions than `BOUNCE` do not end a contact, they are counted.
+Slip is the tangential speed of the foot's material at the contact point, integrated
+while in contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import mujoco
+import numpy as np
+
+from models import Robot
+from planner import Array
+from sim.world.sensors import CONTACT_FIELDS, contact_sensor
+
+LOADED = 0.01  # of the weight
+BOUNCE = 0.02  # [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Readings:
+    """Feet and weight over consecutive steps, in world coordinates."""
+
+    force: Array  # normal force, (n, F) [N]
+    speed: Array  # tangential speed at the contact, (n, F) [m/s]
+    point: Array  # centre of pressure of the foot, (n, F, 2) [m]; 0 where none
+    center_of_mass: Array  # (n, 3) [m]
+
+
+class Sensors:
+    """Reads the contact sensors of a robot's feet out of sensordata."""
+
+    def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
+        mass = model.body(robot.root).subtreemass[0]
+        self.weight = float(mass * np.linalg.norm(model.opt.gravity))
+        self._feet = [
+            [model.sensor(contact_sensor(geom)) for geom in robot.card.legs[leg].foot]
+            for leg in robot.legs
+        ]
+        self.feet = len(robot.legs)
+        self._center_of_mass = model.sensor("center_of_mass").adr[0]
+
+    def read(self, sensordata: Array) -> Readings:
+        """Readings of every step.
+
+        Args:
+            sensordata: Shape (n, nsensordata).
+        """
+        feet = [self._foot(sensordata, sensors) for sensors in self._feet]
+        force, speed, point = (np.stack(c, axis=1) for c in zip(*feet, strict=True))
+        at = self._center_of_mass
+        return Readings(force, speed, point, sensordata[:, at : at + 3].copy())
+
+    def loaded(self, readings: Readings) -> Array:
+        """Whether each foot carries more than `LOADED` of the weight, (n, F), bool."""
+        return np.asarray(readings.force > LOADED * self.weight)
+
+    @staticmethod
+    def _foot(sensordata: Array, sensors: Sequence[Any]) -> tuple[Array, Array, Array]:
+        """Sum over a foot's contacts, each weighted by its normal force."""
+        slots = np.concatenate(
+            [
+                sensordata[:, s.adr[0] : s.adr[0] + s.dim[0]].reshape(
+                    len(sensordata), -1, CONTACT_FIELDS
+                )
+                for s in sensors
+            ],
+            axis=1,
+        )  # (n, contacts, 10): found, force 3, position 3, velocity 3
+        normal = np.maximum(slots[:, :, 1], 0.0)
+        total = normal.sum(axis=1)
+        share = normal / np.where(total > 0, total, 1.0)[:, None]
+        speed = np.hypot(slots[:, :, 8], slots[:, :, 9])
+        point = np.einsum("nc,nci->ni", share, slots[:, :, 4:6])
+        return total, (share * speed).sum(axis=1), point
+
+
+class ContactLog(NamedTuple):
+    """Which feet were in contact, as a list of changes."""
+
+    step: Array  # from the state after these many steps on, ascending, (n,)
+    flags: Array  # these feet, (n, F), bool
+
+    def between(self, first: int, last: int) -> Array:
+        """Flags of the states after `first` to `last` steps, each change one row."""
+        begin = self.step.searchsorted(first, side="right") - 1
+        return self.flags[begin : self.step.searchsorted(last, side="right")]
+
+
+def last_touched(point: Array, touching: Array, before: Array | None = None) -> Array:
+    """Contact points, and where nothing touches those of the last touch.
+
+    Args:
+        point: Shape (n, F, 2) [m].
+        touching: Shape (n, F), bool.
+        before: Points touched before the first step, shape (1, F, 2).
+    """
+    first = point[:1] if before is None else before
+    steps = np.where(touching, np.arange(1, len(point) + 1)[:, None], 0)
+    last = np.maximum.accumulate(steps, axis=0)  # (n, F), 0 for `first`
+    return np.take_along_axis(np.concatenate([first, point]), last[:, :, None], axis=0)
+
+
+def bridge(loaded: Array, shortest: int, before: Array | None = None) -> Array:
+    """Contact: load, with interruptions shorter than `shortest` steps closed.
+
+    Args:
+        loaded: Shape (n, F), bool.
+        shortest: Number of steps that make an interruption.
+        before: Contact before the first of them, shape (1, F); none if not given.
+    """
+    known = _after(before, loaded)
+    contact = known.copy()
+    for foot in range(known.shape[1]):
+        edges = np.flatnonzero(np.diff(known[:, foot].astype(np.int8)))
+        falls = edges[known[edges, foot]]
+        for fall in falls:
+            rise = edges[np.searchsorted(edges, fall) + 1 :][:1]
+            if len(rise) and rise[0] - fall < shortest:
+                contact[fall + 1 : rise[0] + 1, foot] = True
+    return contact[1:]
+
+
+def count_bounces(loaded: Array, contact: Array) -> int:
+    """Interruptions that were closed and end before the last of some steps, (n, F)."""
+    closed = contact & ~loaded
+    return int((closed[:-1] & ~closed[1:]).sum())
+
+
+def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:
+    """Number of leading steps whose contacts no later step can change.
+
+    Arguments are those of `bridge`. An interruption that is still open at the end and
+    shorter than `shortest` may turn out to be a bounce.
+    """
+    known = _after(before, loaded)
+    count = len(loaded)
+    for foot in np.flatnonzero(~known[-1]):
+        last = np.flatnonzero(known[:, foot])[-1:]  # row in `known` is step + 1
+        if len(last) and len(loaded) - last[0] < shortest:
+            count = min(count, int(last[0]))
+    return count
+
+
+def _after(before: Array | None, loaded: Array) -> Array:
+    """Flags with one row more, for what was before."""
+    none = np.zeros((1, loaded.shape[1]), dtype=bool)
+    return np.concatenate([none if before is None else before, loaded])

@@ -1,0 +1,220 @@
+"""Play commands on the engine and keep what evaluation needs, and no more.
+
+The engine senses a state in the step that leaves it, so what is known of the state
+after n steps comes with step n + 1; the last state is sensed by itself. Contacts are
+decided once no later step can make a gap in one a bounce. What is kept grows with the
+moments asked for and with changes of contact, not with steps.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from planner import Array
+from sim.motion.stability import LeastMargin, carrying
+from sim.physics.engine import Engine, State
+from sim.physics.measure import (
+    BOUNCE,
+    ContactLog,
+    Sensors,
+    bridge,
+    count_bounces,
+    decided,
+    last_touched,
+)
+from sim.world.sensors import SELF_CONTACT
+from sim.world.walls import Touches
+
+NEVER = np.iinfo(np.int64).max
+NONE = np.zeros(0, dtype=int)
+T = TypeVar("T", bound=Iterable[Array])
+
+
+class Moments(NamedTuple):
+    """The robot after some numbers of steps, in world coordinates; shapes (T, ...)."""
+
+    step: Array  # (T,)
+    qpos: Array  # (T, nq)
+    qvel: Array  # (T, nv)
+    point: Array  # where each foot touches the ground, or last did, (T, F, 2) [m]
+    center_of_mass: Array  # (T, 3) [m]
+    contact: Array  # as the engine says; once decided, bounces bridged, (T, F), bool
+    slip: Array  # speed at the contact [m/s]; once decided, slip so far [m]; (T, F)
+
+    def at(self, which: slice | Array) -> Moments:
+        """Some of them."""
+        return Moments(*(column[which] for column in self))
+
+
+class Marks(NamedTuple):
+    """Why moments are kept, shape (T,) each, bool."""
+
+    sampled: Array  # as every n-th
+    looked: Array  # as asked for
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A finished simulation."""
+
+    timestep: float  # [s]
+    steps: int
+    moments: Moments
+    marks: Marks
+    contacts: ContactLog
+    bounces: int
+    least_margin: float  # over every step from the walk's start on [m]
+    wall_contacts: int  # times that the robot came to touch an obstacle
+    self_contacts: int  # times that it came to touch itself
+
+    @property
+    def during(self) -> Array:
+        """Index of the step that leads to each moment, shape (T,)."""
+        return self.moments.step - 1
+
+    def slip_after(self, step: int) -> Array:
+        """Slip of every foot up to a moment that was kept, shape (F,) [m]."""
+        return np.asarray(self.moments.slip[self.moments.step == step][0])
+
+
+class Recorder:
+    """Advances an engine and gathers a `Recording`."""
+
+    def __init__(self, engine: Engine, sensors: Sensors, sample_every: int) -> None:
+        self.engine = engine
+        self.walk_starts = NEVER  # step from which on margins count
+        self._sensors, self._every = sensors, sample_every
+        self._timestep = float(engine.model.opt.timestep)
+        self._shortest = round(BOUNCE / self._timestep)
+        self._touches = Touches(engine.model)
+        self._own_touches = Touches(engine.model, SELF_CONTACT)
+        self._margin = LeastMargin()
+        self._looks = NONE
+        self._state = engine.state
+        self._touched: Array | None = None
+        self._pending: list[Moments] = []
+        self._kept: list[Moments] = []
+        self._marks: list[Marks] = []
+        self._contacts: list[ContactLog] = []
+        self._contact: Array | None = None
+        self._slip = np.zeros(sensors.feet)
+        self._bounces = 0
+
+    def play(self, pieces: Iterable[Array], looks: Array = NONE) -> Iterator[int]:
+        """Apply one row of commands a step.
+
+        Args:
+            pieces: Commands, shape (n, nu) each, n at most `STRETCH`.
+            looks: Steps after which the state is kept, in ascending order.
+
+        Yields:
+            Steps made since the beginning, after each piece.
+        """
+        self._looks = np.concatenate([self._looks, looks])
+        for ctrl in pieces:
+            before, state = self.engine.steps, self._state
+            record = self.engine.advance(ctrl)
+            self._state = State(record.qpos[-1].copy(), record.qvel[-1].copy())
+            self._sense(
+                before,
+                np.concatenate([state.qpos[None], record.qpos[:-1]]),
+                np.concatenate([state.qvel[None], record.qvel[:-1]]),
+                record.sensordata,
+            )
+            self._decide()
+            yield self.engine.steps
+
+    def finish(self) -> Recording:
+        """Everything recorded; the last state is always kept."""
+        state, sensed = self._state, self.engine.sense()
+        self._sense(self.engine.steps, state.qpos[None], state.qvel[None], sensed[None])
+        self._decide(last=True)
+        return Recording(
+            timestep=self._timestep,
+            steps=self.engine.steps,
+            moments=Moments(*_joined(self._kept)),
+            marks=Marks(*_joined(self._marks)),
+            contacts=ContactLog(*_joined(self._contacts)),
+            bounces=self._bounces,
+            least_margin=self._margin.value,
+            wall_contacts=self._touches.count,
+            self_contacts=self._own_touches.count,
+        )
+
+    def _sense(self, first: int, qpos: Array, qvel: Array, sensordata: Array) -> None:
+        """Take in consecutive states, and what the engine sensed of them."""
+        self._touches.read(sensordata)
+        self._own_touches.read(sensordata)
+        readings = self._sensors.read(sensordata)
+        touching = readings.force > 0
+        point = last_touched(readings.point, touching, self._touched)
+        self._touched = point[-1:].copy()
+        self._pending.append(
+            Moments(
+                step=first + np.arange(len(qpos)),
+                qpos=qpos,
+                qvel=qvel,
+                point=point,
+                center_of_mass=readings.center_of_mass,
+                contact=self._sensors.loaded(readings),
+                slip=readings.speed,
+            )
+        )
+
+    def _decide(self, last: bool = False) -> None:
+        """Judge the states whose contacts no later step can change."""
+        states = Moments(*_joined(self._pending))
+        loaded, before = states.contact, self._contact
+        contact = bridge(loaded, self._shortest, before)
+        count = len(contact) if last else decided(loaded, self._shortest, before)
+        self._bounces += count_bounces(loaded[: count + 1], contact[: count + 1])
+        if count < len(contact):
+            self._pending = [states.at(slice(count, None))]
+        if count:
+            judged = states._replace(contact=contact).at(slice(count))
+            self._note_changes(judged)
+            self._keep(self._slipped(judged), last)
+
+    def _slipped(self, states: Moments) -> Moments:
+        """Speeds integrated over the steps in contact."""
+        steps = np.where(states.contact, states.slip, 0.0) * self._timestep
+        slip = self._slip + np.cumsum(steps, axis=0)
+        self._slip = slip[-1]
+        return states._replace(slip=slip - steps)  # a state's own speed is yet to come
+
+    def _note_changes(self, states: Moments) -> None:
+        contact = states.contact
+        before = ~contact[:1] if self._contact is None else self._contact
+        changed = np.diff(np.vstack([before, contact]), axis=0).any(axis=1)
+        self._contacts.append(ContactLog(states.step[changed], contact[changed]))
+        self._contact = contact[-1:].copy()
+
+    def _keep(self, states: Moments, last: bool) -> None:
+        step = states.step
+        walking = states.at(step >= self.walk_starts)
+        if len(walking.step):
+            feet = carrying(walking.point, walking.contact, walking.center_of_mass)
+            self._margin.see(walking.point, feet, walking.center_of_mass[:, :2])
+        sampled = (step > 0) & (step % self._every == 0)
+        ahead = self._looks.searchsorted([step[0], step[-1] + 1])
+        looked = np.zeros(len(step), dtype=bool)
+        looked[self._looks[slice(*ahead)] - step[0]] = True
+        self._looks = self._looks[ahead[1] :]
+        if last:
+            sampled[-1] = looked[-1] = True
+        kept = sampled | looked
+        self._kept.append(states.at(kept))
+        self._marks.append(Marks(sampled[kept], looked[kept]))
+
+
+def _joined(parts: list[T]) -> Iterator[Array]:
+    """Each column of consecutive parts as one array; the parts are used up."""
+    columns = [list(column) for column in zip(*parts, strict=True)]
+    parts.clear()
+    for column in columns:
+        yield column[0] if len(column) == 1 else np.concatenate(column)
+        column.clear()

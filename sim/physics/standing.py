@@ -1,0 +1,160 @@
+"""Try whether a robot stands where it starts, on its feet and on nothing else.
+
+Half a second of physics with the servos holding: long enough for soft legs to give way
+and for a body above no feet to tip.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import mujoco
+import numpy as np
+
+from models import UPRIGHT, Kinematics, Lifting, ModelError, Robot
+from sim.errors import UsageError
+from sim.physics.engine import silence_the_engine
+from sim.world.sensors import contact_sensor
+from sim.world.walls import PREFIX
+
+SETTLING = 0.5  # [s]
+MOST = 4000  # steps, where the timestep is tiny
+
+
+def check_standing(
+    kinematics: Kinematics, model: mujoco.MjModel, lift_angle: float
+) -> None:
+    """Refuse a robot that does not stand at keyframe `start`.
+
+    A simulation that diverges is not judged: the walk will say when and why it does.
+
+    Args:
+        kinematics: Of the robot.
+        model: Its world.
+        lift_angle: Of lifted legs [rad]; they must clear the ground when others sag.
+
+    Raises:
+        ModelError: If it tips, sags or lies on something.
+        UsageError: If it starts inside an obstacle.
+    """
+    silence_the_engine()
+    robot, data = kinematics.robot, mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    mujoco.mj_forward(model, data)
+    _refuse_obstacles(model, data)
+    _refuse(robot, _lying(robot, model, data))
+    height = data.qpos[_height(robot, model)]
+    mujoco.mj_step(model, data, nstep=min(round(SETTLING / model.opt.timestep), MOST))
+    if any(warning.number for warning in data.warning):
+        return
+    sag = float(height - data.qpos[_height(robot, model)])
+    rise = float(Lifting(kinematics).rise(np.array(lift_angle)).min())
+    _refuse(robot, _tipped(robot, data))
+    _refuse(robot, _lying(robot, model, data))
+    _refuse(robot, _aloft(robot, model, data))
+    _refuse(robot, _sagged(sag, rise))
+
+
+def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:
+    for what, remedy in problems:
+        raise ModelError(f"it does not stand: {what}: {robot.path}; {remedy}")
+
+
+def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    for contact in data.contact:
+        names = sorted(model.geom(g).name for g in contact.geom)
+        for own, other in (names, names[::-1]):
+            if other.startswith(PREFIX) and contact.dist < 0:
+                number = other.removeprefix(PREFIX).split("_")[0]
+                raise UsageError(
+                    f"the robot starts with {own} {-1e3 * contact.dist:.1f} mm deep in "
+                    f"obstacle {number}",
+                    "obstacles",
+                    "move the obstacle; poses are measured from the start",
+                )
+
+
+def _height(robot: Robot, model: mujoco.MjModel) -> int:
+    return int(model.jnt_qposadr[model.body(robot.root).jntadr[0]]) + 2
+
+
+def _tipped(robot: Robot, data: mujoco.MjData) -> Iterator[tuple[str, str]]:
+    up = data.body(robot.root).xmat[8]
+    tilt = float(np.arccos(np.clip(up, -1, 1)))
+    if tilt > UPRIGHT:
+        yield (
+            f"it tilts by {np.rad2deg(tilt):.3g} degrees in {data.time:.2g} s",
+            "put its feet around its centre of mass, or stiffen its servos",
+        )
+
+
+def _sagged(sag: float, rise: float) -> Iterator[tuple[str, str]]:
+    if sag > rise:
+        yield (
+            f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
+            f"{1e3 * rise:.1f} mm only",
+            "stiffen its servos (servo_stiffness), or lift higher (lift_height)",
+        )
+
+
+def _lying(
+    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
+) -> Iterator[tuple[str, str]]:
+    """Anything but feet that touches, and anything but the floor that is touched."""
+    feet, floor = _feet(robot, model), _floor(robot, model)
+    for own, other in _touched(robot, model, data):
+        if own not in feet:
+            yield (
+                f"{_name(model, own)} lies on {_name(model, other)}",
+                "lift the body off it, or make that geom a foot",
+            )
+        elif other != floor:
+            yield (
+                f"foot {model.geom(own).name!r} stands on {_name(model, other)}, which "
+                f"is not the floor, {_name(model, floor)}",
+                "leave one of the two out, or make the former a horizontal plane",
+            )
+
+
+def _aloft(
+    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
+) -> Iterator[tuple[str, str]]:
+    """Legs whose feet touch nothing."""
+    feet, touched = _feet(robot, model), _touched(robot, model, data)
+    if aloft := set(robot.legs) - {feet[own] for own, _ in touched if own in feet}:
+        yield (
+            f"the foot of leg {min(aloft)} touches nothing",
+            "correct its angles in keyframe 'start', or the geoms of its foot",
+        )
+
+
+def _feet(robot: Robot, model: mujoco.MjModel) -> dict[int, int]:
+    """The leg of every foot geom."""
+    legs = robot.card.legs
+    return {model.geom(name).id: leg for leg in legs for name in legs[leg].foot}
+
+
+def _floor(robot: Robot, model: mujoco.MjModel) -> int:
+    """The geom that contact sensors watch the feet against."""
+    foot = robot.card.legs[robot.legs[0]].foot[0]
+    return int(model.sensor_objid[model.sensor(contact_sensor(foot)).id])
+
+
+def _touched(
+    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
+) -> Iterator[tuple[int, int]]:
+    """Geoms of the robot in contact with others; obstacles are for others to judge."""
+    root = model.body(robot.root).id
+    for contact in data.contact:
+        pair = [int(geom) for geom in contact.geom]
+        own = [g for g in pair if model.body_rootid[model.geom_bodyid[g]] == root]
+        others = [g for g in pair if g not in own]
+        if contact.efc_address < 0 or len(own) != 1:
+            continue
+        if not model.geom(others[0]).name.startswith(PREFIX):
+            yield own[0], others[0]
+
+
+def _name(model: mujoco.MjModel, geom: int) -> str:
+    name = model.geom(geom).name
+    return f"geom {name!r}" if name else "a geom without a name"

@@ -1,0 +1,1 @@
+"""Films of finished walks, and the OpenGL drivers that draw them."""

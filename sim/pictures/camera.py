@@ -1,0 +1,95 @@
+"""Where the camera stands: the whole walk in view, its long side across the picture.
+
+For walks much longer than the robot the camera stays close and follows. Pure geometry.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from planner import Array
+from sim.pictures.clock import Clock
+from sim.pictures.story import FilmedWalk
+from sim.pictures.style import FRAME_RATE, HEIGHT, WIDTH
+
+FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
+ELEVATION = -50.0  # [degrees]
+SWAY = 7.0  # [degrees] to either side in the course of the film
+ROOM = (0.77, 0.73)  # of half the picture, sideways and upright: the rest is captions
+MIDDLE = (0.16, 0.12)  # of that room, right of and above the middle of the picture
+KNEES = 0.35  # above the feet, in units of the robot's reach
+FARTHEST = 7.0  # in units of the robot's reach; beyond, the camera follows
+HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
+HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
+ROUNDS = 8  # of moving the target; settles to a pixel
+CALM = 1.5  # [s] of film over which the camera follows
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A view for each frame."""
+
+    target: Array  # point in the centre of the picture, (frames, 3) [m]
+    azimuth: Array  # (frames,) [degrees]
+    distance: float  # from the target [m]
+    elevation: float = ELEVATION  # [degrees]
+
+
+def camera(walk: FilmedWalk, clock: Clock) -> Camera:
+    """The camera of a whole film."""
+    pictures = len(clock.rows)
+    sway = SWAY * np.sin(np.linspace(-np.pi / 2, np.pi / 2, pictures))
+    azimuth = _across(walk.nominal) + sway
+    seen = _seen(walk)
+    centre, fitting = _fit(seen, float(azimuth[0] + azimuth[-1]) / 2)
+    distance = min(fitting, FARTHEST * walk.reach)
+    body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
+    calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
+    follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
+    _, right, up = _axes(azimuth)
+    aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
+    return Camera(centre + follow * (calm - centre) - aside, azimuth, distance)
+
+
+def _seen(walk: FilmedWalk) -> Array:
+    """Points that the picture should hold: feet, knees and path, shape (N, 3)."""
+    feet = walk.contact_point[walk.contact]
+    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (walk.nominal[:, :2], 0.0))
+    return np.concatenate([np.insert(points, 2, z, axis=1) for points, z in heights])
+
+
+def _across(path: Array) -> float:
+    """Azimuth that puts the longest extent of a path across the picture [degrees]."""
+    plane = path[:, :2] - path[:, :2].mean(axis=0)
+    x, y = np.linalg.eigh(plane.T @ plane)[1][:, -1]
+    angle = np.arctan2(y, x) if x >= 0 else np.arctan2(-y, -x)
+    return float(np.degrees(angle)) + 90.0
+
+
+def _fit(points: Array, azimuth: float) -> tuple[Array, float]:
+    """Target and distance with which the points just fill the picture's margins."""
+    forward, right, up = _axes(azimuth)
+    target = points.mean(axis=0)
+    for _ in range(ROUNDS):
+        seen = points - target
+        across = np.abs(seen @ right) / (ROOM[0] * HALF_WIDTH)
+        upright = np.abs(seen @ up) / (ROOM[1] * HALF_HEIGHT)
+        distance = float((np.maximum(across, upright) - seen @ forward).max())
+        depth = distance + seen @ forward
+        for axis in (right, up):
+            slope = (seen @ axis) / depth
+            target = target + (slope.min() + slope.max()) / 2 * distance * axis
+    return target, distance
+
+
+def _axes(azimuth: Array | float) -> tuple[Array, Array, Array]:
+    """Directions forward, right and up of the picture, shape (..., 3) each."""
+    turn, tilt = np.radians(azimuth), np.radians(ELEVATION)
+    cos, sin, level = np.cos(turn), np.sin(turn), np.zeros_like(turn)
+    forward = (cos * np.cos(tilt), sin * np.cos(tilt), level + np.sin(tilt))
+    up = (-cos * np.sin(tilt), -sin * np.sin(tilt), level + np.cos(tilt))
+    right = (sin, -cos, level)
+    return np.stack(forward, -1), np.stack(right, -1), np.stack(up, -1)

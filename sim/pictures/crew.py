@@ -1,0 +1,123 @@
+"""Processes that draw the pieces of a film, watched until all are done.
+
+Each has a driver of its own, so one that crashes or hangs costs an error, not the run.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from sim.errors import FilesError, RenderError
+from sim.pictures import gl
+from sim.pictures.file import FULL
+
+PATIENCE = 120.0  # [s] without a new picture
+SPARE = 2**20  # bytes; with less a disk is full
+KEPT = "the run itself is kept"
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Consecutive pictures of a film, and the file they go to."""
+
+    folder: Path  # of the run
+    look: str
+    frames: range
+    path: Path
+
+    @property
+    def command(self) -> list[str]:
+        """How to start the process that draws it."""
+        frames = (str(self.frames.start), str(self.frames.stop))
+        arguments = [str(self.folder), self.look, *frames, str(self.path)]
+        return [sys.executable, "-P", "-m", "sim.pictures.worker", *arguments]
+
+
+@dataclass(frozen=True)
+class Worker:
+    """A process at work on a piece."""
+
+    process: subprocess.Popen[bytes]
+    piece: Piece
+    complaints: IO[bytes]  # its standard error
+
+    def check(self) -> None:
+        """Say why it failed, if it did.
+
+        Raises:
+            FilesError: If the disk is full.
+            RenderError: If it failed for any other reason.
+        """
+        code, where = self.process.wait(), str(self.piece.folder)
+        if code == 0:
+            return
+        self.complaints.seek(0)
+        said = self.complaints.read().decode(errors="replace")
+        if FULL in said or shutil.disk_usage(where).free < SPARE:
+            raise FilesError(
+                "disk full while filming", where, f"free some space; {KEPT}"
+            )
+        last = (said.strip().splitlines() or ["no word"])[-1]
+        reason = f"signal {-code}" if code < 0 else last.removeprefix("OSError: ")
+        raise RenderError(f"drawing the film failed, {reason}", where, KEPT)
+
+
+def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) -> None:
+    """Draw pieces, all at the same time.
+
+    Args:
+        pieces: What to draw.
+        driver: Name of the OpenGL driver.
+        progress: Told how many pictures were just drawn.
+
+    Raises:
+        FilesError: If the disk is full.
+        RenderError: If a process fails, or draws nothing for `PATIENCE`.
+    """
+    threads = max(1, len(os.sched_getaffinity(0)) // len(pieces))
+    environment = {**gl.environment(driver), "LP_NUM_THREADS": str(threads)}
+    with ExitStack() as stack:
+        dots, pen = os.pipe()
+        stack.callback(os.close, dots)
+        workers = [_start(stack, piece, environment, pen) for piece in pieces]
+        os.close(pen)
+        while drawn := _wait(dots, pieces[0].folder):
+            progress(drawn)
+            for worker in workers:
+                if worker.process.poll():
+                    worker.check()
+        for worker in workers:
+            worker.check()
+
+
+def _start(
+    stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
+) -> Worker:
+    complaints = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 (it does)
+    process = subprocess.Popen(
+        piece.command,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=pen,
+        stderr=complaints,
+    )
+    stack.callback(process.wait)
+    stack.callback(process.kill)
+    return Worker(process, piece, complaints)
+
+
+def _wait(dots: int, folder: Path) -> int:
+    """Number of pictures drawn since the last call; 0 when all processes have ended."""
+    if not select.select([dots], [], [], PATIENCE)[0]:
+        raise RenderError(f"no picture for {PATIENCE:g} s", str(folder), KEPT)
+    return len(os.read(dots, 4096))

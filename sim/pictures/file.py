@@ -1,0 +1,131 @@
+"""Films as files: encoded in pieces, joined, and counted before they count as done.
+
+An encoder that dies leaves a file that looks right, or none at all, and reports
+success; only the number of pictures tells. Knows nothing of what they show.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import imageio_ffmpeg
+
+from sim.errors import RenderError
+from sim.pictures.style import FRAME_RATE
+
+CODEC = "libx264"
+QUALITY = ("-preset", "veryfast", "-crf", "20", "-threads", "1")
+# Fragments keep a piece readable up to where its encoder died.
+FRAGMENTS = ("-movflags", "+frag_keyframe+empty_moov+default_base_moof", "-g", "30")
+FULL = "No space left"  # how ffmpeg reports it
+INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE"
+
+
+def check_encoder() -> None:
+    """Make sure that films can be encoded here.
+
+    Raises:
+        RenderError: If there is no ffmpeg, it does not run, or it lacks the codec.
+    """
+    if f"Encoder {CODEC} " not in _ffmpeg("-h", f"encoder={CODEC}"):
+        raise RenderError(f"cannot encode {CODEC}", _executable(), INSTALL)
+
+
+@contextmanager
+def encoding(path: Path) -> Iterator[Any]:
+    """A writer with `append_data(picture)`, shape (height, width, 3), bytes.
+
+    Raises:
+        OSError: If the encoder dies meanwhile; it says why on standard error.
+    """
+    import imageio.v2 as imageio  # half a second that only processes that draw spend
+
+    options = {
+        "fps": FRAME_RATE,
+        "codec": CODEC,
+        "quality": None,
+        "macro_block_size": 2,
+        "ffmpeg_log_level": "error",
+        "output_params": [*QUALITY, *FRAGMENTS],
+    }
+    try:
+        with imageio.get_writer(path, format="FFMPEG", **options) as writer:  # type: ignore
+            yield writer
+    except OSError as error:  # its message is the command line, on several lines
+        raise OSError("the encoder died") from error
+
+
+def join(pieces: Sequence[Path], film: Path) -> None:
+    """Put pieces one after the other, without encoding them again.
+
+    Args:
+        pieces: Films in one folder, which also takes a list of them.
+        film: To be written.
+
+    Raises:
+        RenderError: If a piece is missing or broken.
+        OSError: If the disk is full.
+    """
+    contents = pieces[0].with_name("pieces.txt")
+    contents.write_text("".join(f"file '{piece.name}'\n" for piece in pieces))
+    source = ("-f", "concat", "-safe", "0", "-i", f"file:{contents}")
+    _ffmpeg("-y", *source, "-c", "copy", "-movflags", "+faststart", f"file:{film}")
+
+
+def count_pictures(film: Path) -> int:
+    """Number of pictures that a film really holds; 0 if it cannot be read."""
+    try:
+        report = _ffmpeg(
+            "-progress",
+            "-",
+            "-i",
+            f"file:{film}",
+            "-map",
+            "0:v:0",
+            "-c",
+            "copy",
+            "-f",
+            "null",
+            "-",
+        )
+    except RenderError:
+        return 0
+    counts = [line for line in report.splitlines() if line.startswith("frame=")]
+    return int(counts[-1].removeprefix("frame=")) if counts else 0
+
+
+def _ffmpeg(*arguments: str) -> str:
+    """What ffmpeg prints.
+
+    Raises:
+        RenderError: If it fails.
+        OSError: If the disk is full.
+    """
+    command = (_executable(), "-v", "error", "-nostdin", *arguments)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+    except OSError as error:
+        raise RenderError(
+            f"no ffmpeg, {error.strerror}", command[0], INSTALL
+        ) from error
+    if FULL in done.stderr:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    if done.returncode:
+        reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[
+            -1
+        ]
+        raise RenderError(f"ffmpeg failed, {reason}", command[0], INSTALL)
+    return done.stdout
+
+
+def _executable() -> str:
+    try:
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
+    except RuntimeError as error:
+        raise RenderError("no ffmpeg", "imageio-ffmpeg", INSTALL) from error

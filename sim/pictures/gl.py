@@ -1,0 +1,124 @@
+"""Which OpenGL driver draws the pictures: EGL first, OSMesa second.
+
+MuJoCo ties its driver at `import mujoco`, and fails there on a value of MUJOCO_GL that
+does not fit the machine. So physics imports it without any driver, and pictures are
+drawn by processes of their own that are started with the driver found here. Draws
+nothing but one small frame for a trial; the film is in `pictures.direction`.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+from sim.errors import RenderError
+
+BACKENDS = ("egl", "osmesa")  # in the order they are tried
+OFF = ("disable", "disabled", "off", "false", "0")  # as MuJoCo spells it
+WISH = "STRATAWALK_GL"  # what MUJOCO_GL said before physics silenced it
+TRIAL_LIMIT = 60.0  # [s]; a trial takes 0.5 s
+INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def choose() -> None:
+    """Keep drivers out of this process, whatever MUJOCO_GL says.
+
+    To be called before anything imports mujoco. What MUJOCO_GL said is kept as a wish
+    for the processes that draw; `osmesa` puts that one first, `disabled` forbids
+    pictures, and a value that makes no sense is no wish.
+    """
+    os.environ.setdefault(WISH, os.environ.get("MUJOCO_GL", ""))
+    os.environ["MUJOCO_GL"] = "disabled"
+
+
+def probe() -> str:
+    """The first driver that really draws a frame here, tried in a short child process.
+
+    Costs half a second the first time and nothing afterwards.
+
+    Raises:
+        RenderError: If none does, or if MUJOCO_GL switches pictures off.
+    """
+    wish = os.environ.get(WISH, os.environ.get("MUJOCO_GL", "")).strip().lower()
+    if wish in OFF:
+        raise RenderError(
+            "pictures are switched off",
+            f"MUJOCO_GL={wish}",
+            f"unset it, or set {BACKENDS[0]}",
+        )
+    return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != wish)))
+
+
+def environment(backend: str) -> dict[str, str]:
+    """Environment of a Python process that draws with `backend` and runs this code."""
+    path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    gl = {"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": backend, "PYTHONPATH": path}
+    return {**os.environ, **gl}
+
+
+@cache
+def _first_that_draws(backends: tuple[str, ...]) -> str:
+    reasons = []
+    for backend in backends:
+        reason = _trial(backend)
+        if reason is None:
+            return backend
+        reasons.append(f"{backend}: {reason}")
+    raise RenderError(
+        "cannot draw pictures without a screen", "; ".join(reasons), INSTALL
+    )
+
+
+def _trial(backend: str) -> str | None:
+    """Why a driver does not draw, in a few words; None if it does."""
+    command = [sys.executable, "-P", "-m", "sim.pictures.gl"]
+    try:
+        trial = subprocess.run(
+            command,
+            env=environment(backend),
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=TRIAL_LIMIT,
+        )
+    except subprocess.TimeoutExpired:
+        return f"no picture after {TRIAL_LIMIT:g} s"
+    if trial.returncode == 0:
+        return None
+    if trial.returncode < 0:
+        return f"the driver died of signal {-trial.returncode}"
+    return _reason(trial.stderr)
+
+
+def _reason(stderr: str) -> str:
+    """The gist of a traceback: its last line, without the advice that follows."""
+    lines = [line for line in stderr.splitlines() if line and not line[0].isspace()]
+    last = lines[-1] if lines else "no picture"
+    if "NoneType" in last:  # PyOpenGL found no library and went on with None
+        return "library not found"
+    return last.partition(": ")[2].partition(". ")[0] or last
+
+
+def _draw_one_frame() -> None:
+    """Draw a lit ball, and see that the picture is neither empty nor flat."""
+    import mujoco  # only here: the driver is tied at this moment
+
+    scene = (
+        "<mujoco><worldbody><light pos='0 0 3'/><geom size='1'/></worldbody></mujoco>"
+    )
+    model = mujoco.MjModel.from_xml_string(scene)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with mujoco.Renderer(model, height=24, width=32) as renderer:
+        renderer.update_scene(data)
+        picture = renderer.render()
+    if picture.min() == picture.max():
+        raise SystemExit("the picture is blank")
+
+
+if __name__ == "__main__":
+    _draw_one_frame()

@@ -1,0 +1,128 @@
+"""Flat drawings on the floor, as triangles that appear and vanish with the frames.
+
+Ribbons, dashes, discs and polygons in, triangles out. Knows neither walks nor MuJoCo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner import Array
+
+CORNERS = 24  # of a disc
+
+
+@dataclass(frozen=True)
+class Ink:
+    """Triangles in the order of the frames that they first appear in.
+
+    Attributes:
+        points: Corners of the triangles, shape (N, 3, 2) [m], anticlockwise.
+        frames: First frame of each triangle, shape (N,), ascending.
+        shapes: Number of the shape that each belongs to, shape (N,); triangles of one
+            shape do not overlap.
+        fleeting: Whether a triangle is gone again in the next frame.
+    """
+
+    points: Array
+    frames: Array
+    shapes: Array
+    fleeting: bool = False
+
+    def visible(self, frame: int) -> tuple[int, int]:
+        """Index of the first triangle to be seen in a frame, and how many follow."""
+        stop = int(np.searchsorted(self.frames, frame, side="right"))
+        if not self.fleeting:
+            return 0, stop
+        start = int(np.searchsorted(self.frames, frame, side="left"))
+        return start, stop - start
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+
+def join(inks: Iterable[Ink], fleeting: bool = False) -> Ink:
+    """One drawing of several."""
+    inks = [ink for ink in inks if len(ink)]
+    if not inks:
+        return Ink(np.zeros((0, 3, 2)), np.zeros(0, int), np.zeros(0, int), fleeting)
+    counts = np.cumsum([0, *(ink.shapes.max() + 1 for ink in inks)])
+    shapes = [ink.shapes + n for ink, n in zip(inks, counts, strict=False)]
+    frames = np.concatenate([ink.frames for ink in inks])
+    order = np.argsort(frames, kind="stable")
+    points = np.concatenate([ink.points for ink in inks])
+    return Ink(points[order], frames[order], np.concatenate(shapes)[order], fleeting)
+
+
+def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Ink:
+    """A line of constant width, each piece appearing with the point it leads to.
+
+    Args:
+        line: Points, shape (N, 2) [m]; repeated ones are skipped.
+        frames: Frame of each point, shape (N,), ascending.
+        width: In [m].
+        jump: Pieces longer than this are left out [m].
+    """
+    step = np.diff(line, axis=0)
+    length = np.hypot(*step.T)
+    moved = (length > 0) & (length <= jump)
+    along = step[moved] / length[moved, None] * width / 2
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    # Half a width too long at both ends: no notches where the direction changes.
+    start, end = line[:-1][moved] - along, line[1:][moved] + along
+    corners = (start - across, end - across, end + across, start + across)
+    return _quadrangles(np.stack(corners, axis=1), frames[1:][moved])
+
+
+def dashes(line: Array, period: float, width: float) -> Ink:
+    """A dashed line that is there from the first frame on.
+
+    Args:
+        line: Points, shape (N, 2) [m].
+        period: Length of a dash and the gap after it [m].
+        width: In [m].
+    """
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    starts = np.arange(0.0, way[-1], period)
+    pieces = []
+    for start in starts:
+        stop = min(start + 0.5 * period, way[-1])
+        inner = way[(way > start) & (way < stop)]
+        at = np.concatenate([[start], inner, [stop]])
+        piece = np.stack([np.interp(at, way, c) for c in line.T], axis=1)
+        pieces.append(ribbon(piece, np.zeros(len(piece), int), width))
+    return join(pieces)
+
+
+def discs(centres: Array, frames: Array, radius: float) -> Ink:
+    """Round spots.
+
+    Args:
+        centres: Shape (N, 2) [m].
+        frames: Frame of each, shape (N,), ascending.
+        radius: In [m].
+    """
+    angle = np.linspace(0, 2 * np.pi, CORNERS, endpoint=False)
+    rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return polygons([c + rim for c in centres], frames)
+
+
+def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Ink:
+    """Filled convex polygons with their frames; corners anticlockwise, (n, 2) [m]."""
+    fans = []
+    for outline, frame in zip(outlines, frames, strict=True):
+        n = max(len(outline) - 2, 0)
+        fan = np.stack(
+            [np.repeat(outline[:1], n, 0), outline[1:-1], outline[2:]], axis=1
+        )
+        fans.append(Ink(fan, np.full(n, frame), np.zeros(n, int)))
+    return join(fans)
+
+
+def _quadrangles(corners: Array, frames: Array) -> Ink:
+    halves = corners[:, [[0, 1, 2], [0, 2, 3]]]  # (N, 2, 3, 2)
+    shapes = np.repeat(np.arange(len(corners)), 2)
+    return Ink(halves.reshape(-1, 3, 2), np.repeat(frames, 2), shapes)

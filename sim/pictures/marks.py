@@ -1,0 +1,157 @@
+"""What a walk leaves on the floor: outline, footprints, paths, support, weight, goal.
+
+Turns a walk into coloured ink, frame by frame; where the camera stands and how the ink
+gets into a picture is for `pictures.stage`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from planner import Array
+from sim.motion.stability import support_polygons
+from sim.pictures import style, sweep
+from sim.pictures.clock import Clock
+from sim.pictures.ink import Ink, dashes, discs, join, polygons, ribbon
+from sim.pictures.story import FilmedWalk
+
+# In units of the robot's reach.
+SPACING, JUMP = 0.004, 0.03  # between points of a path; a longer step is no path
+DASH = 0.08
+FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
+FOOT, TRAIL = 0.014, 0.012  # radius of a footprint, width of its slip
+SPOT, GOAL = 0.032, 0.06  # radii
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Ink of one colour."""
+
+    name: str
+    ink: Ink
+    colour: style.Colour
+    alpha: float = 1.0
+
+
+def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
+    """Everything that is drawn on the floor, the lowest first.
+
+    Args:
+        walk: What happened.
+        clock: Which row each frame shows.
+        frames: Frames to be drawn; what moves with the robot is drawn for these only.
+    """
+    drawn = (
+        *_covered(walk, clock, frames),
+        *_support(walk, clock, frames),
+        *_footprints(walk, clock),
+        *_goal(walk),
+        *_predicted(walk, clock),
+        Mark("achieved path", _path(walk, clock, walk.achieved, FINE), style.ACHIEVED),
+        Mark("nominal path", _nominal(walk), style.NOMINAL),
+        *_weight(walk, clock, frames),
+    )
+    return tuple(mark for mark in drawn if len(mark.ink))
+
+
+def _covered(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
+    """The robot's outline; beside obstacles also the floor that it swept over."""
+    robot = sweep.solids(walk)
+    if walk.scenario.obstacles:
+        yield Mark("floor swept over", sweep.swept(robot, walk, clock), style.SWEPT)
+    edge = sweep.edge(robot, walk, clock, frames, THIN * walk.reach)
+    yield Mark("outline of the robot", edge, style.OUTLINE)
+
+
+def _nominal(walk: FilmedWalk) -> Ink:
+    return dashes(walk.nominal[:, :2], DASH * walk.reach, THIN * walk.reach)
+
+
+def _goal(walk: FilmedWalk) -> Iterator[Mark]:
+    """A ring where the nominal path ends."""
+    end, first = walk.nominal[-1:, :2], np.zeros(1, int)
+    for name, share, colour in (
+        ("goal", 1.0, style.NOMINAL),
+        ("goal's eye", 0.75, style.PAPER),
+    ):
+        yield Mark(name, discs(end, first, share * GOAL * walk.reach), colour)
+
+
+def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
+    """Where the body should have been; wider than the way it took, and under it."""
+    for i, (name, poses) in enumerate(walk.predicted.items()):
+        yield Mark(name, _path(walk, clock, poses, WIDE[i]), style.PREDICTED[i])
+
+
+def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Ink:
+    """The way of the body's centre so far."""
+    rows = _thinned(poses, SPACING * walk.reach)
+    frames = clock.frame_of(rows)
+    return ribbon(poses[rows, :2], frames, width * walk.reach, JUMP * walk.reach)
+
+
+def _thinned(line: Array, spacing: float) -> Array:
+    """Rows about `spacing` apart along a line."""
+    way = np.cumsum(np.hypot(*np.diff(line[:, :2], axis=0, prepend=line[:1, :2]).T))
+    return np.unique(np.floor(way / spacing), return_index=True)[1]
+
+
+def _footprints(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
+    """Where the feet of each group stood, and how they slipped while they did."""
+    for group, name in enumerate(walk.groups):
+        feet = [i for i, owner in enumerate(walk.group_of_foot) if owner == group]
+        ink = join(ink for foot in feet for ink in _stands(walk, clock, foot))
+        yield Mark(f"footprints of {name}", ink, style.footprint(group))
+
+
+def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Ink]:
+    """A spot where a foot came down, and its trail until it was raised."""
+    place = walk.contact_point[:, foot]
+    touched = np.concatenate([[False], walk.contact[:, foot], [False]])
+    starts, stops = np.flatnonzero(touched[1:] != touched[:-1]).reshape(-1, 2).T
+    yield discs(place[starts], clock.frame_of(starts), FOOT * walk.reach)
+    for start, stop in zip(starts, stops, strict=True):
+        rows = start + _thinned(place[start:stop], TRAIL * walk.reach)
+        yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)
+
+
+def _support(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
+    """The convex hull of the feet in contact, red where the weight has left it."""
+    rows = clock.rows[frames.start : frames.stop]
+    hulls = support_polygons(walk.contact_point[rows], walk.contact[rows])
+    stable = walk.margin[rows] > 0
+    for name, colour, chosen in (
+        ("support polygon", style.STABLE, stable),
+        ("support polygon, tipping", style.TIPPING, ~stable),
+    ):
+        outlines = [(frames[i], _corners(hulls[i])) for i in np.flatnonzero(chosen)]
+        filled = polygons([c for _, c in outlines], [f for f, _ in outlines])
+        edges = (
+            ribbon(np.vstack([c, c[:1]]), np.full(len(c) + 1, frame), THIN * walk.reach)
+            for frame, c in outlines
+        )
+        yield Mark(name, join([filled], fleeting=True), colour, alpha=0.25)
+        yield Mark(f"edge of the {name}", join(edges, fleeting=True), colour)
+
+
+def _corners(hull: shapely.Geometry) -> Array:
+    """Corners of a polygon, anticlockwise; ends of a segment; shape (n, 2)."""
+    if isinstance(hull, shapely.Polygon):
+        return np.asarray(shapely.get_coordinates(shapely.orient_polygons(hull))[:-1])
+    return np.asarray(shapely.get_coordinates(hull))
+
+
+def _weight(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
+    """The centre of mass, projected on the floor."""
+    rows = clock.rows[frames.start : frames.stop]
+    centres = walk.center_of_mass[rows]
+    for name, share, colour in (
+        ("rim of the centre of mass", 1.4, style.PAPER),
+        ("centre of mass", 1.0, style.WEIGHT),
+    ):
+        spots = discs(centres, np.array(frames), share * SPOT * walk.reach)
+        yield Mark(name, join([spots], fleeting=True), colour)

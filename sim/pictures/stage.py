@@ -1,0 +1,116 @@
+"""Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names.
+
+Never steps: every picture is a saved state. What is seen is for `pictures.scenery`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+import mujoco
+import numpy as np
+
+from planner import Array
+from sim.pictures.camera import Camera
+from sim.pictures.marks import Mark
+from sim.pictures.scenery import SUN, build, mesh_name
+from sim.pictures.story import FilmedWalk
+from sim.pictures.style import HEIGHT, WIDTH, Look
+
+SUN_DISTANCE = 5.0  # [reach of the robot]
+ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
+
+
+class Stage:
+    """Draws one walk; holds a GL context until it is closed."""
+
+    def __init__(
+        self, walk: FilmedWalk, marks: Sequence[Mark], camera: Camera, look: Look
+    ) -> None:
+        self._walk, self._marks, self._camera = walk, marks, camera
+        self._model = build(walk, marks, look)
+        self._first_face = self._model.mesh_faceadr.copy()
+        self._ink = {self._model.geom(mesh_name(mark)).id for mark in marks}
+        self._data = mujoco.MjData(self._model)
+        self._view = mujoco.MjvCamera()
+        self._options = mujoco.MjvOption()
+        self._context = mujoco.GLContext(WIDTH, HEIGHT)
+        self._context.make_current()
+        self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + ROOM)
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look.shadows
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        self._brush = mujoco.MjrContext(
+            self._model, mujoco.mjtFontScale.mjFONTSCALE_100
+        )
+        mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._brush)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._brush.free()
+        self._context.free()
+
+    def picture(self, frame: int, row: int) -> Array:
+        """Draw the state of a row.
+
+        Args:
+            frame: Decides the view, and which ink is visible.
+            row: Of the trajectory.
+
+        Returns:
+            Shape (HEIGHT, WIDTH, 3), bytes.
+        """
+        self._data.qpos[:] = self._walk.qpos[row]
+        self._look_from(frame)
+        mujoco.mj_kinematics(self._model, self._data)
+        mujoco.mj_camlight(self._model, self._data)
+        for mark in self._marks:
+            self._show(mark, frame)
+        mujoco.mjv_updateScene(
+            self._model,
+            self._data,
+            self._options,
+            None,
+            self._view,
+            mujoco.mjtCatBit.mjCAT_ALL,
+            self._scene,
+        )
+        self._let_ink_cast_no_shadow()
+        frame_area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
+        picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)
+        mujoco.mjr_render(frame_area, self._scene, self._brush)
+        mujoco.mjr_readPixels(picture, None, frame_area, self._brush)
+        return picture[::-1]  # OpenGL counts rows from below
+
+    def _let_ink_cast_no_shadow(self) -> None:
+        """Not even on itself, where it lies nearer to the floor than depth is fine."""
+        for geom in self._scene.geoms[: self._scene.ngeom]:
+            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._ink:
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+
+    def _look_from(self, frame: int) -> None:
+        self._view.lookat[:] = self._camera.target[frame]
+        self._view.azimuth = self._camera.azimuth[frame]
+        self._view.elevation = self._camera.elevation
+        self._view.distance = self._camera.distance
+        # Shadows fall only around a light's position, even if its rays are parallel.
+        away = SUN_DISTANCE * self._walk.reach
+        self._model.light_pos[0] = self._camera.target[frame] - away * SUN
+
+    def _show(self, mark: Mark, frame: int) -> None:
+        """Let the driver see only the triangles that are visible in this frame."""
+        model = self._model
+        mesh = model.mesh(mesh_name(mark)).id
+        first, count = mark.ink.visible(frame)
+        first += self._first_face[mesh]
+        if (model.mesh_faceadr[mesh], model.mesh_facenum[mesh]) != (first, count):
+            model.mesh_faceadr[mesh], model.mesh_facenum[mesh] = first, count
+            mujoco.mjr_uploadMesh(model, self._brush, mesh)

@@ -1,0 +1,162 @@
+"""A finished walk as the film needs it: read from a run folder, in world coordinates.
+
+Reads scenario, card, arrays and flows; draws nothing.
+"""
+
+from __future__ import annotations
+
+import csv
+import zipfile
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from models import Card, read_card
+from planner import Array
+from sim.errors import UsageError
+from sim.motion.poses import rotate
+from sim.scenarios.file import load_scenario
+from sim.scenarios.scenario import Scenario
+
+NOMINAL_POINTS = 400  # of the nominal path as it is drawn
+IDEAL = "ideal prediction"
+PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static prediction"}
+
+
+class FlowRow(NamedTuple):
+    """One line of flows.csv, as far as pictures tell of it."""
+
+    kind: str  # hold, lift, swing or land
+    stratum: str  # groups in contact
+    group: str  # that move; empty in a hold
+    segment: int = 0
+
+
+@dataclass(frozen=True)
+class FilmedWalk:
+    """What happened, row by row: shapes (T, ...), poses and positions in the world."""
+
+    model: Path  # MJCF file
+    card: Card
+    scenario: Scenario
+    flows: tuple[FlowRow, ...]
+    time: Array  # (T,) [s]
+    phase: Array  # index into flows, (T,)
+    qpos: Array  # (T, nq)
+    achieved: Array  # (T, 3)
+    predicted: dict[str, Array]  # by the prediction's name, (T, 3) each
+    contact: Array  # (T, F), bool
+    contact_point: Array  # where each foot stands, or last stood, (T, F, 2) [m]
+    center_of_mass: Array  # projected on the floor, (T, 2) [m]
+    margin: Array  # (T,) [m]
+    clearance: Array | None  # from obstacles, where there are any, (T,) [m]
+    nominal: Array  # (N, 3)
+
+    @property
+    def ideal(self) -> Array:
+        """Poses predicted by the paper's fields, (T, 3)."""
+        return self.predicted[IDEAL]
+
+    @property
+    def segments(self) -> int:
+        """How many were walked; bounds may have cut those of the scenario."""
+        return 1 + max(flow.segment for flow in self.flows)
+
+    @cached_property
+    def groups(self) -> tuple[str, ...]:
+        """Names of the groups of legs."""
+        return tuple(self.card.groups)
+
+    @cached_property
+    def group_of_foot(self) -> tuple[int, ...]:
+        """Index of each foot's group, feet in ascending order of their legs."""
+        owner = {
+            leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs
+        }
+        return tuple(owner[leg] for leg in sorted(self.card.legs))
+
+    @cached_property
+    def legs_per_group(self) -> int:
+        """How many legs every group has; 0 where the groups differ."""
+        sizes = {len(group.legs) for group in self.card.groups.values()}
+        return sizes.pop() if len(sizes) == 1 else 0
+
+    @cached_property
+    def reach(self) -> float:
+        """Largest distance from the body's centre to a foot at the end [m]."""
+        feet = self.contact_point[-1] - self.achieved[-1, :2]
+        return float(np.hypot(*feet.T).max())
+
+
+def read_walk(folder: Path) -> FilmedWalk:
+    """Read a run folder.
+
+    Raises:
+        UsageError: If it is not the folder of a finished run.
+    """
+    try:
+        return _read(folder)
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        if isinstance(error, UsageError):
+            raise
+        reason = f"no film of an unfinished run, {error}"
+        raise UsageError(
+            reason, str(folder), "give the folder of a finished run"
+        ) from error
+
+
+def _read(folder: Path) -> FilmedWalk:
+    scenario = load_scenario(str(folder / "scenario.toml"))
+    with (
+        (folder / "model.xml").open("rb"),  # the processes that draw will need it
+        (folder / "trajectory.npz").open("rb") as file,
+        np.load(file, allow_pickle=False) as arrays,
+    ):
+        start = arrays["world_start_pose"]
+        return FilmedWalk(
+            model=folder / "model.xml",
+            card=read_card(folder / "model.toml"),
+            scenario=scenario,
+            flows=_read_flows(folder / "flows.csv"),
+            time=arrays["time"],
+            phase=arrays["phase"],
+            qpos=arrays["qpos"],
+            achieved=_in_world(start, arrays["achieved_pose"]),
+            predicted={
+                name: _in_world(start, arrays[key])
+                for key, name in PREDICTIONS.items()
+                if key in arrays
+            },
+            contact=arrays["contact"],
+            contact_point=_points_in_world(start, arrays["contact_point"]),
+            center_of_mass=_points_in_world(start, arrays["center_of_mass"][:, :2]),
+            margin=arrays["achieved_margin"],
+            clearance=arrays.get("achieved_clearance"),
+            nominal=_in_world(start, _nominal(scenario)),
+        )
+
+
+def _read_flows(path: Path) -> tuple[FlowRow, ...]:
+    with path.open(newline="") as file:
+        return tuple(
+            FlowRow(row["kind"], row["stratum"], row["group"], int(row["segment"]))
+            for row in csv.DictReader(file)
+        )
+
+
+def _nominal(scenario: Scenario) -> Array:
+    return np.array([scenario.path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
+
+
+def _points_in_world(start: Array, points: Array) -> Array:
+    """Points given in the frame of the start pose, shape (..., 2)."""
+    return np.asarray(start[:2] + rotate(points, start[2]))
+
+
+def _in_world(start: Array, pose: Array) -> Array:
+    """Poses given in the frame of the start pose, shape (..., 3)."""
+    yaw = pose[..., 2:] + start[2]
+    return np.concatenate([_points_in_world(start, pose[..., :2]), yaw], axis=-1)

@@ -1,0 +1,212 @@
+"""Steer on a prediction: aim beside the nominal path so that the prediction meets it.
+
+The planner's fields are constant; the legs' are not. Every segment's aim is shifted by
+what the prediction misses, in the frame of the segment's start, and all segments are
+planned again, until the predicted end of each meets the nominal one. Still open loop.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models import Strokes, TwistModel, travel
+from planner import (
+    Array,
+    ConvergenceError,
+    Coordinates,
+    Path,
+    Plan,
+    RangeError,
+    Step,
+    grid,
+    plan,
+    plan_step,
+)
+from sim.motion.poses import compose, relative
+from sim.preparation.setup import Setup
+
+ROUNDS = 12  # each divides the miss by two or more, where nothing jumps
+MISS = 1e-7  # [m] and [rad]
+JUMP = 0.1  # of a segment, by which it may end beside the path
+
+
+def plan_along(
+    setup: Setup, path: Path, coordinates: Coordinates | None = None
+) -> Plan:
+    """One plan for a whole path of configurations.
+
+    Args:
+        setup: What to walk.
+        path: Where.
+        coordinates: Hall coordinates to follow; those of the scenario if not given.
+
+    Raises:
+        PlannerError: If there is none, or it leaves the joint range.
+    """
+    return plan(
+        setup.extended,
+        path,
+        setup.scenario.segments,
+        stance=setup.stance,
+        limits=setup.swing_limits,
+        static_stability=setup.equations.static_stability,
+        coordinates=coordinates or setup.coordinates,
+    )
+
+
+def plan_towards(
+    setup: Setup,
+    segment: int,
+    target: Array,
+    pose: Array,
+    swing: tuple[float, ...],
+) -> Step:
+    """Plan one segment from the pose reached to a target.
+
+    Args:
+        setup: What to walk.
+        segment: Its number, from 0.
+        target: Pose to go to, in the start frame, shape (3,).
+        pose: Pose reached, likewise.
+        swing: Angle of every group [rad].
+
+    Raises:
+        PlannerError: If the target cannot be approached from there.
+    """
+    execution = setup.execution(finish=segment == setup.scenario.segments - 1)
+    here, there = setup.state(pose, swing), setup.state(target)
+    return plan_step(setup.extended, here, there, execution)
+
+
+def steer(setup: Setup, twists: TwistModel) -> Plan:
+    """A plan whose every segment is predicted to end on the nominal path.
+
+    Follows backward coordinates throughout, or the shortest words: choosing the cheaper
+    coordinates anew in each round would make the prediction jump. It still jumps where
+    a bracket changes its sign; a segment there may end beside the path by a small part
+    of its length.
+
+    Args:
+        setup: What to walk.
+        twists: Prediction to steer on.
+
+    Raises:
+        PlannerError: If there is no plan, or one that must be aimed at leaves the joint
+            range.
+        ConvergenceError: If no aim makes the prediction meet the nominal path.
+    """
+    nominal = setup.nominal()
+    goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
+    wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
+    tolerable = JUMP * np.abs(wanted).max()
+    aims, best, least, worst = wanted, None, np.inf, 0
+    steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
+    for _ in range(ROUNDS):
+        try:
+            planned = plan_along(setup, _path(setup, goals[0], aims), steady)
+        except RangeError:
+            if best is None or least <= tolerable:
+                raise
+            break  # aims that run away
+        ends = segment_ends(setup, planned, twists)
+        misses = np.abs(ends - goals).max(axis=1)
+        if misses.max() < least:
+            best, least, worst = planned, misses.max(), int(misses.argmax())
+        if least < MISS:
+            break
+        aims = compose(aims, relative(relative(ends[:-1], ends[1:]), wanted))
+    if best is None or least > tolerable:
+        raise _failure(setup, worst - 1, float(least))  # misses[0] is the start's
+    return best
+
+
+def steer_towards(
+    setup: Setup,
+    twists: TwistModel,
+    segment: int,
+    target: Array,
+    pose: Array,
+    swing: tuple[float, ...],
+) -> Step:
+    """Plan one segment whose predicted end is the target; arguments as `plan_towards`.
+
+    A segment cut short by the joint range is left as it is. Where the prediction jumps
+    because other words become cheaper, the closest attempt is taken.
+
+    Raises:
+        PlannerError: If the target cannot be approached from there.
+        ConvergenceError: If no aim makes the prediction meet it.
+    """
+    wanted = relative(pose, target)
+    aim, best, least = wanted, None, np.inf
+    for _ in range(ROUNDS):
+        step = plan_towards(setup, segment, compose(pose, aim), pose, swing)
+        got = segment_ends(setup, step.plan, twists, swing)[-1]
+        miss = float(np.abs(got - wanted).max())
+        if step.fraction < 1 or miss < MISS:
+            return step
+        if miss < least:
+            best, least = step, miss
+        aim = compose(aim, relative(got, wanted))
+    if best is None or least > JUMP * np.abs(wanted).max():
+        raise _failure(setup, segment, least)
+    return best
+
+
+def segment_ends(
+    setup: Setup,
+    planned: Plan,
+    twists: TwistModel,
+    swing: tuple[float, ...] | None = None,
+) -> Array:
+    """Predicted pose at the start and at the end of each segment, (segments + 1, 3).
+
+    Args:
+        setup: What to walk.
+        planned: Flows of all segments.
+        twists: Prediction to follow.
+        swing: Angle of every group at the start [rad]; all 0 when left out.
+    """
+    equations, groups = setup.equations, setup.robot.groups
+    changes = np.array(
+        [np.multiply(equations.swings[f.field], f.duration) for f in planned.flows]
+    ).reshape(-1, len(groups))
+    begin = np.cumsum(changes, axis=0) - changes
+    begin += np.zeros(len(groups)) if swing is None else np.array(swing)
+    standing = np.array(
+        [[g in f.stratum for g in groups] for f in planned.flows], dtype=bool
+    )
+    loaded = ((changes != 0) & standing.reshape(changes.shape)).any(axis=1)
+    strokes = Strokes(
+        strata=tuple(
+            f.stratum for f, on in zip(planned.flows, loaded, strict=True) if on
+        ),
+        begin=begin[loaded],
+        change=changes[loaded],
+    )
+    clock = np.concatenate([[0], np.cumsum(loaded)])
+    ends = clock[[0, *planned.segment_ends]].astype(float)
+    return travel(strokes, twists, setup.kinematics).pose(ends)
+
+
+def _path(setup: Setup, start: Array, aims: Array) -> Path:
+    """Straight from aim to aim, each taking an equal share of s."""
+    poses = [start]
+    for aim in aims:
+        poses.append(compose(poses[-1], aim))
+    knots = np.array([setup.state(pose) for pose in poses])
+    where = np.linspace(0.0, 1.0, len(knots))
+
+    def at(s: Array) -> Array:
+        return np.stack([np.interp(s, where, column) for column in knots.T], axis=1)
+
+    return Path(at, corners=tuple(where[1:-1]))
+
+
+def _failure(setup: Setup, segment: int, miss: float) -> ConvergenceError:
+    scenario = setup.scenario
+    return ConvergenceError(
+        f"segment {segment + 1} of {scenario.segments} still misses its end by "
+        f"{1e3 * miss:.3g} mm or mrad, steered on the {scenario.steer} prediction; "
+        "use more segments, or steer on another one"
+    )

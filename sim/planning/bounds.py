@@ -1,0 +1,168 @@
+"""Walks within bounds: stability margin and clearance, kept along predicted motion.
+
+The nominal path is divided finely enough for the motion along it to keep what the
+scenario asks for; the planner says how finely, this module what is left over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from planner import (
+    Array,
+    BoundError,
+    RangeError,
+    ResolutionError,
+    Slack,
+    grid,
+    plan,
+    subdivide,
+)
+from sim.motion.stability import stability_margin
+from sim.obstacles.clearance import surroundings
+from sim.planning.clearance_bound import ClearanceBound
+from sim.planning.forecast import ForeseenStretch, foresee
+from sim.preparation.setup import Setup
+
+ROUNDING = 1e-9  # [rad]
+FINEST = 1e-3  # of the path; segments as short as this that are not followed never are
+
+
+class Bound(Protocol):
+    """A lower bound on something along a walk."""
+
+    def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
+        """What is left of the bound in each segment; refuses what nothing can keep."""
+        ...
+
+
+def within_bounds(setup: Setup) -> Setup:
+    """Divide the nominal path until the predicted motion keeps the scenario's bounds.
+
+    A scenario that sets no bounds is left as it is.
+
+    Raises:
+        BoundError: If they cannot be kept; it says where, and what could be.
+        PlannerError: If there is no plan.
+    """
+    bounds = tuple(_bounds(setup))
+    if not bounds:
+        return setup
+
+    def slacks(cuts: Array) -> list[Slack]:
+        tried = setup.recut(cuts)
+        try:
+            stages = foresee(tried)
+        except RangeError as error:
+            if error.segments is None:
+                raise
+            return [_reach(tried)]  # there is no motion to look at yet
+        except ResolutionError as error:
+            if np.diff(cuts)[list(error.segments)].min() < FINEST:
+                raise
+            return [_unresolved(tried, error.segments)]
+        if min((stage.fraction for stage in stages), default=1.0) < 1:
+            return [_cut_short(tried, stages)]
+        return [bound.slack(tried, stages) for bound in bounds]
+
+    cuts = grid(setup.scenario.path.curve, setup.scenario.segments)
+    return setup.recut(subdivide(cuts, slacks))
+
+
+def _reach(setup: Setup) -> Slack:
+    """What the strokes of each segment leave of the joint range [rad]."""
+    planned = plan(
+        setup.extended,
+        setup.nominal(),
+        setup.scenario.segments,
+        stance=setup.stance,
+        static_stability=setup.equations.static_stability,
+    )
+    shape, flows = setup.extended.shape, planned.flows
+    segment = np.repeat(
+        np.arange(len(planned.segment_ends)),
+        np.diff(planned.segment_ends, prepend=0),
+    )
+    standing, walking = np.inf, np.full(len(planned.segment_ends), np.inf)
+    for name, (low, high) in setup.swing_limits.items():
+        angle = shape.trajectory(shape.names.index(name), flows, 0.0)[1:]
+        np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
+        standing = min(standing, high, -low)
+    if walking.min() >= 0:  # aims beside the path left it, where it comes closest
+        walking[walking.argmin()] = -ROUNDING
+    full = np.full(len(walking), standing)
+    return Slack("joint range", 0.0, full, walking, law=1.0)
+
+
+def _unresolved(setup: Setup, segments: Sequence[int]) -> Slack:
+    """Segments to be cut because no inputs follow the path along them."""
+    walking = np.zeros(setup.scenario.segments)
+    walking[list(segments)] = -1.0
+    return Slack("resolution", 0.0, np.ones_like(walking), walking, law=1.0)
+
+
+def _cut_short(setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
+    """How much of each segment's way lies beyond the joint range."""
+    too_long = np.zeros(setup.scenario.segments)
+    for stage in stages:
+        too_long[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
+    return Slack("joint range", 0.0, np.ones_like(too_long), -too_long, law=1.0)
+
+
+def _bounds(setup: Setup) -> Iterable[Bound]:
+    scenario = setup.scenario
+    if scenario.min_margin is not None:
+        yield MarginBound(scenario.min_margin)
+    if scenario.obstacles and scenario.min_clearance >= 0:
+        yield ClearanceBound(surroundings(setup), scenario.min_clearance)
+
+
+@dataclass(frozen=True)
+class MarginBound:
+    """The stability margin stays above a least value [m]."""
+
+    least: float
+
+    def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
+        """Margins of the predicted motion against the most that could be."""
+        margins = np.full(setup.scenario.segments, np.inf)
+        for stage in stages:
+            segment = stage.segment(stage.rows)
+            np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
+        if margins.min() >= self.least:
+            room = np.ones(setup.scenario.segments)
+            return self._leeway(room, margins)
+        stratum, most = _standing_margin(setup)
+        if most <= self.least:
+            raise self._refusal(stratum, most, float(margins.min()))
+        standing = np.full(setup.scenario.segments, most - self.least)
+        return self._leeway(standing, margins)
+
+    def _leeway(self, standing: Array, margins: Array) -> Slack:
+        left = margins - self.least
+        return Slack("min_margin", self.least, standing, left, unit="m")
+
+    def _refusal(self, stratum: str, standing: float, walking: float) -> BoundError:
+        cannot = f"min_margin of {self.least:.4g} m cannot be kept: "
+        if walking > standing:
+            return BoundError(
+                f"{cannot}the walk poses its legs for every lift, keeps {walking:.4g} "
+                "m, and shorter segments need the same lifts; ask for less"
+            )
+        return BoundError(
+            f"{cannot}standing on S{stratum} with all legs at angle 0 the margin is "
+            f"{standing:.4g} m, the most that shorter segments come to; ask for less"
+        )
+
+
+def _standing_margin(setup: Setup) -> tuple[str, float]:
+    """The gait's least stable stratum with legs at angle 0, and its margin [m]."""
+    strata, lift = tuple(setup.raised), np.array(list(setup.raised.values()))
+    stance = setup.kinematics.stance(np.zeros_like(lift), lift)
+    contact = np.array([setup.robot.planted(stratum) for stratum in strata])
+    margin = stability_margin(stance.feet, contact, stance.center_of_mass)
+    return strata[int(margin.argmin())], float(margin.min())

@@ -1,0 +1,94 @@
+"""A walk foreseen: its commands and predicted motion, before anything moves.
+
+Follows the prediction that the scenario steers on. Replanned walks are foreseen as if
+every segment ended where it is predicted to, and one that the joint range cuts short as
+if the rest of its way had been made good.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from models import TwistModel
+from planner import Array
+from sim.experiments.predictions import twist_model
+from sim.motion.prediction import Predictor
+from sim.motion.sampling import looks
+from sim.motion.schedule import Schedule, Scheduler
+from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
+from sim.preparation.laying import lay
+from sim.preparation.setup import Setup
+
+
+@dataclass(frozen=True)
+class ForeseenStretch:
+    """A stretch of commands and the motion predicted for it."""
+
+    predictor: Predictor
+    fraction: float = 1.0  # of its way that it goes, less if the joint range is short
+
+    @property
+    def schedule(self) -> Schedule:
+        """The commands."""
+        return self.predictor.schedule
+
+    @cached_property
+    def rows(self) -> Array:
+        """Steps at which to look: the end of every phase, and evenly on the way."""
+        return looks(self.schedule) - 1 - self.schedule.start
+
+    def segment(self, rows: Array) -> Array:
+        """Segment that decides what happens at each step, shape (T,).
+
+        Until the first swing of a segment that is the one before, which left the legs
+        where they are.
+        """
+        deciding, swung = [], -1
+        for phase in self.schedule.phases:
+            if phase.kind == "swing":
+                swung = phase.segment
+            deciding.append(max(phase.segment - (phase.segment != swung), 0))
+        return np.asarray(np.array(deciding)[self.schedule.phase_of(rows)])
+
+    def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
+        """Pose (T, 3), swing and lift (T, G) at steps."""
+        return (self.predictor(rows).pose, *self.predictor.angles(rows))
+
+
+def foresee(setup: Setup) -> list[ForeseenStretch]:
+    """The stages of a walk in time order: one open loop, one a segment replanned.
+
+    Raises:
+        PlannerError: If there is no plan.
+    """
+    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    stages = _replanned if setup.scenario.replan else _open_loop
+    return list(stages(setup, twists))
+
+
+def _open_loop(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    lay(setup, scheduler, plan_open_loop(setup).segments())
+    schedule = scheduler.finish()
+    if schedule.phases:
+        yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
+
+
+def _replanned(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
+    shape, pose = setup.at_rest, np.zeros(3)
+    for segment in range(setup.scenario.segments):
+        step = plan_segment(setup, segment, pose, shape.swing)
+        scheduler = Scheduler(setup.limits, shape, segment=segment)
+        lay(setup, scheduler, step.plan.segments())
+        schedule = scheduler.finish()
+        predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
+        shape = schedule.end
+        if schedule.phases:
+            pose = predictor(np.array([schedule.stop - schedule.start - 1])).pose[0]
+            yield ForeseenStretch(predictor, step.fraction)
+        if step.fraction < 1:
+            pose = segment_target(setup, segment)

@@ -1,0 +1,78 @@
+"""What a walk needs planned: the whole path at once, or its next segment.
+
+The scenario says on which prediction to steer; the ideal one is the planner's own.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from models import TwistModel
+from planner import Plan, Step, grid, require_segments
+from sim.experiments.predictions import twist_model
+from sim.motion.poses import nearest_turn
+from sim.planning.aiming import plan_along, steer, steer_towards
+from sim.preparation.setup import Setup
+
+
+def plan_open_loop(setup: Setup) -> Plan:
+    """One plan for the whole path.
+
+    Raises:
+        PlannerError: If there is none, or it leaves the joint range.
+    """
+    _require_segments(setup)
+    twists = _steered_on(setup)
+    if twists is None:
+        return plan_along(setup, setup.nominal())
+    return steer(setup, twists)
+
+
+def plan_segment(
+    setup: Setup, segment: int, pose: np.ndarray, swing: tuple[float, ...]
+) -> Step:
+    """Plan one segment from the pose reached to where the nominal path has it end.
+
+    Its predicted end is the target: what printed words miss does not wait for the next
+    segment, as there may be none.
+
+    Args:
+        setup: What to walk.
+        segment: Its number, from 0.
+        pose: Pose reached, in the start frame, shape (3,).
+        swing: Angle of every group [rad].
+
+    Raises:
+        PlannerError: If the target cannot be approached from there.
+    """
+    target = segment_target(setup, segment)
+    here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
+    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    return steer_towards(setup, twists, segment, target, here, swing)
+
+
+def segment_target(setup: Setup, segment: int) -> np.ndarray:
+    """Pose where the nominal path has a segment end, shape (3,).
+
+    Raises:
+        PlannerError: If segments cut the path's corners.
+    """
+    _require_segments(setup)
+    nominal = setup.nominal()
+    return nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
+
+
+def _require_segments(setup: Setup) -> None:
+    require_segments(setup.scenario.segments, setup.scenario.path.curve)
+
+
+def _steered_on(setup: Setup) -> TwistModel | None:
+    """The prediction to steer on; None where plans follow the ideal one by themselves.
+
+    What printed words miss nearly cancels from one to the next; what the shortest miss
+    adds up.
+    """
+    scenario = setup.scenario
+    if scenario.steer == "ideal" and scenario.words == "printed":
+        return None
+    return twist_model(setup, scenario.steer.replace("-", "_"))

@@ -1,0 +1,213 @@
+"""A nominal path where none is given: around obstacles, along curves legs can walk.
+
+Found by OMPL's RRT-Connect among the curves of Reeds and Shepp, arcs and straight lines
+with the heading along them, forward or backward, and shortened by OMPL's simplifier. A
+robot that goes where it is heading needs no brackets, so its tube is narrow; room for
+what is left of it is kept on both sides.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import shapely
+
+from planner import Array, BoundError, point
+from sim.errors import UsageError
+from sim.obstacles.clearance import Surroundings, surroundings
+from sim.preparation.setup import Setup
+from sim.scenarios import body_path as nominal
+from sim.scenarios.body_path import NominalPath, Pose
+
+ROOMS = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
+TRIALS = 5000  # samples for all searches; some seconds where there is no way
+SEARCHES = 8  # of which the shortest way is taken
+TIGHTEST = 0.5  # arc, in radii of the robot's outline
+CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
+
+
+def routed(setup: Setup) -> Setup:
+    """Find the nominal path of a scenario that names its goal alone.
+
+    Any other setup is left as it is. Without obstacles the path is the straight line.
+
+    Raises:
+        BoundError: If no way is found, or the robot cannot stand at start or goal.
+        UsageError: If OMPL is not installed.
+    """
+    scenario = setup.scenario
+    if scenario.path.kind != "route":
+        return setup
+    if scenario.obstacles:
+        path = _around(surroundings(setup), setup)
+    else:
+        path = nominal.line(scenario.path.goal)
+    return replace(setup, scenario=replace(scenario, path=path))
+
+
+def _around(around: Surroundings, setup: Setup) -> NominalPath:
+    """The first way found, asking for as much room as there may be."""
+    scenario = setup.scenario
+    least, goal = max(scenario.min_clearance, 0.0), scenario.path.goal
+    postures = list(setup.raised.values())
+    for name, pose in (("start", nominal.START), ("goal", goal)):
+        _require_room(around, name, pose, postures, least)
+    for room in ROOMS:
+        search = _Search(around, goal, postures, least, room)
+        found = search.run(scenario.seed, scenario.segments)
+        if found is not None:
+            path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
+            return replace(path, goal=goal)
+    raise BoundError(
+        f"no way found to {point(goal)} that keeps {1e3 * (least + ROOMS[-1]):.1f} mm "
+        "from all obstacles; make more room, or give waypoints"
+    )
+
+
+def _require_room(
+    around: Surroundings, name: str, pose: Pose, postures: Sequence[Array], least: float
+) -> None:
+    """Refuse a start or a goal at which the robot cannot stand, or raise its legs."""
+    qpos = np.concatenate([around.postures(np.array([pose]), up) for up in postures])
+    clearances = around.sweep(qpos).least
+    worst = int(clearances.argmin())
+    clearance = float(clearances[worst])
+    if clearance > least:
+        return
+    part, obstacle = around.nearest(qpos[worst])
+    raise BoundError(
+        f"the {name} {point(pose)} has {part} {1e3 * clearance:.1f} mm from obstacle "
+        f"{obstacle}, where more than {1e3 * least:.1f} mm are asked; move one of them"
+    )
+
+
+class _Search:
+    """Searches for a way that keeps a distance from obstacles."""
+
+    def __init__(
+        self,
+        around: Surroundings,
+        goal: Pose,
+        postures: Sequence[Array],
+        least: float,
+        room: float,
+    ) -> None:
+        self.goal, self.room = goal, room
+        origin = np.zeros((1, 3))
+        qpos = np.concatenate([around.postures(origin, up) for up in postures])
+        self.radius = max(map(around.outline.radius, qpos))
+        self._area = around.area
+        self._body = around.outline.solids.swept(qpos).buffer(least + room)
+        self._near = self._area.buffer(self.radius + least + room)
+        shapely.prepare(self._area)
+        shapely.prepare(self._near)
+
+    def run(self, seed: int, segments: int) -> Array | None:
+        """Poses along the shortest way found, or None if none is found.
+
+        Args:
+            seed: Of the samples.
+            segments: Into how many the way can be divided at these poses.
+
+        Returns:
+            Shape (N, 3), yaw continuous.
+        """
+        if not all(self.is_free(*pose) for pose in (nominal.START, self.goal)):
+            return None
+        budget = _after(TRIALS)
+        seeds = range(SEARCHES * seed, SEARCHES * (seed + 1))
+        ways = [way for way in (self._once(s, budget) for s in seeds) if way]
+        if not ways:
+            return None
+        best = min(ways, key=lambda way: way.length())
+        pieces = segments * math.ceil(best.length() / (segments * CHORD) or 1)
+        best.interpolate(pieces + 1)
+        return self._joined([_pose(state) for state in best.getStates()])
+
+    def _once(self, seed: int, done: Callable[[], bool]) -> Any:
+        """A way, shortened, as OMPL has it; None if none is found until `done`."""
+        base, geometric, util = _ompl()
+        util.setLogLevel(util.LOG_NONE)
+        util.RNG.setSeed(seed + 1)  # 0 would mean the time of day
+        space = base.ReedsSheppStateSpace(TIGHTEST * self.radius)
+        space.setBounds(self._bounds(base))
+        setup = geometric.SimpleSetup(space)
+        setup.setStateValidityChecker(lambda state: self.is_free(*_pose(state)))
+        information = setup.getSpaceInformation()
+        # between poses looked at no point of the outline moves farther than the room
+        step = self.room / (1 + 1 / TIGHTEST)
+        information.setStateValidityCheckingResolution(step / space.getMaximumExtent())
+        ends = [_state(space, pose) for pose in (nominal.START, self.goal)]
+        straight = geometric.PathGeometric(information, *ends)
+        if straight.check():
+            return straight
+        setup.setStartAndGoalStates(*ends, 1e-9)
+        setup.setPlanner(geometric.RRTConnect(information))
+        setup.solve(base.PlannerTerminationCondition(done))
+        if not setup.haveExactSolutionPath():
+            return None
+        way = setup.getSolutionPath()
+        geometric.PathSimplifier(information).simplifyMax(way)
+        return way
+
+    def is_free(self, x: float, y: float, yaw: float) -> bool:
+        """Whether the robot, standing there, keeps its distance."""
+        if not shapely.intersects_xy(self._near, x, y):
+            return True
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        turn = np.array([(cos, sin), (-sin, cos)])
+        placed = shapely.transform(self._body, lambda points: points @ turn + (x, y))
+        return not shapely.intersects(self._area, placed)
+
+    def _bounds(self, base: Any) -> Any:
+        """A robot's width around start, goal and all obstacles."""
+        places = shapely.multipoints([nominal.START[:2], self.goal[:2]])
+        west, south, east, north = shapely.union(self._area, places).bounds
+        bounds = base.RealVectorBounds(2)
+        for axis, (low, high) in enumerate(((west, east), (south, north))):
+            bounds.setLow(axis, low - 2 * self.radius)
+            bounds.setHigh(axis, high + 2 * self.radius)
+        return bounds
+
+    def _joined(self, poses: list[Pose]) -> Array:
+        """Yaw made continuous, and the ends exactly start and goal."""
+        way = np.array(poses)
+        way[:, 2] = np.unwrap(way[:, 2])
+        way[:, 2] -= way[0, 2]
+        turns = np.round((way[-1, 2] - self.goal[2]) / math.tau)
+        way[0], way[-1] = nominal.START, self.goal
+        way[-1, 2] += math.tau * turns
+        return way
+
+
+def _ompl() -> tuple[Any, Any, Any]:
+    try:
+        from ompl import base, geometric, util
+    except ImportError as error:
+        raise UsageError(
+            "no path is given, and finding one needs OMPL",
+            "path",
+            "pip install ompl, or give a line or waypoints",
+        ) from error
+    return base, geometric, util
+
+
+def _pose(state: Any) -> Pose:
+    return state.getX(), state.getY(), state.getYaw()
+
+
+def _state(space: Any, pose: Pose) -> Any:
+    state = space.allocState()
+    state.setXY(*pose[:2])
+    state.setYaw(math.remainder(pose[2], math.tau))
+    return state
+
+
+def _after(trials: int) -> Callable[[], bool]:
+    """Ends a search after so many trials, not after a time, for the same way again."""
+    count = iter(range(trials))
+    return lambda: next(count, None) is None

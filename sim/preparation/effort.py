@@ -1,0 +1,73 @@
+"""How much a walk asks for before it is walked: physics steps, and memory for its rows.
+
+Refuses what no machine, or not this one, would live to see the end of.
+"""
+
+from __future__ import annotations
+
+import os
+
+from sim.errors import UsageError
+from sim.preparation.setup import Setup
+from sim.scenarios.scenario import Scenario, settings
+
+MOST_STEPS = 1_000_000_000  # eight hours at 35,000 a second
+COPIES = 2  # of a row, while rows are judged and written; 1.8 measured
+
+
+def check_effort(setup: Setup, steps: int) -> None:
+    """Refuse a simulation that is too long to carry out or to remember.
+
+    Args:
+        setup: What is simulated, and how often its state is kept.
+        steps: Physics steps that it will take.
+
+    Raises:
+        UsageError: Saying how many steps, what memory, and which setting to change.
+    """
+    scenario = setup.scenario
+    rows = steps // scenario.sample_every
+    needed, there = rows * _row_size(setup), _memory()
+    if steps <= MOST_STEPS and needed <= there:
+        return
+    remedy = _slowest(scenario)
+    if steps <= MOST_STEPS:
+        remedy = f"raise sample_every above {steps * _row_size(setup) // there}"
+    raise UsageError(
+        f"{steps:,} physics steps with a row every {scenario.sample_every} would take "
+        f"{needed / 1e9:,.1f} GB of memory, {there / 1e9:,.1f} GB may be used, and at "
+        f"most {MOST_STEPS:,} steps are made",
+        f"scenario {scenario.name!r}",
+        remedy,
+    )
+
+
+def _row_size(setup: Setup) -> int:
+    """Bytes that one row of the trajectory takes until it is written."""
+    feet, model = len(setup.robot.legs), setup.model
+    achieved = model.nq + model.nv + 5 * feet + 8
+    predicted = 3 * (2 * feet + 4)
+    return int(8 * COPIES * (achieved + predicted))
+
+
+def _memory() -> int:
+    """Half of what the machine has [bytes]; the rest is for others."""
+    return int(os.sysconf("SC_PHYS_PAGES")) * int(os.sysconf("SC_PAGE_SIZE")) // 2
+
+
+def _slowest(scenario: Scenario) -> str:
+    """The setting that makes a walk longest, against its default."""
+    default = {item.name: item.default for item in settings()}
+    longer = {
+        f"{verb} {name}, now {getattr(scenario, name):g}": (
+            default[name] / getattr(scenario, name)
+        )
+        ** power
+        for name, verb, power in (
+            ("timestep", "raise", 1.0),
+            ("swing_speed", "raise", 1.0),
+            ("swing_acceleration", "raise", 0.5),
+            ("hold", "lower", -1.0),
+        )
+    }
+    return max(longer, key=lambda remedy: longer[remedy])

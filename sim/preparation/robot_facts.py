@@ -1,0 +1,106 @@
+"""A robot in numbers: what its file and its card make of it, standing at its start."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from models import Lifting, strata
+from sim.motion.stability import stability_margin
+from sim.preparation.setup import Setup
+
+Facts = dict[str, Any]
+
+
+def facts(setup: Setup) -> Facts:
+    """Mass, legs, groups, fields and margins of a robot that can be used."""
+    robot, kinematics = setup.robot, setup.kinematics
+    stance = kinematics.stance(np.zeros(len(robot.groups)))
+    lifting = Lifting(kinematics)
+    return {
+        "name": robot.name,
+        "description": robot.card.description,
+        "mass": float(robot.model.body_subtreemass[robot.model.body(robot.root).id]),
+        "weight_height": float(kinematics.center_of_mass[2] - stance.height.min()),
+        "lift": {
+            "angle": setup.limits.lift_angle,
+            "height": float(lifting.rise(np.array(setup.limits.lift_angle)).min()),
+            "highest": lifting.highest,
+        },
+        "legs": {
+            str(leg): _leg(setup, leg, foot)
+            for leg, foot in zip(robot.legs, stance.feet, strict=True)
+        },
+        "groups": {
+            name: {
+                "legs": sorted(group.legs),
+                "swing": [float(end) for end in robot.swing_range[name]],
+            }
+            for name, group in robot.card.groups.items()
+        },
+        "gait": list(robot.card.gait),
+        "fields": {
+            name: [float(rate) for rate in twist]
+            for name, twist in setup.equations.twists.items()
+            if any(twist)
+        },
+        "margins": {stratum: _margin(setup, stratum) for stratum in strata(robot)},
+    }
+
+
+def _leg(setup: Setup, leg: int, foot: np.ndarray) -> Facts:
+    robot, card = setup.robot, setup.robot.card.legs[leg]
+    return {
+        "foot": [float(c) for c in foot],
+        "swing": {"joint": card.swing, "range": list(robot.span(card.swing))},
+        "lift": {"joint": card.lift, "range": list(robot.span(card.lift))},
+        "held": dict(card.hold),
+    }
+
+
+def _margin(setup: Setup, stratum: str) -> float:
+    """Stability margin with all legs at angle 0 [m]."""
+    stance = setup.kinematics.stance(np.zeros((1, len(setup.robot.groups))))
+    on = setup.robot.planted(stratum)[None]
+    return float(stability_margin(stance.feet, on, stance.center_of_mass)[0])
+
+
+def describe(robot: Facts) -> str:
+    """The facts in lines for a terminal."""
+    lift = robot["lift"]
+    margins = (f"S{name} {1e3 * m:.1f} mm" for name, m in robot["margins"].items())
+    lines = [
+        f"{robot['name']}: {robot['description']}".rstrip(": "),
+        f"{'weight':12}{robot['mass']:.3f} kg, {1e3 * robot['weight_height']:.1f} mm "
+        "above the floor",
+        f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
+        f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
+        f"{'gait':12}{' '.join(robot['gait'])}",
+        f"{'margins':12}{', '.join(margins)}",
+        "",
+        f"{'leg':6}{'foot at x, y [m]':22}{'swing joint [rad]':34}lift joint [rad]",
+    ]
+    lines += [_leg_line(number, leg) for number, leg in robot["legs"].items()]
+    lines += ["", f"{'group':6}{'swings [rad]':22}legs"]
+    for name, group in robot["groups"].items():
+        legs = " ".join(map(str, group["legs"]))
+        lines.append(f"{name:6}{_range(group['swing']):22}{legs}")
+    lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
+    for name, (forward, left, yaw) in robot["fields"].items():
+        lines.append(f"{name:18}{forward:8.4f}{left:9.4f}{yaw:9.4f}")
+    return "\n".join(lines)
+
+
+def _leg_line(number: str, leg: Facts) -> str:
+    x, y = leg["foot"]
+    swing, lift = (
+        f"{leg[kind]['joint']} {_range(leg[kind]['range'])}"
+        for kind in ("swing", "lift")
+    )
+    held = "".join(f", {joint} held at {a:g}" for joint, a in leg["held"].items())
+    return f"{number:6}{f'{x:7.4f} {y:8.4f}':22}{swing:34}{lift}{held}"
+
+
+def _range(span: list[float]) -> str:
+    return f"{span[0]:.3g} to {span[1]:.3g}"

@@ -1,0 +1,190 @@
+"""Everything that is decided before the first step: robot, equations, model, limits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+
+from models import Equations, Kinematics, Lifting, Robot, equations, load
+from planner import (
+    Array,
+    Coordinates,
+    Execution,
+    ExtendedSystem,
+    Path,
+    StanceRule,
+    extend,
+)
+from sim.errors import UsageError
+from sim.motion.poses import pose_of
+from sim.motion.schedule import LegState, MotionLimits, Schedule
+from sim.physics.engine import STRETCH
+from sim.physics.standing import check_standing
+from sim.scenarios.scenario import Scenario
+from sim.world.channels import Channels
+from sim.world.model import World, build, load as load_world
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """A scenario made concrete.
+
+    Setups are equal that walk the same robot in the same world, whatever the path: what
+    was measured in one holds for the other.
+    """
+
+    scenario: Scenario
+    robot: Robot
+    equations: Equations
+    extended: ExtendedSystem
+    kinematics: Kinematics
+    world: World
+    model: mujoco.MjModel
+    limits: MotionLimits
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Setup) and self.model is other.model
+
+    def __hash__(self) -> int:
+        return id(self.model)
+
+    @property
+    def stance(self) -> StanceRule:
+        """Centred with lifted fields, the printed order with the paper's.
+
+        A robot that rows in patterns on all feet is centred by stepping in between.
+        """
+        stance: StanceRule = "centred" if self.scenario.fields == "lifted" else "paper"
+        if self.scenario.stance is not None:
+            stance = self.scenario.stance
+        rows = bool(self.robot.card.patterns)
+        return "stepped" if rows and stance == "centred" else stance
+
+    @property
+    def coordinates(self) -> Coordinates:
+        """Those of the printed words that switch contacts least, or the shortest."""
+        return "shortest" if self.scenario.words == "shortest" else "fewest"
+
+    @property
+    def swing_limits(self) -> dict[str, tuple[float, float]]:
+        """Joint range of every group's angle, by the name of its coordinate."""
+        return {f"phi_{g}": span for g, span in self.robot.swing_range.items()}
+
+    @property
+    def at_rest(self) -> LegState:
+        """Legs at angle 0, all feet down."""
+        return LegState((0.0,) * len(self.robot.groups), self.robot.card.bottom)
+
+    @property
+    def raised(self) -> dict[str, Array]:
+        """How far each group is raised on each of the gait's strata, (G,) [rad]."""
+        return {
+            stratum: np.array([g not in stratum for g in self.robot.groups])
+            * self.limits.lift_angle
+            for stratum in self.robot.card.gait
+        }
+
+    def execution(self, finish: bool = True) -> Execution:
+        """How plans are carried out.
+
+        Args:
+            finish: Whether a centred plan brings the legs back to angle 0 at its end.
+        """
+        return Execution(
+            stance=self.stance,
+            limits=self.swing_limits,
+            static_stability=self.equations.static_stability,
+            coordinates=self.coordinates,
+            finish=finish,
+        )
+
+    @property
+    def channels(self) -> Channels:
+        """Where the model takes commands."""
+        return Channels(self.robot, self.model)
+
+    def commands(self, schedule: Schedule, steps: int | None = None) -> Iterator[Array]:
+        """The rows of ctrl that carry out a schedule, shape (n, nu), n to `STRETCH`.
+
+        Args:
+            schedule: What to carry out.
+            steps: How many of its steps; all if not given.
+        """
+        count = schedule.stop - schedule.start if steps is None else steps
+        channels = self.channels
+        for begin in range(0, count, STRETCH):
+            rows = np.arange(begin, min(begin + STRETCH, count))
+            yield channels.ctrl(*schedule.angles(rows))
+
+    def pose(self, qpos: Array) -> Array:
+        """Planar pose of the robot's root in the world, shape (..., 3)."""
+        root = self.model.body(self.robot.root).id
+        return pose_of(qpos, int(self.model.jnt_qposadr[self.model.body_jntadr[root]]))
+
+    def state(self, pose: Array, swing: tuple[float, ...] | None = None) -> Array:
+        """Configuration of the equations, feet on the ground, shape (n,)."""
+        groups = len(self.robot.groups)
+        angles = np.zeros(groups) if swing is None else np.array(swing)
+        return np.concatenate([pose, angles, np.zeros(groups)])
+
+    def recut(self, cuts: Array) -> Setup:
+        """The same setup, its path divided at the cuts and nowhere else."""
+        path = self.scenario.path.recut(cuts)
+        scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)
+        return replace(self, scenario=scenario)
+
+    def nominal(self) -> Path:
+        """The nominal path as configurations: legs at angle 0, feet on the ground."""
+        poses, rest = self.scenario.path.curve, 2 * len(self.robot.groups)
+        return Path(lambda s: np.pad(poses.at(s), ((0, 0), (0, rest))), poses.corners)
+
+
+def prepare(scenario: Scenario) -> Setup:
+    """Load the robot, compile its equations, build its world.
+
+    Raises:
+        UnknownRobotError: If there is no such robot.
+        ModelError: If the robot cannot be used.
+        UsageError: If a setting asks for what the robot cannot do.
+    """
+    robot = load(scenario.robot)
+    described = equations(robot, scenario.fields)
+    world = build(robot, scenario)
+    kinematics, model = Kinematics(robot), load_world(world)
+    lift = _lift_angle(kinematics, scenario.lift_height)
+    check_standing(kinematics, model, lift)
+    return Setup(
+        scenario=scenario,
+        robot=robot,
+        equations=described,
+        extended=extend(described.system, described.elements),
+        kinematics=kinematics,
+        world=world,
+        model=model,
+        limits=MotionLimits(
+            swing_speed=scenario.swing_speed,
+            swing_acceleration=scenario.swing_acceleration,
+            lift_angle=lift,
+            lift_time=robot.card.lift_time,
+            hold=scenario.hold,
+            timestep=scenario.timestep,
+            groups=robot.groups,
+        ),
+    )
+
+
+def _lift_angle(kinematics: Kinematics, height: float | None) -> float:
+    """Angle that raises every foot by a height; the card's own if none is asked for."""
+    robot, lifting = kinematics.robot, Lifting(kinematics)
+    if height is None:
+        return robot.card.lift_angle
+    if height > lifting.highest:
+        raise UsageError(
+            f"lift_height = {height} is out of reach of the lift joints",
+            str(robot),
+            f"give at most {lifting.highest:.4f} m",
+        )
+    return lifting.angle(height)

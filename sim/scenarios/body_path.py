@@ -1,0 +1,175 @@
+"""Nominal paths of the body that a scenario can name: line, ellipse and others.
+
+A path is a callable of s in [0, 1] that returns the pose (x [m], y [m], yaw [rad]) in
+the frame of the start pose; yaw is continuous, not wrapped. The curves themselves,
+how one is cut into segments, and how it is followed are for the planner.
+"""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeGuard
+
+import numpy as np
+from scipy.special import ellipe
+
+import planner
+from planner import Array, Path
+from sim.errors import UsageError
+from sim.scenarios.settings import is_number, nearest
+
+Pose = tuple[float, float, float]
+START: Pose = (0.0, 0.0, 0.0)
+LARGEST = 1e6  # [m] or [rad]; far beyond, rounding would swallow single steps
+AXES = "two lengths above 0 [m]"
+
+
+@dataclass(frozen=True)
+class NominalPath:
+    """A curve of poses that starts at (0, 0, 0).
+
+    Attributes:
+        kind: What `decode` knows it by.
+        parameter: Value that it is made from, as a scenario file gives it.
+        goal: Pose at s = 1.
+        length: Arc length of the (x, y) curve itself [m].
+        curve: The poses as the planner takes them.
+    """
+
+    kind: str
+    parameter: object
+    goal: Pose
+    length: float
+    curve: Path = field(compare=False, repr=False)
+
+    def __call__(self, s: float) -> Array:
+        """Pose at s, shape (3,)."""
+        return self.curve(s)
+
+    def recut(self, cuts: Array) -> NominalPath:
+        """The same path, with s running evenly over the pieces between the cuts."""
+        return replace(self, curve=planner.recut(self.curve, cuts))
+
+
+def line(goal: Sequence[float]) -> NominalPath:
+    """Straight to a goal, turning uniformly on the way (Figs. 6, 8).
+
+    Raises:
+        UsageError: If the goal is not a pose.
+    """
+    pose = _pose("path.goal", goal)
+    curve = planner.line(START, pose)
+    return NominalPath("line", pose, pose, math.hypot(*pose[:2]), curve)
+
+
+def ellipse(semi_axes: Sequence[float]) -> NominalPath:
+    """Once around at constant heading, starting at the ellipse's right end (Fig. 7).
+
+    Args:
+        semi_axes: Along x and y [m].
+
+    Raises:
+        UsageError: If they are not two lengths above 0.
+    """
+    a, b = axes = _numbers("path.semi_axes", semi_axes, 2, AXES)
+    minor, major = sorted(axes)
+    if minor <= 0:
+        raise _refusal("path.semi_axes", semi_axes, AXES)
+    length = float(4 * major * ellipe(1 - (minor / major) ** 2))
+    return NominalPath("ellipse", axes, START, length, planner.ellipse(START, (a, b)))
+
+
+def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
+    """Straight pieces through poses, the first being the start.
+
+    Raises:
+        UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
+    """
+    if not _is_list(points) or len(points) < 2:
+        raise _refusal("path.points", points, "at least two poses [x, y, yaw]")
+    poses = tuple(_pose(f"path.points[{i}]", point) for i, point in enumerate(points))
+    if poses[0] != START:
+        raise _refusal("path.points[0]", points[0], "[0, 0, 0], the start pose")
+    pieces = np.diff(np.array(poses)[:, :2], axis=0)
+    length = float(np.hypot(*pieces.T).sum())
+    return NominalPath("waypoints", poses, poses[-1], length, planner.waypoints(poses))
+
+
+def route(goal: Sequence[float]) -> NominalPath:
+    """Any way to a goal that keeps clear of obstacles; `planning.routes` finds it.
+
+    Until then, and where nothing stands in the way, the straight line.
+
+    Raises:
+        UsageError: If the goal is not a pose.
+    """
+    return replace(line(goal), kind="route")
+
+
+KINDS: dict[str, tuple[str, Callable[[Any], NominalPath]]] = {
+    "line": ("goal", line),
+    "ellipse": ("semi_axes", ellipse),
+    "waypoints": ("points", waypoints),
+    "route": ("goal", route),
+}
+"""For each kind the key of its parameter, and what makes it."""
+
+
+def decode(table: object) -> NominalPath:
+    """The path that a table describes: `kind = ...` and the parameter of that kind.
+
+    A table with a goal and no kind is a route.
+
+    Raises:
+        UsageError: If a key is missing, unknown, or its value impossible.
+    """
+    if isinstance(table, dict) and table.keys() == {"goal"}:
+        table = {"kind": "route", **table}
+    if not isinstance(table, dict) or not isinstance(table.get("kind"), str):
+        raise _refusal("path", table, f"a table with kind = {' or '.join(KINDS)}")
+    kind = table["kind"]
+    if kind not in KINDS:
+        raise UsageError(
+            f"unknown path kind {kind!r}", "path.kind", nearest(kind, KINDS)
+        )
+    key, make = KINDS[kind]
+    for other in table.keys() - {"kind", key}:
+        raise UsageError(
+            f"unknown key 'path.{other}'", f"path of kind {kind}", f"give {key}"
+        )
+    if key not in table:
+        raise UsageError(
+            f"path.{key} is missing", f"path of kind {kind}", f"give {key}"
+        )
+    return make(table[key])
+
+
+def encode(path: NominalPath) -> dict[str, object]:
+    """The table that `decode` turns into the path."""
+    return {"kind": path.kind, KINDS[path.kind][0]: path.parameter}
+
+
+def _pose(key: str, value: object) -> Pose:
+    x, y, yaw = _numbers(key, value, 3, "x [m], y [m], yaw [rad]")
+    return x, y, yaw
+
+
+def _numbers(key: str, value: object, count: int, wanted: str) -> tuple[float, ...]:
+    wanted = f"{wanted}, none beyond {LARGEST:g}"
+    if not _is_list(value) or len(value) != count:
+        raise _refusal(key, value, wanted)
+    if not all(is_number(item) and abs(item) <= LARGEST for item in value):
+        raise _refusal(key, value, wanted)
+    return tuple(float(item) for item in value)
+
+
+def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def _refusal(key: str, value: object, wanted: str) -> UsageError:
+    what = f"{key} = {reprlib.repr(value)} is not allowed"
+    return UsageError(what, "the nominal path", f"give {wanted}")

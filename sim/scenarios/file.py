@@ -1,0 +1,168 @@
+"""Scenarios as TOML files: shipped ones by name, anybody's by path, and back to text.
+
+A file may leave out what has a default. The text written holds every setting, so that
+it reads back as the same scenario.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from sim.errors import UsageError
+from sim.scenarios import body_path as nominal, obstacles as shapes
+from sim.scenarios.scenario import Scenario, settings
+from sim.scenarios.settings import nearest
+
+FOLDER = Path(str(files("sim.scenarios")))
+
+
+def shipped_scenarios() -> tuple[str, ...]:
+    """Names of the scenarios that come with the package."""
+    return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
+
+
+def load_scenario(
+    source: str, overrides: Mapping[str, object] | None = None
+) -> Scenario:
+    """Read a scenario.
+
+    Args:
+        source: Name of a shipped scenario, or path of a TOML file.
+        overrides: Values that replace the file's; `path.goal` reaches into its table.
+
+    Raises:
+        UsageError: If there is no such file, it is not TOML, a key is unknown or
+            missing, or a value is impossible.
+    """
+    path = _find(source)
+    table = {"name": path.stem, **_read(path)}
+    _anchor_robot(table, path.parent)
+    given = dict(overrides or {})
+    _anchor_robot(given, Path.cwd())
+    for key, value in given.items():
+        _replace(table, key, value)
+    return _decode(
+        table, str(path) if path.parent != FOLDER else f"scenario {source!r}"
+    )
+
+
+def parse_override(text: str) -> tuple[str, object]:
+    """Split `KEY=VALUE`; the value is TOML, and a word without quotation marks is text.
+
+    Raises:
+        UsageError: If there is no key or no value.
+    """
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not (key and equals and value):
+        raise UsageError(f"{text!r} sets nothing", "--set", "write KEY=VALUE")
+    try:
+        table = tomllib.loads(f"value = {value}")
+    except tomllib.TOMLDecodeError:
+        return key, value
+    return key, table["value"] if len(table) == 1 else value
+
+
+def to_table(scenario: Scenario) -> dict[str, Any]:
+    """The scenario as a table of plain values, as a file would give it."""
+    values = {item.name: getattr(scenario, item.name) for item in settings()}
+    said = {key: value for key, value in values.items() if value is not None}
+    standing = [shapes.encode(obstacle) for obstacle in scenario.obstacles]
+    return {
+        **said,
+        "path": nominal.encode(scenario.path),
+        **({"obstacles": standing} if standing else {}),
+    }
+
+
+def dumps(scenario: Scenario) -> str:
+    """The scenario as TOML, each setting with its meaning, also those left open."""
+    table = to_table(scenario)
+    path, standing = table.pop("path"), table.pop("obstacles", [])
+    lines = []
+    for item in settings():
+        key, about = item.name, item.metadata["about"]
+        said = f"{key} = {_toml(table[key])}" if key in table else f"# {key} ="
+        lines.append(f"{said:30}  # {about}")
+    for head, inner in (("[path]", path), *(("[[obstacles]]", o) for o in standing)):
+        lines += ["", head]
+        lines += [f"{key} = {_toml(value)}" for key, value in inner.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _find(source: str) -> Path:
+    if source in shipped_scenarios():
+        return FOLDER / f"{source}.toml"
+    path = Path(source)
+    if path.suffix != ".toml" and len(path.parts) == 1 and not path.exists():
+        raise UsageError(f"unknown scenario {source!r}", "SCENARIO", _known(source))
+    if path.is_dir():
+        raise UsageError("a folder is no scenario", source, "give a TOML file in it")
+    if not path.is_file():
+        raise UsageError(
+            "no such scenario file", source, "give a TOML file that exists"
+        )
+    return path
+
+
+def _known(source: str) -> str:
+    return f"{nearest(source, shipped_scenarios())}; or give the path of a TOML file"
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_bytes().decode())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise UsageError(f"not TOML, {error}", str(path), "correct the file") from error
+    except OSError as error:
+        reason = f"cannot be read, {error.strerror}"
+        raise UsageError(reason, str(path), "give a readable file") from error
+
+
+def _anchor_robot(table: dict[str, Any], folder: Path) -> None:
+    """Make a robot's file findable from wherever the scenario is read next."""
+    robot = table.get("robot")
+    if isinstance(robot, str) and robot.endswith(".xml"):
+        table["robot"] = str((folder / robot).resolve())
+
+
+def _replace(table: dict[str, Any], key: str, value: object) -> None:
+    *outer, last = key.split(".")
+    for name in outer:
+        inner = table.get(name)
+        if not isinstance(inner, dict):
+            raise UsageError(f"unknown key {key!r}", "--set", nearest(key, _keys()))
+        table = inner
+    table[last] = value
+
+
+def _decode(table: dict[str, Any], where: str) -> Scenario:
+    if "strata" in table:
+        what = "a system of strata is no scenario"
+        raise UsageError(what, where, "use the commands plan and check on it")
+    for key in table:
+        if key not in _keys():
+            raise UsageError(f"unknown key {key!r}", where, nearest(key, _keys()))
+    if "path" not in table:
+        raise UsageError("path is missing", where, "give path")
+    standing = shapes.decode(table.get("obstacles", ()))
+    path = nominal.decode(table["path"])
+    return Scenario(**{**table, "path": path, "obstacles": standing})
+
+
+def _keys() -> tuple[str, ...]:
+    return (*(item.name for item in settings()), "path", "obstacles")
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, str):  # JSON's escapes are TOML's, but for DEL
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Iterable):
+        return f"[{', '.join(map(_toml, value))}]"
+    return repr(value)

@@ -1,0 +1,217 @@
+"""Obstacles that a scenario can put on the floor: walls, boxes, polygons.
+
+All are upright prisms in the frame of the start pose. An obstacle is cut into convex
+pieces once, so that the engine and the planner see the same solids.
+"""
+
+from __future__ import annotations
+
+import math
+import reprlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+
+from planner import Array
+from sim.errors import UsageError
+from sim.scenarios.settings import is_number, nearest
+
+Point = tuple[float, float]
+
+THICKNESS = 0.02  # of a wall [m], if it says nothing
+HEIGHT = 0.12  # [m], above the shipped robots
+FARTHEST = 1e3  # [m] from the start
+LEAST = 1e-4  # [m]; thinner walls are slips of the pen
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle on the floor: a piece that the engine knows as a box."""
+
+    center: Point  # [m]
+    half: Point  # sizes along its own axes [m]
+    yaw: float  # [rad]
+
+    @property
+    def corners(self) -> Array:
+        """Counter-clockwise, shape (4, 2) [m]."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        own = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) * self.half
+        return np.asarray(own @ np.array([(cos, sin), (-sin, cos)]) + self.center)
+
+
+@dataclass(frozen=True)
+class Prism:
+    """A convex polygon on the floor."""
+
+    points: tuple[Point, ...]
+
+    @property
+    def corners(self) -> Array:
+        """Shape (n, 2) [m]."""
+        return np.array(self.points)
+
+
+Piece = Box | Prism
+
+
+@dataclass(frozen=True)
+class Obstacle:
+    """Something that stands on the floor.
+
+    Attributes:
+        kind: What `decode` knows it by.
+        given: Values that it is made from, as a scenario file gives them.
+        height: Above the floor [m].
+        pieces: Convex solids that it consists of.
+    """
+
+    kind: str
+    given: tuple[tuple[str, object], ...]
+    height: float
+    pieces: tuple[Piece, ...] = field(compare=False, repr=False)
+
+    @property
+    def area(self) -> shapely.Geometry:
+        """The floor it covers."""
+        return shapely.union_all([shapely.Polygon(p.corners) for p in self.pieces])
+
+
+def decode(tables: object) -> tuple[Obstacle, ...]:
+    """The obstacles that a scenario's list of tables describes.
+
+    Raises:
+        UsageError: If a key is missing or unknown, or a value impossible; it names the
+            obstacle by its place in the list, from 1.
+    """
+    if not isinstance(tables, Sequence) or isinstance(tables, str):
+        raise _refusal("obstacles", tables, "a list of tables, [[obstacles]]")
+    return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
+
+
+def encode(obstacle: Obstacle) -> dict[str, object]:
+    """The table that `decode` turns into the obstacle."""
+    return {"kind": obstacle.kind, **dict(obstacle.given)}
+
+
+def _wall(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
+    """A chain of straight pieces, each longer by the thickness to close the corners."""
+    points = _points(table["points"], f"{where}: points", 2)
+    thickness = _length(table.get("thickness", THICKNESS), f"{where}: thickness")
+    return tuple(_between(a, b, thickness) for a, b in pairwise(points))
+
+
+def _between(a: Point, b: Point, thickness: float) -> Box:
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    return Box(
+        center=((a[0] + b[0]) / 2, (a[1] + b[1]) / 2),
+        half=((math.hypot(dx, dy) + thickness) / 2, thickness / 2),
+        yaw=math.atan2(dy, dx),
+    )
+
+
+def _box(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
+    center = _point(table["center"], f"{where}: center")
+    size = _numbers(table["size"], f"{where}: size", "two lengths above 0 [m]")
+    if min(size) < LEAST:
+        raise _refusal(f"{where}: size", table["size"], "two lengths above 0 [m]")
+    yaw = table.get("yaw", 0.0)
+    if not is_number(yaw) or not math.isfinite(yaw):
+        raise _refusal(f"{where}: yaw", yaw, "an angle [rad]")
+    return (Box(center, (size[0] / 2, size[1] / 2), float(yaw)),)
+
+
+def _polygon(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
+    """The polygon itself if it is convex, else triangles."""
+    points = _points(table["points"], f"{where}: points", 3)
+    polygon = shapely.Polygon(points)
+    if not polygon.is_valid or polygon.area < LEAST**2:
+        wanted = "corners of a polygon in order, no sides crossing"
+        raise _refusal(f"{where}: points", table["points"], wanted)
+    if math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
+        return (_prism(polygon),)
+    triangles = shapely.constrained_delaunay_triangles(polygon)
+    return tuple(map(_prism, triangles.geoms))
+
+
+def _prism(polygon: shapely.Polygon) -> Prism:
+    corners = polygon.exterior.coords[:-1]
+    return Prism(tuple((float(x), float(y)) for x, y in corners))
+
+
+KINDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Callable[..., Any]]] = {
+    "wall": (("points",), ("thickness",), _wall),
+    "box": (("center", "size"), ("yaw",), _box),
+    "polygon": (("points",), (), _polygon),
+}
+"""For each kind the keys it must have, those it may have, and what makes its pieces."""
+
+
+def _decode(table: object, where: str) -> Obstacle:
+    if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
+        raise _refusal(where, table, f"a table with kind = {' or '.join(KINDS)}")
+    kind = table["kind"]
+    if kind not in KINDS:
+        raise UsageError(
+            f"unknown kind of obstacle {kind!r}", where, nearest(kind, KINDS)
+        )
+    needed, allowed, make = KINDS[kind]
+    _check_keys(table, where, needed, (*allowed, "height"))
+    height = _length(table.get("height", HEIGHT), f"{where}: height")
+    given = tuple(
+        (key, _frozen(value)) for key, value in table.items() if key != "kind"
+    )
+    return Obstacle(kind, given, height, make(table, where))
+
+
+def _frozen(value: object) -> object:
+    """Lists as tuples, all the way down."""
+    return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value
+
+
+def _check_keys(
+    table: Mapping[str, Any], where: str, needed: Iterable[str], allowed: Iterable[str]
+) -> None:
+    known = (*needed, *allowed)
+    for key in table.keys() - {"kind", *known}:
+        raise UsageError(f"unknown key {key!r}", where, nearest(key, known))
+    for key in needed:
+        if key not in table:
+            raise UsageError(f"{key} is missing", where, f"give {key}")
+
+
+def _points(value: object, where: str, least: int) -> tuple[Point, ...]:
+    wanted = f"at least {least} points [x, y] [m]"
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) < least:
+        raise _refusal(where, value, wanted)
+    points = tuple(_point(point, where) for point in value)
+    for a, b in pairwise(points):
+        if math.dist(a, b) < LEAST:
+            raise _refusal(where, value, "points that differ from one to the next")
+    return points
+
+
+def _point(value: object, where: str) -> Point:
+    return _numbers(value, where, "a point [x, y] [m]")
+
+
+def _numbers(value: object, where: str, wanted: str) -> Point:
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
+        raise _refusal(where, value, wanted)
+    if not all(is_number(item) and abs(item) <= FARTHEST for item in value):
+        raise _refusal(where, value, f"{wanted}, none beyond {FARTHEST:g}")
+    return float(value[0]), float(value[1])
+
+
+def _length(value: object, where: str) -> float:
+    if not is_number(value) or not LEAST <= value <= FARTHEST:
+        raise _refusal(where, value, f"a length from {LEAST:g} to {FARTHEST:g} m")
+    return float(value)
+
+
+def _refusal(where: str, value: object, wanted: str) -> UsageError:
+    return UsageError(f"{reprlib.repr(value)} is not allowed", where, f"give {wanted}")

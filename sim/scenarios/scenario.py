@@ -1,0 +1,118 @@
+"""A scenario: which robot walks which nominal path, with which settings.
+
+Declares every setting once, with its limits and its meaning. Reading and writing files
+is `scenarios.file`; running one is `walking.walker`.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from dataclasses import Field, dataclass, fields
+from typing import Any, Literal
+
+from sim.errors import UsageError
+from sim.scenarios.body_path import NominalPath
+from sim.scenarios.obstacles import Obstacle
+from sim.scenarios.settings import Choice, Flag, Number, Text, setting
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """Everything that decides a run, flat and immutable.
+
+    A setting that is None is left to the robot (its servo, its lift) or to the run.
+
+    Raises:
+        UsageError: If a value is outside its limits, naming key, value and limits.
+    """
+
+    name: str = setting(Text(file_name=True), "names the run folder")
+    description: str = setting(Text(empty=True), "one line for people", "")
+    robot: str = setting(
+        Text(), "a shipped robot, or a path to an MJCF file", "hexapod"
+    )
+    fields: Literal["lifted", "paper"] = setting(
+        Choice(("lifted", "paper")), "fields to steer with", "lifted"
+    )
+    stance: Literal["centred", "paper"] | None = setting(
+        Choice(("centred", "paper")),
+        "order of the flows: sweeps centred, or as printed",
+        None,
+    )
+    words: Literal["printed", "shortest"] = setting(
+        Choice(("printed", "shortest")),
+        "flows of a segment: the paper's, or those that sweep least",
+        "printed",
+    )
+    segments: int = setting(
+        Number(1, 100_000, whole=True), "pieces that the nominal path is planned in", 20
+    )
+    replan: bool = setting(Flag(), "plan each segment from the pose reached", False)
+    steer: Literal["ideal", "quasi-static", "identified"] = setting(
+        Choice(("ideal", "quasi-static", "identified")),
+        "prediction to steer on",
+        "ideal",
+    )
+    friction: float = setting(Number(0, 10), "sliding friction, feet and floor", 1.0)
+    timestep: float = setting(Number(0, 0.02, above=True), "of the physics [s]", 0.0005)
+    servo_stiffness: float | None = setting(
+        Number(0, 1e6, above=True), "of every joint's servo [N m/rad]", None
+    )
+    servo_damping: float | None = setting(
+        Number(0, 1e6), "of every joint's servo [N m s/rad]", None
+    )
+    swing_speed: float = setting(
+        Number(0, 100, above=True), "highest speed of a swing joint [rad/s]", 0.5
+    )
+    swing_acceleration: float = setting(
+        Number(0, 1e4, above=True), "highest acceleration of a swing [rad/s2]", 5.0
+    )
+    lift_height: float | None = setting(
+        Number(0, 1, above=True), "of a lifted foot above the floor [m]", None
+    )
+    hold: float = setting(
+        Number(0, 60, above=True), "standing still before and after the walk [s]", 0.5
+    )
+    min_margin: float | None = setting(
+        Number(0, 1), "least stability margin a plan may predict [m]", None
+    )
+    min_clearance: float = setting(
+        Number(-1, 1),
+        "least distance from obstacles a plan may predict [m]; -1 asks for none",
+        0.002,
+    )
+    sample_every: int = setting(
+        Number(1, 1_000_000, whole=True), "physics steps between recorded rows", 20
+    )
+    playback: float | None = setting(
+        Number(0, 1000, above=True), "speed of the film against real time", None
+    )
+    seed: int = setting(
+        Number(0, 2**32 - 1, whole=True),
+        "of the search for a way, where only a goal is given",
+        0,
+    )
+    obstacles: tuple[Obstacle, ...] = ()
+    path: NominalPath
+
+    def __post_init__(self) -> None:
+        for item in settings():
+            self._accept(item)
+
+    def _accept(self, item: Field[Any]) -> None:
+        value, kind = getattr(self, item.name), item.metadata["kind"]
+        if value is None and item.default is None:
+            return
+        try:
+            object.__setattr__(self, item.name, kind.accept(value))
+        except ValueError:
+            raise UsageError(
+                f"{item.name} = {reprlib.repr(value)} is not allowed",
+                f"scenario {self.name!r}",
+                f"give {kind}",
+            ) from None
+
+
+def settings() -> tuple[Field[Any], ...]:
+    """The fields of a scenario that are plain values; not the path, nor obstacles."""
+    return tuple(item for item in fields(Scenario) if "kind" in item.metadata)

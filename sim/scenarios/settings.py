@@ -1,0 +1,147 @@
+"""What one setting may be: its type, its limits, its unit, and how it is refused.
+
+Knows no particular setting; `scenarios.scenario` declares them.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable
+from dataclasses import MISSING, dataclass, field
+from numbers import Real
+from typing import Any, Protocol, TypeGuard
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value is a real number; true and false are not."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+class Kind(Protocol):
+    """Decides whether a value will do, and says what would."""
+
+    def accept(self, value: object) -> object:
+        """The value in its own type; raises ValueError if it will not do."""
+        ...
+
+    def __str__(self) -> str:
+        """What is allowed, to follow the words "give"."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A finite number within limits."""
+
+    low: float
+    high: float
+    above: bool = False  # low itself is not allowed
+    whole: bool = False
+
+    def accept(self, value: object) -> float | int:
+        """The value as float, or as int where whole numbers are asked for.
+
+        Raises:
+            ValueError: If it is not a number, not finite, or outside the limits.
+        """
+        if not is_number(value) or not math.isfinite(value):
+            raise ValueError
+        if not self.low <= value <= self.high:
+            raise ValueError
+        if (self.above and value == self.low) or (self.whole and value != int(value)):
+            raise ValueError
+        return int(value) if self.whole else float(value)
+
+    def __str__(self) -> str:
+        """For example `a number above 0 and up to 0.02`."""
+        noun = "a whole number" if self.whole else "a number"
+        low = f"above {self.low:g} and up" if self.above else f"from {self.low:g}"
+        return f"{noun} {low} to {self.high:g}"
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of a few words."""
+
+    words: tuple[str, ...]
+
+    def accept(self, value: object) -> str:
+        """The value itself.
+
+        Raises:
+            ValueError: If it is none of the words.
+        """
+        if not isinstance(value, str) or value not in self.words:
+            raise ValueError
+        return value
+
+    def __str__(self) -> str:
+        """For example `paper or lifted`."""
+        return " or ".join(self.words)
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """True or false."""
+
+    def accept(self, value: object) -> bool:
+        """The value itself.
+
+        Raises:
+            ValueError: If it is not a bool.
+        """
+        if not isinstance(value, bool):
+            raise ValueError
+        return value
+
+    def __str__(self) -> str:
+        """The two words of TOML."""
+        return "true or false"
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Any text, or what can name something."""
+
+    empty: bool = False
+    file_name: bool = False
+
+    def accept(self, value: object) -> str:
+        """The value itself.
+
+        Raises:
+            ValueError: If it is not text, or empty, or no name for a file.
+        """
+        if not isinstance(value, str) or not (value or self.empty):
+            raise ValueError
+        if self.file_name and (
+            "/" in value or value[0] in ".-" or not value.isprintable()
+        ):
+            raise ValueError
+        return value
+
+    def __str__(self) -> str:
+        """What is allowed."""
+        return "a name without slashes" if self.file_name else "text in quotation marks"
+
+
+def setting(kind: Kind, about: str, default: object = MISSING) -> Any:
+    """A dataclass field that carries its limits and its meaning with it.
+
+    Args:
+        kind: What is allowed.
+        about: Meaning, with the unit in brackets.
+        default: Value when nothing is said; None leaves it to the robot or the run.
+
+    Returns:
+        A field for a keyword-only dataclass.
+    """
+    return field(default=default, metadata={"kind": kind, "about": about})
+
+
+def nearest(word: str, known: Iterable[str]) -> str:
+    """The remedy for an unknown word: the nearest known one, and all of them."""
+    names = list(known)
+    closest = difflib.get_close_matches(word, names, n=1, cutoff=0.0)[0]
+    return f"did you mean {closest!r}? known are {', '.join(names)}"

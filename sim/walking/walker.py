@@ -1,0 +1,209 @@
+"""Walk in the physics: a plan open loop, or planned again from every pose reached.
+
+Produces a `Walk`, the raw material of the evaluation; plans and judges nothing itself.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from planner import Array, Flow, Plan
+from sim.motion.poses import seen_from
+from sim.motion.sampling import looks
+from sim.motion.schedule import Phase, Schedule, Scheduler
+from sim.physics.engine import Engine
+from sim.physics.measure import Sensors
+from sim.physics.recording import Recorder, Recording
+from sim.planning.open_loop import plan_segment
+from sim.preparation.effort import check_effort
+from sim.preparation.laying import lay
+from sim.preparation.setup import Setup
+from sim.progress import Progress, silent
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Commands laid in one go, and the pose from which they were predicted."""
+
+    schedule: Schedule
+    pose: Array  # in the start frame, (3,)
+
+
+@dataclass(frozen=True)
+class Walk:
+    """A finished walk."""
+
+    setup: Setup
+    stretches: tuple[Stretch, ...]
+    recording: Recording
+    origin: Array  # start pose in the world, (3,)
+    saturated_segments: int
+    seconds: dict[str, float]  # spent on planning again, and on simulating
+
+    @cached_property
+    def phases(self) -> tuple[Phase, ...]:
+        """All phases in time order."""
+        return tuple(p for stretch in self.stretches for p in stretch.schedule.phases)
+
+    @property
+    def duration(self) -> float:
+        """From the start of the walk to its end [s]."""
+        return (self.phases[-1].stop - self.starts) * self.setup.limits.timestep
+
+    @property
+    def starts(self) -> int:
+        """Number of steps of the first hold, after which the walk begins."""
+        return self.stretches[0].schedule.stop
+
+
+class Walker:
+    """Executes flows and keeps track of where the robot is."""
+
+    def __init__(self, setup: Setup, progress: Progress = silent) -> None:
+        self.setup = setup
+        engine = Engine(setup.model)
+        sensors = Sensors(setup.model, setup.robot)
+        self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
+        self._progress = progress
+        self._stretches: list[Stretch] = []
+        self._shape = setup.at_rest
+        self._origin: Array | None = None
+        self.seconds = {"plan": 0.0, "simulate": 0.0}
+
+    @property
+    def swing(self) -> tuple[float, ...]:
+        """Commanded angle of every group [rad]."""
+        return self._shape.swing
+
+    @property
+    def pose(self) -> Array:
+        """Pose of the robot now, in the start frame, shape (3,)."""
+        world = self.setup.pose(self._recorder.engine.state.qpos)
+        return world * 0.0 if self._origin is None else seen_from(self._origin, world)
+
+    @property
+    def steps(self) -> int:
+        """Number of commands carried out."""
+        return self._recorder.engine.steps
+
+    def commands(self) -> Iterator[Array]:
+        """Commands carried out, made again from what was laid, shape (n, nu) each."""
+        for stretch in self._stretches:
+            schedule = stretch.schedule
+            steps = min(schedule.stop, self.steps) - schedule.start
+            yield from self.setup.commands(schedule, steps)
+
+    def stand(self) -> None:
+        """Hold still on all feet; the walk starts when the first hold ends."""
+        scheduler = self._scheduler()
+        scheduler.hold(self.setup.limits.hold)
+        self._play(scheduler.finish())
+        if self._origin is None:
+            self._origin = self.setup.pose(self._recorder.engine.state.qpos)
+            self._recorder.walk_starts = self.steps
+
+    def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:
+        """Carry out the flows of consecutive segments and put all feet down.
+
+        After the last segment of the scenario the robot stands still for a while.
+
+        Args:
+            segments: Flows of each segment.
+            first: Number of the first of them.
+        """
+        count, last = self.setup.scenario.segments, first + len(segments)
+        scheduler = self._scheduler()
+        scheduler.segment = first
+        lay(self.setup, scheduler, segments)
+        if last == count:
+            scheduler.hold(self.setup.limits.hold)
+        self._play(scheduler.finish(), share=(first / count, last / count))
+
+    def finish(self, saturated_segments: int = 0) -> Walk:
+        """The walk so far."""
+        origin = np.zeros(3) if self._origin is None else self._origin
+        return Walk(
+            setup=self.setup,
+            stretches=tuple(self._stretches),
+            recording=self._recorder.finish(),
+            origin=origin,
+            saturated_segments=saturated_segments,
+            seconds=self.seconds,
+        )
+
+    def _scheduler(self) -> Scheduler:
+        return Scheduler(self.setup.limits, self._shape, self.steps)
+
+    def _play(
+        self, schedule: Schedule, share: tuple[float, float] = (0.0, 0.0)
+    ) -> None:
+        if not schedule.phases:
+            return
+        check_effort(self.setup, schedule.stop)
+        self._stretches.append(Stretch(schedule, self.pose))
+        self._shape = schedule.end
+        began, length = time.perf_counter(), schedule.stop - schedule.start
+        pieces = self.setup.commands(schedule)
+        for steps in self._recorder.play(pieces, looks(schedule)):
+            done = (steps - schedule.start) / length
+            self._progress("walking", share[0] + (share[1] - share[0]) * done)
+        self.seconds["simulate"] += time.perf_counter() - began
+
+
+def walk(setup: Setup, planned: Plan | None, progress: Progress = silent) -> Walk:
+    """Walk once; arguments and errors are those of `carry_out`."""
+    return carry_out(Walker(setup, progress), planned)
+
+
+def carry_out(walker: Walker, planned: Plan | None) -> Walk:
+    """Carry a plan out blindly; without one, plan each segment from the pose reached.
+
+    Args:
+        walker: Who has not walked yet; it knows what was done if this fails.
+        planned: Plan of the whole path; None to replan.
+
+    Raises:
+        PlannerError: If a segment cannot be planned from where the robot has come to.
+        SimulationError: If the physics diverges.
+        UsageError: If the walk takes more steps or memory than there can be.
+    """
+    walker.stand()
+    if planned is None:
+        return walker.finish(_replanned(walker))
+    walker.go(list(planned.segments()))
+    return walker.finish()
+
+
+def expected_steps(setup: Setup, planned: Plan | None) -> int:
+    """Physics steps that a walk will take; arguments are those of `walk`.
+
+    A replanned walk is taken to go on as its first segment does.
+
+    Raises:
+        PlannerError: If that segment cannot be planned.
+    """
+    segments = 1 if planned is None else setup.scenario.segments
+    if planned is None:
+        swing = setup.at_rest.swing
+        planned = plan_segment(setup, 0, np.zeros(3), swing).plan
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    lay(setup, scheduler, planned.segments())
+    holds = 2 * round(setup.limits.hold / setup.limits.timestep)
+    return holds + scheduler.finish().stop * setup.scenario.segments // segments
+
+
+def _replanned(walker: Walker) -> int:
+    """Walk segment by segment, all feet down in between; count saturated ones."""
+    saturated = 0
+    for segment in range(walker.setup.scenario.segments):
+        began = time.perf_counter()
+        step = plan_segment(walker.setup, segment, walker.pose, walker.swing)
+        walker.seconds["plan"] += time.perf_counter() - began
+        saturated += step.fraction < 1
+        walker.go(list(step.plan.segments()), first=segment)
+    return saturated

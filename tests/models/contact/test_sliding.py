@@ -1,0 +1,142 @@
+"""Twists and loads of six sliding feet, against theory and against the engine."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.contact.dissipation import (
+    foot_jacobians,
+    foot_velocities,
+    least_dissipation_twist,
+)
+from models.contact.ground import ground_of
+from models.contact.kinematics import Kinematics
+from models.contact.sliding import sliding_twist
+from models.library import load as load_robot
+from planner.systems.flows import Flow
+from sim.motion.schedule import LegState, MotionLimits, Scheduler
+from sim.physics.engine import STRETCH, Engine
+from sim.physics.measure import Sensors
+from sim.world.channels import Channels
+from sim.world.model import build, load
+
+UNIT = ((1.0, 0.0), (0.0, 1.0))
+SWEEP = ((0, 0.2), (0, -0.4))  # group, amount: the second runs without a start-up
+
+
+@pytest.fixture(scope="module", params=["hexapod", "hexapod-parallel"])
+def robot(request):
+    return load_robot(request.param)
+
+
+@pytest.fixture
+def world(robot, scenario):
+    return load(build(robot, scenario()))
+
+
+def standing(robot, angles, speed=1.0):
+    """Stance on all feet and the rates when the first group swings."""
+    swing = np.zeros((len(angles), 2))
+    swing[:, 0] = angles
+    stance = Kinematics(robot).stance(swing)
+    only_first = np.array([speed, 0.0])[robot.group_of_leg]
+    return stance, stance.rates * only_first[:, None]
+
+
+def swing_on_all_feet(robot, model, speed):
+    """Twist per radian and loads in the middle of a sweep of the first group."""
+    timing = robot.card.lift_time, 0.3, model.opt.timestep
+    limits = MotionLimits(speed, 5.0, 0.3, *timing, robot.groups)
+    scheduler = Scheduler(limits, LegState((0.0, 0.0), "12"))
+    scheduler.hold(0.3)
+    for group, amount in SWEEP:
+        scheduler.flow(Flow("12", f"g12_{group + 1}", amount), UNIT[group])
+    schedule = scheduler.finish()
+    swing, lift = schedule.angles()
+    ctrl = Channels(robot, model).ctrl(swing, lift)
+    engine, sensors = Engine(model), Sensors(model, robot)
+    stretches = [ctrl[i : i + STRETCH] for i in range(0, len(ctrl), STRETCH)]
+    records = [engine.advance(stretch) for stretch in stretches]
+    force = np.concatenate([sensors.read(r.sensordata).force for r in records])
+    qvel = np.concatenate([r.qvel for r in records])
+    qpos = np.concatenate([r.qpos for r in records])
+    last = schedule.phases[-1]
+    middle = slice(
+        last.start + last.steps // 2 - 100, last.start + last.steps // 2 + 100
+    )
+    yaw = 2 * np.arctan2(qpos[middle, 6], qpos[middle, 3])
+    vx, vy = qvel[middle, 0], qvel[middle, 1]
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    twist = np.stack([cos * vx + sin * vy, -sin * vx + cos * vy, qvel[middle, 5]])
+    return -twist.mean(axis=1) / speed, (force[middle] / sensors.weight).mean(axis=0)
+
+
+def test_friction_balances_and_loads_carry_the_weight(robot, world):
+    stance, rates = standing(robot, np.linspace(-0.3, 0.3, 7))
+    ground = ground_of(robot, world)
+    twist, loads = sliding_twist(stance, rates, ground, speed=0.5)
+    w = foot_velocities(stance.feet, rates, twist)
+    direction = w / np.sqrt((w**2).sum(-1, keepdims=True) + (1e-4 * 0.105) ** 2)
+    force = np.einsum("nf,nfij,nfi->nj", loads, foot_jacobians(stance.feet), direction)
+    # balanced to 1e-9 of the weight, up to where friction is smoothed: 1e-4 of a rate
+    assert force == pytest.approx(np.zeros((7, 3)), abs=1e-4)
+    assert loads.sum(axis=1) == pytest.approx(np.ones(7))
+    moments = np.einsum("nf,nfi->ni", loads, stance.feet)
+    assert moments == pytest.approx(stance.center_of_mass, abs=1e-9)
+
+
+def test_rigid_legs_on_soft_ground_slide_with_least_dissipation(robot, world):
+    """Without servo compliance friction does not change loads: two solvers agree."""
+    stance, rates = standing(robot, np.linspace(-0.3, 0.3, 5))
+    soft = np.linspace(1e-5, 3e-5, 6)
+    ground = replace(ground_of(robot, world), contact=soft, servo=np.full(6, np.inf))
+    twist, loads = sliding_twist(stance, rates, ground)
+    known = least_dissipation_twist(stance.feet, rates, loads)
+    # friction is smoothed below 1e-4 of the fastest rate; near a tie that shows tenfold
+    assert twist == pytest.approx(known, abs=2e-3)
+
+
+def test_twist_turns_round_with_the_swing(robot, world):
+    stance, rates = standing(robot, [0.1])
+    ground = ground_of(robot, world)
+    there, loads = sliding_twist(stance, rates, ground, speed=0.5)
+    # mirrored fore and aft, the legs at -0.1 swing back as those at 0.1 swing forth
+    mirrored, backward = standing(robot, [-0.1], speed=-1.0)
+    back, others = sliding_twist(mirrored, backward, ground, speed=0.5)
+    assert back == pytest.approx(there * [[-1, 1, -1]], abs=1e-9)
+    assert others == pytest.approx(loads[:, [4, 5, 2, 3, 0, 1]], abs=1e-9)
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("speed", [0.5, 0.1])
+def test_the_engine_slides_as_predicted(robot, world, speed):
+    twist, loads = swing_on_all_feet(robot, world, speed)
+    stance, rates = standing(robot, [0.0], speed=-1.0)
+    predicted, shares = sliding_twist(stance, rates, ground_of(robot, world), speed)
+    # at most 0.2 mm/rad, 1 mrad/rad and 0.0005 of the weight measured, out of
+    # 50 mm/rad, 0.25 rad/rad and 0.17
+    assert twist[:2] == pytest.approx(-predicted[0, :2], abs=1e-3)
+    assert twist[2] == pytest.approx(-predicted[0, 2], abs=0.01)
+    assert loads == pytest.approx(shares[0], abs=0.003)
+
+
+@pytest.mark.physics
+def test_feet_sink_into_the_floor_as_far_as_its_compliance_says(robot, world):
+    data = mujoco.MjData(world)
+    mujoco.mj_resetDataKeyframe(world, data, world.key("start").id)
+    mujoco.mj_step(world, data, nstep=2000)
+    force = Sensors(world, robot).read(data.sensordata[None]).force[0]
+    feet = [world.geom(f"foot_{leg}").id for leg in robot.legs]
+    sunk = world.geom_size[feet, 0] - data.geom_xpos[feet, 2]
+    # standing still to 1e-6 m/s, which the contact's damping turns into 1e-9 m
+    assert sunk == pytest.approx(ground_of(robot, world).contact * force, abs=1e-8)
+
+
+def test_ground_takes_stiffness_friction_and_weight_from_the_world(robot, scenario):
+    model = load(build(robot, scenario(servo_stiffness=70.0, friction=0.4)))
+    ground = ground_of(robot, model)
+    assert (ground.servo == 70.0).all()
+    assert ground.friction == pytest.approx(0.4)
+    assert ground.weight == pytest.approx(1.27 * 9.81)

@@ -1,0 +1,76 @@
+"""Soles are where the engine says that geoms come closest to the floor."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.contact.soles import find_sole
+from models.errors import ModelError
+
+CONE = " ".join(
+    f"{0.03 * np.cos(a):.6f} {0.03 * np.sin(a):.6f} 0"
+    for a in np.linspace(0, 2 * np.pi, 12, endpoint=False)
+)
+WORLD = """
+<mujoco>
+  <asset><mesh name="cone" vertex="{cone} 0.01 0 0.08"/></asset>
+  <worldbody>
+    <geom name="floor" type="plane" size="1 1 1"/>
+    <body pos="0.1 0.2 0.5" quat="{quat}">
+      <joint type="free"/>
+      {geoms}
+    </body>
+  </worldbody>
+</mujoco>
+"""
+SHAPES = {
+    "sphere": 'type="sphere" size="0.02"',
+    "capsule": 'type="capsule" size="0.01 0.05"',
+    "box": 'type="box" size="0.02 0.03 0.01"',
+    "cylinder": 'type="cylinder" size="0.02 0.03"',
+    "ellipsoid": 'type="ellipsoid" size="0.02 0.03 0.01"',
+    "mesh": 'type="mesh" mesh="cone"',
+}
+
+
+def placed(geoms, quat):
+    text = WORLD.format(cone=CONE, geoms=geoms, quat=" ".join(map(str, quat)))
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return model, data
+
+
+@pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
+def test_the_sole_is_the_point_nearest_to_the_floor(shape):
+    rng = np.random.default_rng(3)
+    for quat in rng.normal(size=(5, 4)):
+        model, data = placed(f'<geom name="foot" pos="0.1 0 0" {shape}/>', quat)
+        ends, (floor, foot) = np.empty(6), (model.geom(n).id for n in ("floor", "foot"))
+        mujoco.mj_geomDistance(model, data, floor, foot, 10.0, ends)
+        touch = find_sole(model, data, ["foot"]).touch(data)
+        assert touch == pytest.approx(ends[3:], abs=1e-15)  # rounding
+
+
+def test_a_flat_foot_stands_on_the_middle_of_its_face():
+    model, data = placed(
+        f'<geom name="foot" pos="0.1 0 0" {SHAPES["box"]}/>', (1, 0, 0, 0)
+    )
+    touch = find_sole(model, data, ["foot"]).touch(data)
+    assert touch == pytest.approx([0.2, 0.2, 0.49])
+
+
+def test_of_several_geoms_the_lowest_bear():
+    balls = "".join(
+        f'<geom name="ball_{x}" pos="0.0{x} 0 {z}" size="0.01"/>'
+        for x, z in ((1, 0), (3, 0), (9, 0.05))
+    )
+    model, data = placed(balls, (1, 0, 0, 0))
+    touch = find_sole(model, data, ["ball_1", "ball_3", "ball_9"]).touch(data)
+    assert touch == pytest.approx([0.12, 0.2, 0.49])
+
+
+def test_a_plane_is_no_foot():
+    model, data = placed('<geom size="0.1"/>', (1, 0, 0, 0))
+    with pytest.raises(ModelError, match="foot 'floor' is a plane: give it a sphere"):
+        find_sole(model, data, ["floor"])

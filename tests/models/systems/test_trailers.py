@@ -1,0 +1,57 @@
+"""Trailers, of a walking robot and of cars: degrees they need, axles that roll."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from models.systems.catalogue import shipped_system
+from planner.controllability.gaits import gait_controllability
+from planner.errors import RankError
+from planner.planning.algorithm import plan
+from planner.systems.fields import compile_fields, sample_configurations
+
+
+def sideslip(problem, axle, heading):
+    """Sideways velocities of an axle along every field, at random configurations."""
+    system = problem.system
+    left = sp.Matrix([[-sp.sin(heading), sp.cos(heading)]])
+    slips = [
+        left * axle.jacobian(sp.Matrix(system.state)) * f
+        for f in system.fields.values()
+    ]
+    rows = compile_fields(slips, system.state)(sample_configurations(len(system.state)))
+    return np.abs(rows).max()
+
+
+def test_axle_of_the_hexapod_s_trailer_does_not_slip_sideways():
+    problem = shipped_system("hexapod-trailer", {"length": 0.7})
+    x, y, psi = (sp.Symbol(name) for name in ("x", "y", "psi"))
+    axle = sp.Matrix([x - 0.7 * sp.cos(psi), y - 0.7 * sp.sin(psi)])
+    assert sideslip(problem, axle, psi) < 1e-12  # rounding
+
+
+@pytest.mark.parametrize("trailers", [1, 2, 3])
+def test_no_axle_of_a_car_with_trailers_slips_sideways(trailers):
+    problem = shipped_system("car-trailers", {"trailers": trailers, "length": 0.7})
+    axle = sp.Matrix(sp.symbols("x y"))
+    for k in range(trailers + 1):
+        heading = sp.Symbol(f"theta_{k}")
+        if k:
+            axle -= 0.7 * sp.Matrix([sp.cos(heading), sp.sin(heading)])
+        assert sideslip(problem, axle, heading) < 1e-12  # rounding
+
+
+def test_trailer_needs_degree_3():
+    problem = shipped_system("hexapod-trailer")
+    gait, start = problem.gait, problem.states[0]
+    report = gait_controllability(problem.system, gait, start, max_depth=2)
+    assert (report.controllable, report.rank, report.dimension) == (False, 5, 6)
+    assert "psi" in " ".join(report.missing)
+    assert "form brackets beyond degree 2" in report.advice
+    assert gait_controllability(problem.system, gait, start, max_depth=3).controllable
+
+
+def test_trailer_is_not_planned_with_brackets_to_degree_2():
+    problem = shipped_system("hexapod-trailer")
+    with pytest.raises(RankError, match=r"rank 5 of 6 .* nothing along y - psi; add"):
+        plan(problem.system, problem.path, 1, problem.elements[:-1])

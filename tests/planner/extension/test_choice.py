@@ -1,0 +1,82 @@
+"""Elements chosen automatically: spanning, of low degree, with few switches."""
+
+import numpy as np
+import pytest
+
+from planner.errors import RankError
+from planner.extension.choice import choose_elements
+from planner.extension.extended import extend
+from planner.planning.algorithm import plan
+from planner.planning.paths import line
+from planner.planning.playback import rollout
+from planner.systems.strata import StratifiedSystem
+from tests.systems import LIFTED, METRES, PAPER, chained, flat_power, hexapod
+
+HOME = [0.0] * 7
+
+
+@pytest.mark.parametrize("gains", [{}, METRES])
+def test_choice_for_the_hexapod_is_the_papers(gains):
+    choice = choose_elements(hexapod(**gains, heights=True), HOME)
+    assert choice.elements == PAPER
+
+
+def test_without_fields_on_the_bottom_the_lifted_ones_are_chosen():
+    robot = hexapod(heights=True)
+    strata = {"12": {}, "1": robot.strata["1"], "2": robot.strata["2"]}
+    lifted = StratifiedSystem(robot.state, strata, "12", robot.level_sets)
+    assert set(choose_elements(lifted, HOME).elements) == set(LIFTED)
+
+
+def test_brackets_are_of_the_lowest_degree_that_spans():
+    assert choose_elements(chained(4), np.zeros(4)).elements == (
+        "g1", "g2", "[g1,g2]", "[g1,[g1,g2]]",
+    )  # fmt: skip
+
+
+def test_field_that_adds_nothing_here_may_be_needed_in_brackets():
+    choice = choose_elements(flat_power(2), [0, 0])
+    assert choice.elements == ("g1", "g2", "[g1,[g1,g2]]")
+    assert "g2: degree 1, 0 contact events, adds nothing but brackets" in str(choice)
+
+
+def test_all_configurations_given_are_spanned():
+    at = [[0, 0], [1, 0], [-2, 3]]
+    matrices = extend(flat_power(1), choose_elements(flat_power(1), at).elements)
+    assert np.linalg.matrix_rank(matrices.columns(at)).tolist() == [2, 2, 2]
+
+
+def test_choice_is_explained_element_by_element():
+    choice = choose_elements(hexapod(heights=True), HOME)
+    assert choice.reasons[2].startswith("g1_2: degree 1, 2 contact events, adds ")
+    assert choice.reasons[4] == "[g12_1,g12_2]: degree 2, 0 contact events, adds y"
+    matrix = extend(hexapod(), PAPER).columns(np.zeros(5))
+    lengths = np.linalg.norm(matrix, axis=0)
+    assert choice.condition == pytest.approx(np.linalg.cond(matrix / lengths))
+
+
+def test_fields_that_copy_one_another_are_chosen_once():
+    twins = StratifiedSystem("x", {"0": {"a": [1]}, "1": {"b": [2]}}, "0")
+    assert choose_elements(twins, [0]).elements == ("a",)
+
+
+def test_plan_without_elements_chooses_them():
+    path = line(np.zeros(5), [1, 1, 0, 0, 0])
+    chosen, given = plan(hexapod(), path, 4), plan(hexapod(), path, 4, PAPER)
+    assert chosen.elements == PAPER
+    assert rollout(chosen)[-1] == pytest.approx(rollout(given)[-1], abs=1e-13)
+
+
+def test_what_cannot_be_spanned_is_refused():
+    with pytest.raises(RankError, match=r"rank 1 of 2 at \(0, 0\)"):
+        choose_elements(flat_power(5), [0, 0], max_degree=3)
+
+
+def test_misshapen_configurations_are_refused():
+    with pytest.raises(ValueError, match=r"shape \(1, 3\), expected \(k, 5\)"):
+        choose_elements(hexapod(), [0, 0, 0])
+
+
+def test_degree_below_one_is_refused():
+    with pytest.raises(ValueError, match="max_degree is 0; fields themselves have"):
+        choose_elements(hexapod(), [0, 0, 0, 0, 0], max_degree=0)

@@ -1,0 +1,56 @@
+"""What the bench measures and how it says so; never how fast this machine is."""
+
+import json
+
+import pytest
+
+from models.library import shipped_robots
+from models.systems.catalogue import SYSTEMS
+from sim import cli
+from sim.bench import planner_speed, speed
+from sim.bench.row import Row, median, paired
+
+ROWS = [Row("a thing takes", 0.25, "s", "< 0.5"), Row("another weighs", 3, "kg")]
+
+
+def test_every_row_says_what_is_wanted_where_something_is(monkeypatch, capsys):
+    monkeypatch.setattr(speed, "measure", lambda: iter(ROWS))
+    assert cli.main(["bench"]) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert " ".join(first.split()) == "a thing takes 0.25 s wanted < 0.5"
+    assert " ".join(second.split()) == "another weighs 3 kg"
+
+
+def test_rows_are_also_json(monkeypatch, capsys):
+    monkeypatch.setattr(speed, "measure", lambda: iter(ROWS))
+    assert cli.main(["bench", "--json"]) == 0
+    first, _ = json.loads(capsys.readouterr().out)
+    assert first == {
+        "what": "a thing takes",
+        "value": 0.25,
+        "unit": "s",
+        "wanted": "< 0.5",
+    }
+
+
+def test_everything_that_is_shipped_is_compiled():
+    measured = {row.what.split()[1] for row in planner_speed.compilation()}
+    assert measured == {*SYSTEMS, *shipped_robots()}
+
+
+@pytest.mark.parametrize("scenario", planner_speed.SCENARIOS)
+def test_shortest_words_sweep_less_than_the_printed_ones(scenario):
+    (row,) = planner_speed.travel(scenario)
+    assert row.value < 1
+
+
+def test_a_warm_up_is_not_measured():
+    calls = []
+    median(lambda: calls.append(1), repeats=3)
+    assert len(calls) == 4
+
+
+def test_pairs_are_interleaved():
+    calls = []
+    paired(lambda: calls.append("other"), lambda: calls.append("ours"))
+    assert calls == ["other", "ours"] * (len(calls) // 2)

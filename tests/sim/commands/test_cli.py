@@ -1,0 +1,291 @@
+"""The command as a user meets it: what it prints, and how it ends."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from planner.errors import PlannerError
+from sim import cli
+from sim.errors import exit_code, one_line
+from sim.pictures import gl
+from sim.scenarios.file import load_scenario, shipped_scenarios
+
+SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
+"""A walk of two segments and a few seconds."""
+
+
+# This process may have silenced its own driver; the commands below have not.
+OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
+
+
+@pytest.fixture
+def stratawalk(tmp_path):
+    """Run the real command in an empty folder."""
+
+    def run(*words, **environment):
+        return subprocess.run(
+            [sys.executable, "-m", "sim.cli", *words],
+            cwd=tmp_path,
+            env=OUTSIDE | {"PYTHONPATH": os.getcwd()} | environment,
+            capture_output=True,
+            text=True,
+        )
+
+    return run
+
+
+def refusal(done):
+    """The one line that a refused command prints, without its head."""
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    head, _, rest = line.partition("stratawalk: error: ")
+    assert head == ""
+    return rest
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        ([], 2, "required: COMMAND: the command line; see stratawalk --help"),
+        (["walk"], 2, "invalid choice: 'walk'"),
+        (["run"], 2, "required: SCENARIO"),
+        (["run", "line", "--sgments", "3"], 2, "unrecognized arguments: --sgments"),
+        (["run", "line", "--segments", "many"], 2, "invalid int value: 'many'"),
+        (["run", "line", "--segments", "0"], 2, "segments = 0 is not allowed"),
+        (["run", "lien"], 2, "unknown scenario 'lien': SCENARIO; did you mean 'line'?"),
+        (["run", "gone.toml"], 2, "no such scenario file: gone.toml"),
+        (["run", "line", "--fields", "papper"], 2, "give lifted or paper"),
+        (["run", "line", "--look", "pretty"], 2, "invalid choice: 'pretty'"),
+        (["run", "line", "--set", "freindly=1"], 2, "did you mean 'friction'?"),
+        (["run", "line", "--set", "friction=-1"], 2, "give a number from 0 to 10"),
+        (["run", "line", "--set", "timestep=0"], 2, "timestep = 0 is not allowed"),
+        (
+            ["run", "line", "--robot", "x", "--set", "robot=y"],
+            2,
+            "robot is given twice",
+        ),
+        (["run", "line", *2 * ["--set", "friction=1"]], 2, "friction is given twice"),
+        (["run", "line", "--out", ""], 2, "an empty name: --out; name a folder"),
+        (["run", "line", "--robot", "centipede"], 2, "unknown robot: 'centipede'"),
+        (["run", "line", "--robot", "gone.xml"], 2, "no such robot file"),
+        (
+            ["run", "line", "--no-video", "--out", "."],
+            2,
+            "already exists: .; give --out",
+        ),
+        (["run", "line", "--no-video", "--out", "/proc/run"], 6, "cannot make the run"),
+        (["plan", "line", "--segments", "1"], 4, "would reach .* segments"),
+    ],
+)
+def test_refusal_is_one_line_and_a_code(stratawalk, words, code, said):
+    done = stratawalk(*words)
+    assert done.returncode == code
+    assert re.search(said, refusal(done))
+
+
+def test_refused_command_leaves_no_folder(stratawalk, tmp_path):
+    stratawalk("run", "line", "--robot", "centipede")
+    stratawalk("run", "line", "--set", "friction=-1")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", ["<mujoco", "<mujoco/>", "\x00\x01"])
+def test_unusable_robot_file_is_a_bad_model(stratawalk, tmp_path, text):
+    (tmp_path / "mine.xml").write_text(text)
+    done = stratawalk("run", "line", "--robot", "mine.xml")
+    assert done.returncode == 3
+    assert re.search(r"mine\.(xml|toml)", refusal(done))
+
+
+def test_json_gives_an_error_as_an_object_too(stratawalk):
+    done = stratawalk("run", "lien", "--json")
+    error = json.loads(done.stdout)["error"]
+    assert (error["exit_code"], error["kind"]) == (2, "usage")
+    assert done.stderr == f"stratawalk: error: {error['message']}\n"
+
+
+def test_debug_shows_the_traceback(stratawalk):
+    done = stratawalk("run", "lien", "--debug")
+    assert done.returncode == 2
+    assert "Traceback" in done.stderr
+    assert done.stderr.splitlines()[-1].startswith("stratawalk: error: ")
+
+
+def test_every_command_answers_help(stratawalk):
+    for name in cli.COMMANDS:
+        done = stratawalk(name, "--help")
+        assert (done.returncode, done.stderr) == (0, "")
+        assert f"stratawalk {name}" in done.stdout
+
+
+def test_scenarios_lists_what_is_shipped(stratawalk):
+    lines = stratawalk("scenarios").stdout.splitlines()
+    assert [line.split()[0] for line in lines] == list(shipped_scenarios())
+
+
+def test_printed_scenario_is_a_scenario(stratawalk, tmp_path):
+    (tmp_path / "mine.toml").write_text(stratawalk("scenarios", "ellipse").stdout)
+    assert load_scenario(str(tmp_path / "mine.toml")) == load_scenario("ellipse")
+
+
+def test_robots_lists_what_is_shipped(stratawalk):
+    listed = json.loads(stratawalk("robots", "--json").stdout)
+    robots = {robot["name"]: robot for robot in listed}
+    assert {"hexapod", "hexapod-parallel"} <= robots.keys()
+    assert robots["hexapod"]["groups"] == {"1": [1, 4, 5], "2": [2, 3, 6]}
+
+
+def test_plan_goes_nowhere_when_the_goal_is_here(stratawalk):
+    done = stratawalk("plan", "line", "--set", "path.goal=[0, 0, 0]", "--json")
+    facts = json.loads(done.stdout)
+    assert facts["pose"] == [0, 0, 0]
+    assert facts["contact_switches"] == 0
+
+
+def test_a_whole_turn_ends_at_yaw_0(stratawalk):
+    around = "path.goal=[0, 0, 6.283185307179586]"
+    done = stratawalk("plan", "diagonal", "--replan", "--set", around, "--json")
+    facts = json.loads(done.stdout)
+    assert abs(facts["pose"][2]) < 1e-6
+    assert facts["error"]["yaw"] < 1e-6
+
+
+def test_finer_plans_end_nearer_the_goal(stratawalk):
+    def missed(segments):
+        done = stratawalk("plan", "line", "--segments", str(segments), "--json")
+        return json.loads(done.stdout)["error"]["position"]
+
+    assert missed(80) == pytest.approx(missed(40) / 2, rel=0.05)  # 1/n, next term 1/n^2
+
+
+def test_replanned_kinematics_end_at_the_goal(stratawalk):
+    done = stratawalk("plan", "diagonal", "--replan", "--json")
+    open_loop = json.loads(stratawalk("plan", "diagonal", "--json").stdout)
+    position = json.loads(done.stdout)["error"]["position"]
+    assert position < open_loop["error"]["position"] / 10
+
+
+@pytest.mark.physics
+def test_run_leaves_a_folder_and_says_where(stratawalk, tmp_path):
+    done = stratawalk(*SHORT, "--no-video")
+    assert done.stderr == ""
+    assert done.returncode == 0
+    folder = tmp_path / "runs" / "line-001"
+    assert {"scenario.toml", "model.xml", "commands.npz", "trajectory.npz"} <= {
+        path.name for path in folder.iterdir()
+    }
+    assert not (folder / "video.mp4").exists()
+    starts = [line.split()[0] for line in done.stdout.splitlines() if line]
+    assert starts[-6:] == [
+        "goal", "ideal", "quasi-static", "identified", "achieved", "folder",
+    ]  # fmt: skip
+    assert done.stdout.splitlines()[-1].split() == ["folder", "runs/line-001"]
+
+
+@pytest.mark.physics
+def test_json_is_the_summary_alone(stratawalk, tmp_path):
+    done = stratawalk(*SHORT, "--no-video", "--json", "--out", "here")
+    assert done.stderr == ""
+    written = (tmp_path / "here" / "summary.json").read_text()
+    assert json.loads(done.stdout) == json.loads(written)
+
+
+@pytest.mark.physics
+def test_written_scenario_runs_again_to_the_same_numbers(stratawalk):
+    def numbers(*words):
+        summary = json.loads(stratawalk(*words, "--no-video", "--json").stdout)
+        return {key: value for key, value in summary.items() if key != "timing"}
+
+    first = numbers(*SHORT, "--fields", "paper", "--set", "friction=0.7", "--out", "a")
+    assert numbers("run", "a/scenario.toml", "--out", "b") == first
+    assert first["fields"] == "paper"
+
+
+@pytest.mark.physics
+def test_physics_that_diverges_says_so_in_one_line_and_leaves_its_commands(
+    stratawalk, tmp_path
+):
+    wild = ("timestep=0.01", "servo_stiffness=1e6", "servo_damping=0")
+    sets = [word for value in wild for word in ("--set", value)]
+    done = stratawalk(*SHORT, "--no-video", "--out", "here", *sets)
+    assert done.returncode == 4
+    assert "simulation diverged, warning BADQACC: t = 0.03" in refusal(done)
+    assert (tmp_path / "here" / "commands.npz").exists()
+    assert not (tmp_path / "here" / "summary.json").exists()
+
+
+@pytest.mark.physics
+def test_physics_runs_whatever_mujoco_gl_says(stratawalk):
+    assert stratawalk(*SHORT, "--no-video", MUJOCO_GL="banana").returncode == 0
+
+
+@pytest.mark.physics
+def test_run_without_a_driver_warns_in_one_line_and_walks(stratawalk, tmp_path):
+    done = stratawalk(*SHORT, MUJOCO_GL="disabled")
+    assert done.returncode == 0
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("stratawalk: warning: no film: ")
+    assert (tmp_path / "runs" / "line-001" / "summary.json").exists()
+
+
+def test_film_that_cannot_be_drawn_is_refused_before_the_walk(stratawalk, tmp_path):
+    done = stratawalk(*SHORT, "--video", MUJOCO_GL="disabled")
+    assert done.returncode == 5
+    assert "MUJOCO_GL=disabled" in refusal(done)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
+)
+def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
+    words = ("run", "line", "--segments", "400", "--no-video", "--out", "here")
+    process = subprocess.Popen(
+        [sys.executable, "-m", "sim.cli", *words],
+        cwd=tmp_path,
+        env=OUTSIDE | {"PYTHONPATH": os.getcwd()},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while not (tmp_path / "here" / "model.xml").exists():
+        assert process.poll() is None
+        time.sleep(0.05)
+    process.send_signal(sent)
+    _, stderr = process.communicate(timeout=30)
+    assert process.returncode == code
+    (line,) = stderr.splitlines()
+    assert line.startswith("stratawalk: error: ")
+    assert [p.name for p in (tmp_path / "here").iterdir() if ".part" in p.name] == []
+
+
+def test_reader_that_leaves_is_no_error(tmp_path):
+    words = f"{sys.executable} -m sim.cli scenarios"
+    done = subprocess.run(
+        ["sh", "-c", f"{words} | true"],
+        env=OUTSIDE | {"PYTHONPATH": os.getcwd(), "PYTHONUNBUFFERED": "1"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.stderr == ""
+
+
+def test_error_of_the_planner_is_a_failed_plan():
+    error = PlannerError("phi_1 would reach 9; plan more segments")
+    assert exit_code(error) == 4
+    assert one_line(error) == "no plan: phi_1 would reach 9; plan more segments"
+
+
+def test_unforeseen_error_is_a_bug_of_ours_and_says_where(monkeypatch, capsys):
+    monkeypatch.setattr("sim.scenarios.file.shipped_scenarios", lambda: 1 / 0)
+    assert cli.main(["scenarios"]) == 70
+    said = capsys.readouterr().err
+    assert "a bug of ours, ZeroDivisionError: division by zero: " in said
+    assert f"{Path('sim', 'commands', 'scenarios.py')}:" in said

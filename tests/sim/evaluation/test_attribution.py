@@ -1,0 +1,43 @@
+"""Where the error at the end of a walk comes from."""
+
+import numpy as np
+import pytest
+
+from sim.evaluation.attribution import contributions
+from sim.motion.poses import compose
+
+
+def walked(steps):
+    poses = [np.zeros(3)]
+    for step in steps:
+        poses.append(compose(poses[-1], step))
+    return np.array(poses)
+
+
+@pytest.fixture
+def steps():
+    return np.random.default_rng(6).normal(size=(30, 3))
+
+
+def test_contributions_add_up_to_the_error_exactly(steps):
+    achieved = walked(steps + 0.1 * np.random.default_rng(7).normal(size=(30, 3)))
+    predicted = walked(steps)
+    total = contributions(achieved, predicted).sum(axis=0)
+    assert total == pytest.approx(achieved[-1] - predicted[-1], abs=1e-12)
+
+
+def test_a_phase_that_moves_as_predicted_contributes_nothing(steps):
+    wrong = steps.copy()
+    wrong[11] += (0.2, -0.1, 0.3)
+    parts = contributions(walked(wrong), walked(steps))
+    others = np.delete(parts, 11, axis=0)
+    assert others == pytest.approx(np.zeros((29, 3)), abs=1e-12)
+    assert np.abs(parts[11]).max() > 0.1
+
+
+def test_a_turn_too_far_is_charged_with_what_it_does_to_the_way_after_it():
+    ahead = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    turned = ahead + [[0.0, 0.0, 0.1], [0.0, 0.0, 0.0]]
+    parts = contributions(walked(turned), walked(ahead))
+    assert parts[0] == pytest.approx([np.cos(0.1) - 1, np.sin(0.1), 0.1])
+    assert parts[1] == pytest.approx(np.zeros(3), abs=1e-15)

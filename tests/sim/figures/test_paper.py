@@ -1,0 +1,121 @@
+"""Figures on the paper's kinematics: what they show is so, and they are drawn."""
+
+import csv
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from matplotlib import rc_context
+from PIL import Image
+
+from planner.planning.paths import ellipse, line
+from sim.figures import diagonal, stability
+from sim.figures.footprints import footprints
+from sim.figures.line import GOAL
+from sim.figures.paper import configuration, feet, standing, walk
+from sim.figures.sheet import Table, page, save
+from sim.figures.signs import sign_map
+from sim.figures.style import STYLE
+from sim.figures.tube import exponent, swing_out, tube
+
+ROUNDING = 1e-12
+
+
+@pytest.fixture(scope="module")
+def turning():
+    path = line(configuration((0, 0, 0)), configuration((1.0, 1.0, 0.5)))
+    return walk(path, 4, fields="lifted")
+
+
+def test_the_tube_is_as_wide_as_the_square_root_of_its_segments():
+    measured = tube(GOAL, (15, 60, 240, 960))
+    # the next term is of relative size sqrt(length): 0.05 and less over this range
+    assert measured.exponent == pytest.approx(0.5, abs=0.02)
+    assert exponent(measured.length, measured.turn) == pytest.approx(0.5, abs=0.02)
+
+
+def test_the_end_error_falls_as_one_over_the_number_of_segments():
+    measured = tube(GOAL, (30, 60, 120))
+    products = measured.error * measured.segments
+    assert products == pytest.approx([0.042] * 3, abs=5e-4)  # two digits given
+
+
+def test_feet_stand_still_under_the_paper_s_equations(turning):
+    """Eqs. (17), (18) turn the body about its loaded tripod's pivot."""
+    prints = footprints(feet(turning), standing(turning))
+    assert len(prints.foot) > 6
+    assert prints.slid.max() < ROUNDING
+
+
+def test_a_foot_leaves_a_new_print_only_where_it_was_in_the_air(turning):
+    on_ground = standing(turning)
+    prints = footprints(feet(turning), on_ground)
+    for foot, begin, end in zip(prints.foot, prints.begin, prints.end, strict=True):
+        assert on_ground[begin : end + 1, foot].all()
+        assert begin == 0 or not on_ground[begin - 1, foot]
+        assert end == len(on_ground) - 1 or not on_ground[end + 1, foot]
+    stood = sum(prints.end + 1 - prints.begin)
+    assert stood == on_ground.sum()
+
+
+def test_both_choices_of_fields_walk_the_body_the_same_way():
+    path = ellipse(configuration((0, 0, 0)), (1.0, 0.6))
+    paper, lifted = (walk(path, 8, fields=fields) for fields in ("paper", "lifted"))
+    ends = paper.states[paper.ends], lifted.states[lifted.ends]
+    assert ends[0][:, :3] == pytest.approx(ends[1][:, :3], abs=ROUNDING)
+
+
+def test_a_chain_that_leaves_its_nominal_is_measured_segment_by_segment():
+    points = np.array([(0, 0), (1, 0.5), (2, 0), (3, -2), (4, 0)], float)
+    nominal = np.array([(0, 0), (4, 0)], float)
+    assert swing_out(points, np.array([2, 4]), nominal) == pytest.approx([0.5, 2.0])
+
+
+def test_closed_form_and_polygon_disagree_nowhere_in_the_drawing():
+    signs = sign_map(stability.STANCE)
+    assert (signs.closed > 0).any()
+    assert (signs.closed < 0).any()
+    assert signs.disagreements == 0
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    with rc_context(STYLE):
+        return diagonal.paper()
+
+
+def test_a_sheet_is_saved_as_pictures_and_numbers(sheet, tmp_path):
+    save(sheet, tmp_path)
+    with Image.open(tmp_path / f"{sheet.name}.png") as picture:
+        assert picture.width > 1500  # seven inches at 300 dots each, trimmed
+        assert np.ptp(np.asarray(picture.convert("L"))) > 200  # ink on paper
+    drawing = ET.parse(tmp_path / f"{sheet.name}.svg").getroot()
+    assert len(list(drawing.iter("{http://www.w3.org/2000/svg}path"))) > 20
+    with (tmp_path / f"{sheet.name}.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert tuple(rows[0]) == sheet.table.header
+    assert [float(cell) for cell in rows[1]] == [float(c) for c in sheet.table.rows[0]]
+
+
+def test_the_same_sheet_is_saved_as_the_same_bytes(sheet, tmp_path):
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        save(sheet, tmp_path / name)
+    for kind in ("png", "svg", "csv"):
+        first, second = (
+            (tmp_path / name / f"{sheet.name}.{kind}").read_bytes()
+            for name in ("first", "second")
+        )
+        assert first == second
+
+
+def test_the_page_shows_every_sheet_with_caption_and_numbers(sheet):
+    text = page([sheet])
+    assert f"({sheet.name}.png)" in text
+    assert sheet.caption in text
+    assert "| tripod | leg |" in text
+
+
+def test_a_row_has_one_cell_a_column():
+    with pytest.raises(ValueError, match="row 1 has 1 cells for 2 columns"):
+        Table(("a", "b"), ((1, 2), (3,)))

@@ -1,0 +1,76 @@
+"""The engine against a bare loop, and what it does when physics goes wrong."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim.errors import SimulationError
+from sim.physics.engine import STRETCH, Engine
+from sim.world.model import build, load
+
+
+@pytest.fixture(scope="module")
+def model(hexapod):
+    from sim.scenarios.body_path import line
+    from sim.scenarios.scenario import Scenario
+
+    return load(
+        build(hexapod, Scenario(name="stand", segments=1, path=line((0, 0, 0))))
+    )
+
+
+@pytest.fixture
+def wobble(model):
+    time = np.arange(STRETCH + 500) * model.opt.timestep
+    return 0.2 * np.sin(3 * time)[:, None] * np.ones(model.nu)
+
+
+def bare_loop(model, ctrl):
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    qpos = np.empty((len(ctrl), model.nq))
+    for k, row in enumerate(ctrl):
+        data.ctrl[:] = row
+        mujoco.mj_step(model, data)
+        qpos[k] = data.qpos
+    return qpos
+
+
+@pytest.mark.physics
+def test_stretches_are_bit_for_bit_a_bare_loop_over_mj_step(model, wobble):
+    engine = Engine(model)
+    cuts = np.split(wobble, [700, STRETCH])
+    records = [engine.advance(part) for part in cuts]
+    assert np.array_equal(
+        np.concatenate([r.qpos for r in records]), bare_loop(model, wobble)
+    )
+    assert engine.steps == len(wobble)
+    assert np.array_equal(engine.state.qpos, records[-1].qpos[-1])
+
+
+@pytest.mark.physics
+def test_two_runs_are_identical(model, wobble):
+    first, second = (Engine(model).advance(wobble[:500]) for _ in range(2))
+    assert np.array_equal(first.qpos, second.qpos)
+    assert np.array_equal(first.sensordata, second.sensordata)
+
+
+@pytest.mark.physics
+def test_a_diverging_simulation_stops_with_time_and_warning(hexapod, scenario, capfd):
+    wild = scenario(timestep=0.01, servo_stiffness=1e6, servo_damping=0.0)
+    engine = Engine(load(build(hexapod, wild)))
+    with pytest.raises(
+        SimulationError, match=r"diverged.*BADQ.*: t = 0\.\d+ s; try a small"
+    ):
+        engine.advance(np.full((400, 12), 0.4))
+    assert capfd.readouterr().err == ""
+
+
+def test_a_command_that_is_not_finite_is_stopped_before_the_engine(model):
+    ctrl = np.zeros((10, model.nu))
+    ctrl[4, 3] = np.nan
+    name = model.actuator(3).name
+    with pytest.raises(
+        SimulationError, match=rf"command of '{name}' is nan: t = 0.0020 s"
+    ):
+        Engine(model).advance(ctrl)

@@ -1,0 +1,169 @@
+"""Every way in which filming fails: one clear line, and never half a film."""
+
+import os
+
+import numpy as np
+import pytest
+
+from sim.errors import ExitCode, FilesError, RenderError, UsageError
+from sim.pictures import crew
+from sim.pictures.crew import Piece
+from sim.pictures.direction import film
+from sim.pictures.file import check_encoder, count_pictures, encoding, join
+from sim.pictures.story import read_walk
+from tests.screen import FFMPEG, decode
+
+
+@pytest.fixture
+def ffmpeg(monkeypatch, tmp_path):
+    """Replace ffmpeg by a shell script in which $REAL is the real one."""
+
+    def replace(script):
+        path = tmp_path / "ffmpeg"
+        path.write_text(f"#!/bin/bash\nREAL='{FFMPEG}'\n{script}\n")
+        path.chmod(0o755)
+        monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(path))
+
+    return replace
+
+
+@pytest.mark.render
+@pytest.mark.parametrize(
+    ("script", "error", "message"),
+    [
+        (  # dies early: its pipe breaks
+            '[[ "$*" == *rawvideo* ]] && exit 1; exec "$REAL" "$@"',
+            RenderError,
+            "drawing the film failed, the encoder died: .*; the run itself is kept",
+        ),
+        (  # loses pictures and reports success
+            'if [[ "$*" == *rawvideo* ]]; then\n'
+            '  { head -c $((5 * 1280 * 720 * 3)) | "$REAL" "$@"; cat > /dev/null; }\n'
+            'else exec "$REAL" "$@"; fi',
+            RenderError,
+            "film cut short, 5 of 52 pictures: .*video.mp4; the run itself is kept",
+        ),
+        (  # writes nothing and reports success
+            'if [[ "$*" == *rawvideo* ]]; then cat > /dev/null\n'
+            'else exec "$REAL" "$@"; fi',
+            RenderError,
+            "ffmpeg failed, .*No such file",
+        ),
+        (
+            'if [[ "$*" == *rawvideo* ]]; then\n'
+            "  echo 'av_write(): No space left on device' >&2; exit 1\n"
+            'else exec "$REAL" "$@"; fi',
+            FilesError,
+            "disk full while filming: .*; free some space",
+        ),
+        (
+            'if [[ "$*" == *concat* ]]; then\n'
+            "  echo 'av_write(): No space left on device' >&2; exit 1\n"
+            'else exec "$REAL" "$@"; fi',
+            FilesError,
+            "disk full: .*video.mp4; free some space",
+        ),
+    ],
+    ids=["dies", "loses", "silent", "full", "full at last"],
+)
+def test_an_encoder_that_fails_leaves_no_film(
+    driver, folder, ffmpeg, script, error, message
+):
+    before = {path.name for path in folder.iterdir()}
+    ffmpeg(script)
+    with pytest.raises(error, match=message):
+        film(folder)
+    assert {path.name for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (["sh", "-c", "kill -SEGV $$"], "drawing the film failed, signal 11"),
+        (["sh", "-c", "echo 'out of luck' >&2; exit 3"], "failed, out of luck"),
+        (["sh", "-c", "exit 3"], "failed, no word"),
+        (["sleep", "60"], "no picture for 0.3 s"),
+    ],
+    ids=["crash", "error", "mute", "hang"],
+)
+def test_a_process_that_fails_is_reported(walked, monkeypatch, command, message):
+    monkeypatch.setattr(Piece, "command", command)
+    monkeypatch.setattr(crew, "PATIENCE", 0.3)
+    piece = Piece(walked, "draft", range(2), walked / "none.mp4")
+    with pytest.raises(RenderError, match=message) as error:
+        crew.draw([piece, piece], "egl", lambda drawn: None)
+    assert error.value.exit_code is ExitCode.RENDER
+
+
+def test_an_unknown_look_is_refused(walked):
+    with pytest.raises(
+        UsageError, match="unknown look 'fine': film; known are draft, f"
+    ):
+        film(walked, look="fine")
+
+
+@pytest.mark.parametrize(
+    "name", ["model.xml", "model.toml", "scenario.toml", "flows.csv", "trajectory.npz"]
+)
+def test_an_unfinished_run_is_refused(folder, name):
+    (folder / name).unlink()
+    with pytest.raises(UsageError, match=name):
+        read_walk(folder)
+
+
+def test_a_truncated_trajectory_is_refused(folder):
+    path = folder / "trajectory.npz"
+    path.write_bytes(path.read_bytes()[:5000])
+    with pytest.raises(UsageError, match="no film of an unfinished run"):
+        read_walk(folder)
+
+
+def test_a_missing_array_is_named(folder):
+    np.savez(folder / "trajectory.npz", time=np.zeros(3))
+    with pytest.raises(UsageError, match="world_start_pose"):
+        read_walk(folder)
+
+
+@pytest.mark.parametrize(
+    ("executable", "message"),
+    [
+        (
+            "/nowhere/ffmpeg",
+            "no ffmpeg, No such file or directory: /nowhere/ffmpeg; pip",
+        ),
+        ("/bin/false", "ffmpeg failed, exit code 1: /bin/false; pip install"),
+        ("/bin/true", "cannot encode libx264: /bin/true; pip install"),
+    ],
+)
+def test_an_encoder_that_will_not_do_is_refused_beforehand(
+    monkeypatch, executable, message
+):
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", executable)
+    with pytest.raises(RenderError, match=message):
+        check_encoder()
+
+
+def test_pieces_are_joined_in_their_order(tmp_path):
+    levels = (20, 80, 140, 200)
+    pieces = [tmp_path / "0.mp4", tmp_path / "1.mp4"]
+    for path, pair in zip(pieces, (levels[:2], levels[2:]), strict=True):
+        with encoding(path) as writer:
+            for level in pair:
+                writer.append_data(np.full((720, 1280, 3), level, np.uint8))
+    joined = tmp_path / "joined.mp4"
+    join(pieces, joined)
+    assert count_pictures(joined) == len(levels)
+    seen = decode(joined).mean(axis=(1, 2, 3))
+    assert seen == pytest.approx(levels, abs=3)  # the codec's rounding
+
+
+def test_a_missing_piece_is_an_error(tmp_path):
+    with pytest.raises(RenderError, match="ffmpeg failed, .*"):
+        join([tmp_path / "0.mp4"], tmp_path / "joined.mp4")
+
+
+@pytest.mark.parametrize("content", [b"", b"no film", os.urandom(1000)])
+def test_what_is_no_film_holds_no_pictures(tmp_path, content):
+    path = tmp_path / "film.mp4"
+    path.write_bytes(content)
+    assert count_pictures(path) == 0

@@ -1,0 +1,171 @@
+"""Real films of a real walk, decoded again: what was recorded is what is seen."""
+
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from sim.pictures import crew, gl, style
+from sim.pictures.camera import camera
+from sim.pictures.clock import clock
+from sim.pictures.crew import Piece
+from sim.pictures.direction import film
+from sim.pictures.file import count_pictures
+from sim.pictures.story import read_walk
+from tests.screen import FFMPEG, decode, on_screen
+
+CLOCK = np.s_[20:60, 1110:1260]  # where the time stands
+LEGEND = np.s_[90:300, 30:280]
+BAR = np.s_[612:650, 30:600]  # where the stratum is put into words
+
+
+@pytest.fixture(scope="module")
+def filmed(driver, walked, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("filmed") / "run"
+    shutil.copytree(walked, folder)
+    return film(folder)
+
+
+@pytest.fixture(scope="module")
+def decoded(filmed):
+    return decode(filmed)
+
+
+def draw(folder, frames, driver, look="draft"):
+    """Some pictures of a film, without the rest."""
+    path = folder / f"piece-{look}-{driver}.mp4"
+    crew.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
+    return decode(path)
+
+
+def view_of(folder):
+    walk = read_walk(folder)
+    film_clock = clock(walk.time, walk.scenario.playback)
+    return walk, film_clock, camera(walk, film_clock)
+
+
+def colours_at(picture, view, frame, point, around=2):
+    """Colours of the pixels around a point on the floor, shape (n, 3)."""
+    x, y = np.round(on_screen(view, frame, np.append(point, 0.0))).astype(int)
+    area = picture[y - around : y + around + 1, x - around : x + around + 1]
+    return area.reshape(-1, 3).astype(int)
+
+
+def difference(one, other):
+    return float(np.abs(one.astype(int) - other).mean())
+
+
+@pytest.mark.render
+def test_a_film_holds_every_picture_at_its_size_and_rate(filmed, decoded):
+    walk, film_clock, _ = view_of(filmed.parent)
+    assert len(decoded) == len(film_clock.rows) == count_pictures(filmed)
+    about = subprocess.run(
+        [FFMPEG, "-i", filmed], capture_output=True, text=True
+    ).stderr
+    assert "h264" in about
+    assert "1280x720" in about
+    assert " 30 fps" in about
+
+
+@pytest.mark.render
+def test_filming_adds_the_film_and_nothing_else(filmed, walked):
+    added = {p.name for p in filmed.parent.iterdir()} - {
+        p.name for p in walked.iterdir()
+    }
+    assert added == {"video.mp4"}
+
+
+@pytest.mark.render
+def test_captions_change_with_the_walk_and_the_legend_does_not(decoded):
+    # The codec alone changes still areas by less than 1 of 255.
+    first, last = decoded[0], decoded[-1]
+    assert difference(first[CLOCK], last[CLOCK]) > 5
+    assert difference(first[LEGEND], last[LEGEND]) < 2
+    words = [picture[BAR] for picture in decoded[:7]]
+    assert max(difference(words[0], other) for other in words[1:]) > 5
+
+
+@pytest.mark.render
+def test_feet_leave_prints_where_they_stood_first(filmed, decoded):
+    walk, _, view = view_of(filmed.parent)
+    last = len(decoded) - 1
+    for foot in (1, 5):  # red, on the side of the camera, not under the body
+        place = walk.contact_point[0, foot]
+        (colour,) = colours_at(decoded[-1], view, last, place, around=0)
+        assert np.abs(colour - style.footprint(1)).max() < 25  # 4 measured
+
+
+@pytest.mark.render
+def test_the_support_polygon_is_green_between_the_front_feet(filmed, decoded):
+    walk, _, view = view_of(filmed.parent)
+    front = walk.contact_point[-1, :2].mean(axis=0)
+    inside = 0.9 * front + 0.1 * walk.achieved[-1, :2]
+    outside = 1.2 * front - 0.2 * walk.achieved[-1, :2]
+    last = len(decoded) - 1
+    red, green, _ = colours_at(decoded[-1], view, last, inside).mean(axis=0)
+    assert green - red > 25  # 47 measured
+    red, green, _ = colours_at(decoded[-1], view, last, outside).mean(axis=0)
+    assert abs(green - red) < 5
+
+
+@pytest.mark.render
+def test_paths_are_drawn_where_they_were_recorded(driver, folder):
+    with np.load(folder / "trajectory.npz") as file:
+        arrays = dict(file)
+    # Away from the robot, where nothing covers them.
+    ahead = {"achieved_pose": 0.2, "predicted_pose": 0.24, "quasi_static_pose": 0.28}
+    for key, shift in ahead.items():
+        arrays[key] = arrays[key] + (shift, 0.0, 0.0)
+    np.savez(folder / "trajectory.npz", **arrays)
+    walk, film_clock, view = view_of(folder)
+    frame = len(film_clock.rows) - 1
+    (picture,) = draw(folder, range(frame, frame + 1), driver)
+    expected = (
+        (walk.achieved, style.ACHIEVED),
+        *zip(walk.predicted.values(), style.PREDICTED, strict=True),
+    )
+    for poses, colour in expected:
+        seen = colours_at(picture, view, frame, poses[len(poses) // 3, :2])
+        assert np.abs(seen - colour).max(axis=1).min() < 60  # thin lines lose colour
+
+
+@pytest.mark.render
+def test_the_final_look_has_shadows(driver, walked, tmp_path):
+    folder = shutil.copytree(walked, tmp_path / "run")
+
+    def grey(look):
+        (picture,) = draw(folder, range(1, 2), driver, look)  # a tripod is raised
+        floor = picture[:600].astype(int)
+        colourless = np.ptp(floor, axis=2) < 12
+        return int((colourless & (floor[..., 0] > 140) & (floor[..., 0] < 200)).sum())
+
+    assert grey("final") > 1.5 * grey("draft")  # 2.9 measured
+
+
+@pytest.mark.render
+def test_every_driver_draws_the_same_picture(walked, tmp_path):
+    folder, drawn = shutil.copytree(walked, tmp_path / "run"), {}
+    for backend in gl.BACKENDS:
+        if reason := gl._trial(backend):
+            pytest.skip(f"{backend} does not draw here: {reason}")
+        (drawn[backend],) = draw(folder, range(2, 3), backend)
+    # Equal to the bit with one Mesa; a graphics card rounds edges differently.
+    assert difference(drawn["egl"], drawn["osmesa"]) < 1
+
+
+@pytest.mark.render
+def test_a_film_needs_neither_the_current_folder_nor_an_empty_environment(
+    driver, folder, tmp_path, monkeypatch
+):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / "sim").mkdir()
+    (elsewhere / "sim" / "__init__.py").write_text("raise ImportError('not this one')")
+    monkeypatch.chdir(elsewhere)
+    monkeypatch.setenv("MUJOCO_GL", "banana")
+    told = []
+    assert film(folder, progress=told.append) == folder / "video.mp4"
+    assert told[-1] == pytest.approx(1.0)
+    assert told == sorted(told)
+    assert [path.name for path in elsewhere.iterdir()] == ["sim"]

@@ -1,0 +1,110 @@
+"""Steering on a prediction, without physics."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from planner.errors import ConvergenceError, PlannerError
+from planner.planning.playback import rollout
+from planner.systems.flows import Flow
+from sim.experiments.predictions import twist_model
+from sim.motion.poses import compose, relative
+from sim.planning.aiming import segment_ends, steer
+from sim.planning.open_loop import plan_open_loop, plan_segment
+from sim.preparation.laying import joined
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+
+
+@pytest.fixture(scope="module")
+def turning():
+    goal = {"kind": "line", "goal": [0.05, 0.05, 0.5]}
+    return prepare(load_scenario("line", {"path": goal, "segments": 10}))
+
+
+@pytest.mark.parametrize("steer_on", ["ideal", "quasi-static"])
+def test_segments_too_few_to_meet_the_corners_are_refused(steer_on):
+    path = {"kind": "waypoints", "points": [[0, 0, 0], [0.05, 0, 0], [0.05, 0.05, 0]]}
+    given = {"path": path, "segments": 1, "steer": steer_on}
+    setup = prepare(load_scenario("line", given))
+    rest = np.zeros(3), (0.0, 0.0)
+    for make in (plan_open_loop, lambda setup: plan_segment(setup, 0, *rest)):
+        with pytest.raises(PlannerError, match="cuts corners .*; plan at least 2 segm"):
+            make(setup)
+
+
+def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
+    twists = twist_model(turning, "quasi_static")
+    ends = segment_ends(turning, steer(turning, twists), twists)
+    nominal = [turning.scenario.path(k / 10) for k in range(11)]
+    # the rounds stop at 1e-7
+    assert ends == pytest.approx(np.array(nominal), abs=1e-6)
+
+
+def test_without_steering_the_prediction_misses_them(turning):
+    ends = segment_ends(
+        turning, plan_open_loop(turning), twist_model(turning, "quasi_static")
+    )
+    assert np.hypot(*(ends[-1] - turning.scenario.path(1.0))[:2]) > 1e-4
+
+
+def test_the_ideal_ends_are_those_of_the_exact_kinematics(turning):
+    planned = plan_open_loop(turning)
+    ends = segment_ends(turning, planned, twist_model(turning, "ideal"))
+    assert ends[-1] == pytest.approx(rollout(planned)[-1][:3], abs=1e-9)
+
+
+@pytest.mark.parametrize("steer_on", ["ideal", "quasi-static"])
+def test_shortest_words_meet_every_segments_end_on_less_travel(turning, steer_on):
+    setup = prepare(replace(turning.scenario, words="shortest", steer=steer_on))
+    planned = plan_open_loop(setup)
+    twists = twist_model(setup, steer_on.replace("-", "_"))
+    ends = segment_ends(setup, planned, twists)
+    nominal = [turning.scenario.path(k / 10) for k in range(11)]
+    assert ends == pytest.approx(np.array(nominal), abs=1e-6)
+    assert swing_travel(planned) < swing_travel(plan_open_loop(turning))
+
+
+def swing_travel(planned):
+    loaded = joined(planned.segments())
+    return sum(
+        abs(flow.duration) for _, flow in loaded if flow.field in ("g1_1", "g2_2")
+    )
+
+
+def test_a_segment_in_shortest_words_ends_at_its_target(turning):
+    setup = prepare(replace(turning.scenario, words="shortest"))
+    pose, swing = np.array([0.004, 0.006, 0.02]), (0.05, -0.1)
+    end = rollout(plan_segment(setup, 0, pose, swing).plan)[-1]
+    # the rounds stop at 1e-7
+    assert end[:3] == pytest.approx(turning.scenario.path(0.1), abs=1e-6)
+
+
+def test_a_segment_is_steered_from_any_pose_and_leg_angles(turning):
+    steered = prepare(load_scenario("line", {"steer": "quasi-static", "segments": 10}))
+    pose, swing = np.array([0.014, 0.017, 0.02]), (0.05, -0.1)
+    step = plan_segment(steered, 0, pose, swing)
+    ends = segment_ends(steered, step.plan, twist_model(steered, "quasi_static"), swing)
+    target = relative(pose, steered.scenario.path(0.1))
+    assert ends[-1] == pytest.approx(target, abs=1e-6)
+
+
+def test_a_prediction_that_cannot_be_met_is_refused(turning):
+    def stuck(stratum, swing, rates):
+        return np.zeros((len(swing), 3))
+
+    with pytest.raises(ConvergenceError, match="segment 10 of 10 still misses its"):
+        steer(turning, stuck)
+
+
+def test_steps_between_poses_compose():
+    rng = np.random.default_rng(5)
+    a, b = rng.normal(size=(2, 20, 3))
+    assert compose(a, relative(a, b)) == pytest.approx(b)
+
+
+def test_flows_of_one_field_join_across_segments_and_cancel():
+    first = [Flow("1", "g1_1", 0.1), Flow("2", "g2_2", 0.2)]
+    second = [Flow("2", "g2_2", -0.2), Flow("1", "g1_1", 0.3)]
+    assert joined([first, second]) == [(0, Flow("1", "g1_1", 0.4))]

@@ -1,0 +1,220 @@
+"""Plans within bounds: margin and clearance of predictions, checked independently."""
+
+import dataclasses
+
+import mujoco
+import numpy as np
+import pytest
+
+from planner.errors import BoundError
+from planner.planning import subdivision as subdivide
+from sim.errors import ExitCode, exit_code
+from sim.experiments.predictions import twist_model
+from sim.motion.prediction import predict
+from sim.obstacles.clearance import surroundings
+from sim.planning.bounds import within_bounds
+from sim.planning.forecast import foresee
+from sim.preparation.setup import prepare
+from sim.scenarios import obstacles as shapes
+from sim.scenarios.file import load_scenario
+
+EVERY = 80  # steps between looks of the dense check: 0.02 rad of the fastest swing
+REPLAN = pytest.mark.parametrize("replan", [False, True], ids=["open", "replanned"])
+
+
+def bounded(name="line", **changes):
+    return within_bounds(prepare(load_scenario(name, changes)))
+
+
+def margins(setup):
+    """Margin of the predicted motion, at every `EVERY`th step and at every last one."""
+    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    for stage in foresee(setup):
+        schedule = stage.schedule
+        rows = np.arange(0, schedule.stop - schedule.start, EVERY)
+        ends = [phase.stop - 1 - schedule.start for phase in schedule.phases]
+        rows = np.unique(np.concatenate([rows, ends]))
+        yield from predict(schedule, rows, twists, setup.kinematics).margin
+
+
+def engine_clearances(setup):
+    """The engine's own distances between robot and obstacles, every `EVERY` steps."""
+    around, model = surroundings(setup), setup.model
+    data = mujoco.MjData(model)
+    walls = [
+        i for i in range(model.ngeom) if model.geom(i).name.startswith("obstacle_")
+    ]
+    parts = [part.geom for part in around.outline.solids.parts]
+    for stage in foresee(setup):
+        schedule = stage.schedule
+        rows = np.arange(0, schedule.stop - schedule.start, EVERY)
+        for qpos in around.outline.configurations(*stage.configurations(rows)):
+            data.qpos = qpos
+            mujoco.mj_kinematics(model, data)
+            yield min(
+                mujoco.mj_geomDistance(model, data, part, wall, 1.0, None)
+                for part in parts
+                for wall in walls
+            )
+
+
+@pytest.fixture
+def passage():
+    """Walls on both sides of a short diagonal walk, as far from the feet as given."""
+
+    def make(room, **changes):
+        up, down = 0.188 + 0.02 + room, -0.188 - room  # feet and way; thickness below
+        scenario = load_scenario(
+            "line",
+            {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "min_clearance": 0.002}
+            | changes,
+        )
+        walls = shapes.decode(
+            [
+                {"kind": "box", "center": [0, up + 0.05], "size": [1, 0.1]},
+                {"kind": "box", "center": [0, down - 0.05], "size": [1, 0.1]},
+            ]
+        )
+        return dataclasses.replace(scenario, obstacles=walls)
+
+    return make
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Give up early."""
+    monkeypatch.setattr(subdivide, "MOST_SEGMENTS", 80)
+
+
+def test_without_bounds_nothing_is_changed():
+    setup = prepare(load_scenario("line"))
+    assert within_bounds(setup) is setup
+
+
+@REPLAN
+def test_a_margin_is_kept_all_along_the_predicted_motion(replan):
+    least = 0.05
+    plain = prepare(load_scenario("line", {"replan": replan}))
+    assert min(margins(plain)) < least  # 46 mm, or the bound would show nothing
+    setup = bounded(min_margin=least, replan=replan)
+    assert setup.scenario.segments > plain.scenario.segments
+    # ends of swings, where the margin is least, are among the steps looked at
+    assert min(margins(setup)) > least - 1e-9
+
+
+def test_legs_out_of_range_are_brought_back_by_subdividing_too():
+    setup = bounded(segments=3, min_margin=0.02)
+    assert setup.scenario.segments > 3
+    for stage in foresee(setup):
+        swing, _ = stage.predictor.angles(stage.rows)
+        assert np.abs(swing).max() <= 0.45 + 1e-9
+
+
+@REPLAN
+def test_a_straight_walk_is_cut_hardly_finer_than_the_joint_range_asks(replan):
+    """Both tripods sweep 0.9 rad a segment at most, each 0.0378 m for a radian."""
+    way, sweep = 0.4, 2 * 0.9 * 0.0378
+    setup = bounded(
+        min_margin=0.0, segments=4, replan=replan, **{"path.goal": [way, 0.0, 0.0]}
+    )
+    fewest = way / sweep
+    assert fewest <= setup.scenario.segments <= 2 * np.ceil(fewest)
+    assert all(stage.fraction == 1 for stage in foresee(setup))
+
+
+def test_a_lift_is_decided_by_the_segment_that_left_the_legs_there():
+    first, second, *_ = foresee(prepare(load_scenario("line", {"replan": True})))
+    kinds = [phase.kind for phase in second.schedule.phases]
+    lifts = kinds.index("swing")
+    assert lifts > 0
+    starts = [p.start - second.schedule.start for p in second.schedule.phases]
+    decided = second.segment(np.array(starts))
+    assert decided.tolist() == [0] * lifts + [1] * (len(kinds) - lifts)
+    assert (first.segment(first.rows) == 0).all()
+
+
+def test_a_margin_beyond_what_standing_gives_is_refused_with_what_it_gives():
+    message = (
+        r"min_margin of 0\.06 m cannot be kept: standing on S[12] with all legs at "
+        r"angle 0 the margin is 0\.0536\d* m, the most"
+    )
+    with pytest.raises(BoundError, match=message) as refused:
+        bounded(min_margin=0.06)
+    assert exit_code(refused.value) == ExitCode.SIMULATION
+
+
+def test_a_margin_that_takes_too_many_segments_is_refused_with_what_can_be_kept(few):
+    with pytest.raises(BoundError, match=r"more than 80 segments.* is kept with \d+"):
+        bounded(min_margin=0.0535)
+
+
+@REPLAN
+def test_a_passage_is_walked_through_clear_of_its_walls(passage, replan):
+    """The clearance of the prediction, found densely by the engine's own distances."""
+    room = 0.012
+    coarse = prepare(passage(room, replan=replan))
+    assert min(engine_clearances(coarse)) < 0  # or nothing would have to be cut
+    setup = within_bounds(coarse)
+    assert setup.scenario.segments > coarse.scenario.segments
+    assert min(engine_clearances(setup)) > 0.002 - 1e-6
+
+
+def test_a_plan_may_be_left_to_hit(passage):
+    setup = prepare(passage(0.012, min_clearance=-1))
+    assert within_bounds(setup) is setup
+
+
+def test_a_passage_too_narrow_for_the_nominal_path_is_refused_there(passage):
+    message = (
+        r"the nominal path itself, standing on S12, has foot_2 1\.0 mm from obstacle "
+        r"2 at \(0, 0, 0\), where more than 2\.0 mm are asked; make 1\.0 mm more room"
+    )
+    with pytest.raises(BoundError, match=message) as refused:
+        within_bounds(prepare(passage(0.001)))
+    assert exit_code(refused.value) == ExitCode.SIMULATION
+
+
+def test_legs_that_are_raised_reach_farther_than_those_that_stand(passage):
+    message = r"the nominal path itself, standing on S1, has foot_2 -\d\.\d mm from"
+    with pytest.raises(BoundError, match=message):
+        within_bounds(prepare(passage(0.0025)))
+
+
+def test_a_passage_too_narrow_for_any_tube_is_refused(passage, few):
+    with pytest.raises(BoundError, match=r"min_clearance of 0\.002 m would need more"):
+        within_bounds(prepare(passage(0.0085)))
+
+
+def test_a_foreseen_replanned_walk_starts_each_segment_where_the_last_one_ended():
+    setup = prepare(
+        load_scenario("diagonal", {"replan": True, "segments": 8, "path.goal": GOAL})
+    )
+    stages = foresee(setup)
+    for before, after in zip(stages[:-1], stages[1:], strict=True):
+        last = np.array([before.schedule.stop - before.schedule.start - 1])
+        ended = before.predictor(last).pose[0]
+        began = after.predictor(np.array([0])).pose[0]
+        assert began == pytest.approx(ended, abs=1e-9)
+
+
+GOAL = [0.04, 0.04, 0.3]
+
+
+@pytest.mark.full
+def test_the_corridor_is_clear_along_the_prediction():
+    coarse = prepare(
+        load_scenario("corridor", {"steer": "ideal"})
+    )  # else out of joint range
+    assert min(engine_clearances(coarse)) < 0
+    asked = prepare(load_scenario("corridor"))
+    least = asked.scenario.min_clearance
+    assert min(engine_clearances(within_bounds(asked))) > least - 1e-6
+
+
+def test_a_robot_that_poses_for_its_lifts_is_judged_by_its_walk():
+    """With all legs at angle 0 the quadruped tips over; posed, 6.8 mm are left."""
+    small = {"robot": "quadruped", "path.goal": [0.004, 0.004, 0.0], "segments": 4}
+    kept = min(margins(bounded(**small, min_margin=0.0)))
+    assert kept > 0
+    with pytest.raises(BoundError, match=r"poses its legs for every lift, keeps 0\.00"):
+        bounded(**small, min_margin=2 * kept)

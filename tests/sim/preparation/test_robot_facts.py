@@ -1,0 +1,44 @@
+"""A robot in numbers, as `stratawalk robots ROBOT` shows it."""
+
+import json
+from math import cos, sin
+
+import pytest
+
+from sim import cli
+from sim.preparation.robot_facts import describe, facts
+from sim.preparation.setup import prepare
+from tests import foreign
+
+
+def test_the_hexapod_has_the_numbers_of_its_design(scenario):
+    found = facts(prepare(scenario()))
+    assert found["mass"] == pytest.approx(1.27)
+    assert found["legs"]["1"]["foot"] == pytest.approx([0.15, 0.18])
+    assert found["legs"]["1"]["swing"] == {"joint": "swing_1", "range": [-0.45, 0.45]}
+    assert found["fields"]["g1_1"] == pytest.approx([0.0378, 0.0, 0.56])
+    assert found["margins"]["1"] == pytest.approx(0.0537, abs=5e-5)  # as printed there
+    # the middle of a foot 0.105 m from the hip and 0.052 m below it, turned by 0.3 rad
+    rise = 0.105 * sin(0.3) + 0.052 * (1 - cos(0.3))
+    assert found["lift"]["height"] == pytest.approx(rise)
+    assert found["lift"]["highest"] > found["lift"]["height"]
+
+
+def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
+    robot = str(foreign.mantis(tmp_path))
+    lines = describe(facts(prepare(scenario(robot=robot)))).splitlines()
+    (first,) = (line for line in lines if line.startswith("1 ") and "lf_1" in line)
+    assert first.endswith("lf_2 -1.4 to 1.4, lf_3 held at 0.1")
+    assert "gait        12 1 12 2 12" in lines
+
+
+def test_the_command_shows_one_robot_or_why_it_cannot_be_used(tmp_path, capsys):
+    path = foreign.mantis(tmp_path)
+    assert cli.main(["robots", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["name"] == "mantis"
+    card = path.with_suffix(".toml")
+    card.write_text(card.read_text().replace("raise = -1", "raise = 1"))
+    assert cli.main(["robots", str(path)]) == 3
+    assert (
+        "leg 1: raise = 1 makes joint 'lf_2' lower its foot" in capsys.readouterr().err
+    )

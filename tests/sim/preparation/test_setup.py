@@ -1,0 +1,36 @@
+"""What is decided before the first step."""
+
+import numpy as np
+import pytest
+
+from planner.systems.flows import Flow
+from sim.experiments.predictions import twist_model
+from sim.motion.schedule import Scheduler
+from sim.preparation.laying import lay
+from sim.preparation.setup import prepare
+
+
+@pytest.fixture(scope="module")
+def setup():
+    from sim.scenarios.file import load_scenario
+
+    return prepare(load_scenario("line", {"segments": 2}))
+
+
+def test_what_was_measured_in_a_world_holds_for_any_path_in_it(setup):
+    finer = setup.recut(np.linspace(0, 1, 5))
+    assert finer.scenario.segments == 4
+    assert finer == setup
+    assert twist_model(finer, "quasi_static") is twist_model(setup, "quasi_static")
+    assert prepare(setup.scenario) != setup
+
+
+def test_commands_are_those_of_the_whole_schedule_piece_by_piece(setup):
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    lay(setup, scheduler, [[Flow("1", "g1_1", 0.4), Flow("2", "g2_2", -0.4)]])
+    schedule = scheduler.finish()
+    whole = setup.channels.ctrl(*schedule.angles())
+    pieces = list(setup.commands(schedule))
+    assert len(pieces) > 1
+    assert np.array_equal(np.concatenate(pieces), whole)
+    assert np.array_equal(np.concatenate(list(setup.commands(schedule, 7))), whole[:7])

@@ -1,0 +1,142 @@
+"""Robots made of meshes, textures and height fields, wherever their files are kept."""
+
+import struct
+
+import imageio.v3 as iio
+import mujoco
+import numpy as np
+import pytest
+
+from models.description.robot import FOLDER
+from models.library import load
+from sim.folder import RunFolder
+from sim.scenarios.body_path import line
+from sim.scenarios.file import load_scenario
+from sim.simulation import run
+from sim.world.model import build, load as load_world
+
+PLATE = (0.085, 0.13, 0.008)  # half sizes of the shipped body plate [m]
+HEAD = """
+  <compiler meshdir="parts" texturedir="looks"/>
+  <include file="assets.xml"/>
+  <asset><hfield name="hill" file="hill.png" size="1 1 0.1 0.1"/></asset>
+  <default>
+"""
+ASSETS = """
+  <asset>
+    <mesh name="plate" file="body/part.stl"/>
+    <mesh name="nose" file="nose/part.stl"/>
+    <texture name="wood" type="2d" file="wood.png"/>
+    <material name="wood" texture="wood"/>
+  </asset>
+"""
+
+
+def write_box(path, half):
+    """A box as a binary STL file of twelve triangles."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    corner = np.array(half) * [
+        [x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)
+    ]
+    quads = (
+        (0, 1, 3, 2),
+        (4, 6, 7, 5),
+        (0, 4, 5, 1),
+        (2, 3, 7, 6),
+        (0, 2, 6, 4),
+        (1, 5, 7, 3),
+    )
+    faces = [f for a, b, c, d in quads for f in ((a, b, c), (a, c, d))]
+    triangles = (
+        struct.pack("<12fH", 0, 0, 0, *corner[list(f)].ravel(), 0) for f in faces
+    )
+    path.write_bytes(bytes(80) + struct.pack("<I", len(faces)) + b"".join(triangles))
+
+
+@pytest.fixture
+def hexapod_of_meshes(tmp_path):
+    """The shipped hexapod, its plate and nose meshes of one name in two folders."""
+    folder = tmp_path / "robot"
+    write_box(folder / "parts/body/part.stl", PLATE)
+    write_box(folder / "parts/nose/part.stl", (0.01, 0.04, 0.008))
+    (folder / "looks").mkdir()
+    noise = np.random.default_rng(0).integers(0, 255, (8, 8, 3), dtype=np.uint8)
+    iio.imwrite(folder / "looks/wood.png", noise)
+    iio.imwrite(folder / "parts/hill.png", noise[..., 0])
+    (folder / "scene.xml").write_text((FOLDER / "scene.xml").read_text())
+    (folder / "assets.xml").write_text(f"<mujoco>{ASSETS}</mujoco>")
+    text = (FOLDER / "hexapod.xml").read_text()
+    for old, new in (
+        ("<default>", HEAD),
+        (
+            'size="0.085 0.13 0.008" name="plate" type="box"',
+            'name="plate" type="mesh" mesh="plate" material="wood"',
+        ),
+        (
+            'size="0.01275 0.0455 0.008" rgba="0.95 0.55 0.15 1"',
+            'mesh="nose" rgba="0.95 0.55 0.15 1"',
+        ),
+        ('name="nose" type="box"', 'name="nose" type="mesh"'),
+    ):
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = folder / "meshes.xml"
+    path.write_text(text)
+    path.with_suffix(".toml").write_text((FOLDER / "hexapod.toml").read_text())
+    return path
+
+
+def test_a_run_of_meshes_replays_in_bare_mujoco_wherever_it_is_moved(
+    hexapod_of_meshes, scenario, tmp_path, monkeypatch
+):
+    made = tmp_path / "run"
+    made.mkdir()
+    path = line((0.005, 0.0, 0.0))
+    run(scenario(robot=str(hexapod_of_meshes), path=path, segments=1), RunFolder(made))
+    moved = made.rename(tmp_path / "elsewhere")
+    hexapod_of_meshes.parent.rename(tmp_path / "gone")
+    monkeypatch.chdir("/")
+    model = mujoco.MjModel.from_xml_path(str(moved / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    for row in np.load(moved / "commands.npz")["ctrl"]:
+        data.ctrl[:] = row
+        mujoco.mj_step(model, data)
+    assert (data.qpos == np.load(moved / "trajectory.npz")["qpos"][-1]).all()
+
+
+def test_a_rerun_from_the_folder_gives_the_same_numbers(
+    hexapod_of_meshes, scenario, tmp_path, monkeypatch
+):
+    path = line((0.005, 0.0, 0.0))
+    given = scenario(robot=str(hexapod_of_meshes), path=path, segments=1)
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        run(given, RunFolder(tmp_path / name))
+        monkeypatch.chdir("/")
+        given = load_scenario(str(tmp_path / name / "scenario.toml"))
+    ends = [
+        np.load(tmp_path / n / "trajectory.npz")["qpos"] for n in ("first", "second")
+    ]
+    assert (ends[0] == ends[1]).all()
+
+
+def test_every_file_is_kept_once_and_as_it_is(hexapod_of_meshes, scenario):
+    world = build(load(str(hexapod_of_meshes)), scenario())
+    folder = hexapod_of_meshes.parent
+    assert world.assets == {
+        "assets/part.stl": (folder / "parts/body/part.stl").read_bytes(),
+        "assets/part-2.stl": (folder / "parts/nose/part.stl").read_bytes(),
+        "assets/hill.png": (folder / "parts/hill.png").read_bytes(),
+        "assets/wood.png": (folder / "looks/wood.png").read_bytes(),
+    }
+
+
+def test_another_file_of_the_same_name_is_another_mesh(hexapod_of_meshes, scenario):
+    sizes = []
+    for half in (PLATE, (0.05, 0.05, 0.05)):
+        write_box(hexapod_of_meshes.parent / "parts/body/part.stl", half)
+        model = load_world(build(load(str(hexapod_of_meshes)), scenario()))
+        sizes.append(model.geom("plate").rbound[0])
+    # half diagonals, as single precision keeps the vertices
+    assert sizes == pytest.approx([np.hypot.reduce(PLATE), 0.05 * 3**0.5], rel=1e-6)
