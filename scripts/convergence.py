@@ -20,11 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from sim.evaluation.attribution import error_sources
-from sim.evaluation.evaluation import Evaluation, evaluate
-from sim.planning.open_loop import plan_open_loop
-from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import walk
+from sim.simulation import simulate
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
 UNITS = {
@@ -78,14 +75,14 @@ def judged(setting: str, value: float) -> Result:
     changes: dict[str, object] = {setting: value, "path": PATH, "segments": 6}
     if setting == "swing_speed":
         changes["swing_acceleration"] = 10 * value  # the same way to full speed
-    setup = prepare(load_scenario("line", changes))
-    result: Evaluation = evaluate(walk(setup, plan_open_loop(setup)))
+    scenario = load_scenario("line", changes)
+    result = simulate(scenario).evaluation
     predicted, pose = result.predicted["quasi_static"], result.achieved.pose[-1]
     return Result(
         value=value,
         pose=pose,
         off=pose - predicted.pose[-1],
-        path=setup.scenario.path.length,
+        path=scenario.path.length,
         slip=float(result.achieved.slip[-1].sum()),
         predicted_slip=float(predicted.slip[-1].sum()),
         bounces=result.walk.recording.bounces,

@@ -8,9 +8,9 @@ from models.library import load as load_robot
 from sim.errors import RenderError
 from sim.folder import RunFolder
 from sim.pictures.direction import check
+from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
-from sim.simulation import run
 
 
 @pytest.fixture(scope="session")

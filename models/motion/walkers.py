@@ -24,11 +24,19 @@ from models.contact.static_stability import StaticStability
 from models.description.card import Twist
 from models.description.robot import Robot
 from models.errors import ModelError
-from planner import StabilityTest, StratifiedSystem
+from planner import (
+    Execution,
+    Path,
+    ShapeLimits,
+    StabilityTest,
+    StanceRule,
+    StratifiedSystem,
+)
 
 Fields = Literal["paper", "lifted"]
 Direction = tuple[float, ...]  # rate of each group's angle per unit of a field
 STILL: Twist = (0.0, 0.0, 0.0)
+POSE = ("x", "y", "theta")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +47,25 @@ class Equations:
     elements: tuple[str, ...]
     twists: Mapping[str, Twist]  # field -> body twist per unit; zero in the air
     swings: Mapping[str, Direction]  # field -> what it does to the groups' angles
-    static_stability: (
-        StabilityTest | None
-    )  # where the robot stands; None where it always does
+    stance: StanceRule  # how its strokes are centred
+    static_stability: StabilityTest | None  # None where the robot always stands
+    limits: ShapeLimits  # joint range of every group's angle [rad]
+
+    @property
+    def execution(self) -> Execution:
+        """Strokes centred within the joint range; stepped where groups row together."""
+        return Execution(
+            stance=self.stance,
+            limits=self.limits,
+            static_stability=self.static_stability,
+        )
+
+    def configurations(self, path: Path) -> Path:
+        """A path of poses as configurations: legs at angle 0, feet on the ground."""
+        if np.size(path(0.0)) == self.system.dimension:
+            return path
+        rest = self.system.dimension - len(POSE)
+        return Path(lambda s: np.pad(path.at(s), ((0, 0), (0, rest))), path.corners)
 
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
@@ -81,10 +105,24 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
-        static_stability=StaticStability(robot).stands
-        if robot.card.least_load
-        else None,
+        stance=_stance(robot, fields),
+        static_stability=_static_stability(robot),
+        limits={f"phi_{name}": span for name, span in robot.swing_range.items()},
     )
+
+
+def _stance(robot: Robot, fields: Fields) -> StanceRule:
+    """Centred with lifted fields, the printed order with the paper's.
+
+    A robot that rows in patterns on all feet is centred by stepping in between.
+    """
+    if fields == "paper":
+        return "paper"
+    return "stepped" if robot.card.patterns else "centred"
+
+
+def _static_stability(robot: Robot) -> StabilityTest | None:
+    return StaticStability(robot).stands if robot.card.least_load else None
 
 
 def strata(robot: Robot) -> tuple[str, ...]:

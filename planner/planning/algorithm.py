@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from planner.errors import RangeError, ResolutionError, unknown
-from planner.execution.execution import Coordinates, Execution, StanceRule
-from planner.execution.stepping import StabilityTest
+from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.planning.nominal import (
@@ -24,7 +24,6 @@ from planner.planning.paths import Path, as_path
 from planner.planning.regularity import require_regular
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
-from planner.systems.shape import ShapeLimits
 from planner.systems.strata import StratifiedSystem
 
 MOST_TRIED = 10_000  # when a plan's range asks for more segments
@@ -43,8 +42,8 @@ class Plan:
         inputs: Fictitious inputs at nodes of segments of unit duration, shape
             (segments, nodes, p).
         hall_coordinates: Backward coordinates of each segment, shape (segments, s).
-        start: Configuration that the plan starts from, shape (n,).
-        goal: Configuration that the path ends in, shape (n,).
+        nominal: Configurations on the path between segments, its start and its goal
+            included, shape (segments + 1, n).
         depart: Stratum at rest before the first flow.
         arrive: Stratum at rest after the last one.
 
@@ -59,8 +58,7 @@ class Plan:
     segment_ends: tuple[int, ...]
     inputs: Array
     hall_coordinates: Array
-    start: Array
-    goal: Array
+    nominal: Array
     depart: str
     arrive: str
 
@@ -80,11 +78,10 @@ class Plan:
         self._require_shapes()
 
     def _require_shapes(self) -> None:
-        segments, state = len(self.segment_ends), (self.system.dimension,)
+        segments, size = len(self.segment_ends), self.system.dimension
         nodes = self.inputs.shape[1:2]
         for name, shape in (
-            ("start", state),
-            ("goal", state),
+            ("nominal", (segments + 1, size)),
             ("hall_coordinates", (segments, len(self.basis))),
             ("inputs", (segments, *nodes, len(self.elements))),
         ):
@@ -93,6 +90,18 @@ class Plan:
                 raise ValueError(
                     f"{name} of shape {value.shape} should be {shape} finite numbers"
                 )
+
+    @property
+    def start(self) -> Array:
+        """Configuration that the plan starts from, shape (n,)."""
+        start: Array = self.nominal[0]
+        return start
+
+    @property
+    def goal(self) -> Array:
+        """Configuration that the path ends in, shape (n,)."""
+        goal: Array = self.nominal[-1]
+        return goal
 
     @property
     def contact_switches(self) -> int:
@@ -122,36 +131,50 @@ class Plan:
         return "\n".join(lines)
 
 
+class Steerable(Protocol):
+    """A system that knows how it is best steered, such as the equations of a robot."""
+
+    @property
+    def system(self) -> StratifiedSystem:
+        """Its fields on their strata."""
+        ...
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Elements of the extended system to steer with."""
+        ...
+
+    @property
+    def execution(self) -> Execution:
+        """How plans are carried out: order of flows, ranges of joints, stability."""
+        ...
+
+    def configurations(self, path: Path) -> Path:
+        """The path as configurations, where it gives poses of the body alone."""
+        ...
+
+
 def plan(
-    system: StratifiedSystem | ExtendedSystem,
+    system: StratifiedSystem | ExtendedSystem | Steerable,
     path: Path | Callable[[float], ArrayLike],
     segments: int,
     elements: Sequence[str] | None = None,
     *,
-    stance: StanceRule = "paper",
-    limits: ShapeLimits | None = None,
-    static_stability: StabilityTest | None = None,
-    coordinates: Coordinates = "fewest",
-    finish: bool = True,
-    depart: str = "",
-    arrive: str = "",
+    execution: Execution | None = None,
     nodes: int | None = None,
 ) -> Plan:
     """Plan flows along a path, open loop (Sec. 5.2).
 
     Args:
         system: System to steer; compiled by `extend` beforehand where speed matters.
-        path: Configurations on the bottom stratum for s in [0, 1].
+        path: Configurations on the bottom stratum for s in [0, 1], or poses of the body
+            if the system is that of a robot.
         segments: Number of pieces that the path is cut into, each planned by itself.
-        elements: Fields and brackets of the extended system, chosen by
-            `extension.choice` if not given; not with a compiled one.
-        stance: As in `execution.execution.Execution`, like the next six.
-        limits: Lowest and highest value of shape coordinates by name.
-        static_stability: Where the robot stands with a leg in the air.
-        coordinates: Hall coordinates to follow.
-        finish: Whether a centred plan ends in the goal's shape.
-        depart: Stratum at rest before the plan.
-        arrive: Stratum at rest after it.
+        elements: Fields and brackets of the extended system, those of a robot's
+            equations or chosen by `extension.choice` if not given; not with a compiled
+            system.
+        execution: How the flows are ordered, and within which limits; by default as a
+            robot's equations say, else in the order that the paper prints.
         nodes: Points at which a segment of the path is sampled; more for long segments
             if not given.
 
@@ -163,17 +186,14 @@ def plan(
         RangeError: The plan leaves the limits; it says how many segments would do.
     """
     nominal = as_path(path)
+    if not isinstance(system, StratifiedSystem | ExtendedSystem):
+        nominal = system.configurations(nominal)
+        elements = system.elements if elements is None else elements
+        execution = system.execution if execution is None else execution
+        system = system.system
     require_segments(segments, nominal)
     extended = extend_along(system, elements, nominal)
-    execution = Execution(
-        stance=stance,
-        coordinates=coordinates,
-        limits=limits or {},
-        static_stability=static_stability,
-        finish=finish,
-        depart=depart,
-        arrive=arrive,
-    )
+    execution = Execution() if execution is None else execution
     try:
         return follow_path(extended, nominal, segments, execution, nodes)
     except RangeError as error:
@@ -197,15 +217,15 @@ def follow_path(
     inputs = fictitious_inputs(extended, samples)
     require_regular(extended, samples, inputs)
     hall_coordinates = extended.steering.hall_coordinates(inputs)
-    ends = samples[0, 0], samples[-1, -1]
-    return assemble(extended, inputs, hall_coordinates, ends, execution)
+    nominal = np.concatenate([samples[:, 0], samples[-1:, -1]])
+    return assemble(extended, inputs, hall_coordinates, nominal, execution)
 
 
 def assemble(
     extended: ExtendedSystem,
     inputs: Array,
     hall_coordinates: Array,
-    ends: tuple[Array, Array],
+    nominal: Array,
     execution: Execution,
 ) -> Plan:
     """The plan that carries out given Hall coordinates.
@@ -214,11 +234,10 @@ def assemble(
         extended: System that they are of.
         inputs: Fictitious inputs behind them, shape (segments, nodes, p).
         hall_coordinates: Backward coordinates, shape (segments, s).
-        ends: Start and goal, of shape (n,) each.
+        nominal: Configurations between segments, ends included, (segments + 1, n).
         execution: How to carry them out.
     """
-    start, goal = ends
-    ordered = execution.flows(extended, hall_coordinates, start, goal)
+    ordered = execution.flows(extended, hall_coordinates, nominal[0], nominal[-1])
     return Plan(
         system=extended.system,
         elements=extended.elements,
@@ -227,8 +246,7 @@ def assemble(
         segment_ends=tuple(np.cumsum([len(flows) for flows in ordered]).tolist()),
         inputs=inputs,
         hall_coordinates=hall_coordinates,
-        start=start,
-        goal=goal,
+        nominal=nominal,
         depart=execution.depart or extended.system.bottom,
         arrive=execution.arrive or extended.system.bottom,
     )

@@ -21,7 +21,7 @@ from planner.systems.flows import Flow
 from planner.systems.formulas import read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 
-FORMAT = "stratified plan, version 1"
+FORMAT = "stratified plan, version 2"
 
 
 def system_table(system: StratifiedSystem) -> dict[str, Any]:
@@ -108,8 +108,7 @@ def save_plan(plan: Plan, path: Path | str) -> None:
         "segment_ends": list(plan.segment_ends),
         "inputs": plan.inputs.tolist(),
         "hall_coordinates": plan.hall_coordinates.tolist(),
-        "start": plan.start.tolist(),
-        "goal": plan.goal.tolist(),
+        "nominal": plan.nominal.tolist(),
         "depart": plan.depart,
         "arrive": plan.arrive,
     }
@@ -157,8 +156,7 @@ def _plan(table: Mapping[str, Any]) -> Plan:
         segment_ends=tuple(table["segment_ends"]),
         inputs=np.array(table["inputs"]),
         hall_coordinates=np.array(table["hall_coordinates"]),
-        start=np.array(table["start"]),
-        goal=np.array(table["goal"]),
+        nominal=np.array(table["nominal"]),
         depart=table["depart"],
         arrive=table["arrive"],
     )

@@ -87,7 +87,7 @@ def aim(
         shots.append(shot)
         here = shot.end
     try:
-        return _assembled(extended, shots, (targets[0], targets[-1]), execution)
+        return _assembled(extended, shots, targets, execution)
     except RangeError as error:
         raise with_remedy(error, extended, nominal, segments, execution) from None
 
@@ -150,7 +150,8 @@ def steer(
         ConvergenceError: The shots do not come closer, or not within `max_shots`.
     """
     way = line(start, goal)
-    ends = here, end = way(0.0), way(1.0)
+    here, end = way(0.0), way(1.0)
+    begins: list[Array] = []
     shots: list[_Shot] = []
     distances = [float(np.linalg.norm(end - here))]
     part, critical = 1.0, np.inf
@@ -166,11 +167,12 @@ def steer(
         if np.linalg.norm(target - shot.end) > length / 2:
             critical, part = min(critical, length), part / 2
             continue
-        here, part = shot.end, min(1.0, 2 * part)
         shots.append(shot)
+        begins.append(here)
+        here, part = shot.end, min(1.0, 2 * part)
         distances.append(float(np.linalg.norm(end - here)))
     return Steered(
-        _assembled(extended, shots, ends, execution),
+        _assembled(extended, shots, np.array([*(begins or [here]), end]), execution),
         tuple(distances),
         float(critical),
     )
@@ -197,10 +199,10 @@ def _shot(
 def _assembled(
     extended: ExtendedSystem,
     shots: list[_Shot],
-    ends: tuple[Array, Array],
+    nominal: Array,
     execution: Execution,
 ) -> Plan:
-    shots = shots or [_shot(extended, ends[0], ends[0], execution)]
+    shots = shots or [_shot(extended, nominal[0], nominal[0], execution)]
     inputs = np.concatenate([shot.inputs for shot in shots])
     coordinates = np.concatenate([shot.hall_coordinates for shot in shots])
-    return assemble(extended, inputs, coordinates, ends, execution)
+    return assemble(extended, inputs, coordinates, nominal, execution)

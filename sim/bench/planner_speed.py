@@ -86,7 +86,11 @@ def plans(setup: Setup) -> Iterator[Row]:
     def planned(segments: int) -> float:
         far = setup.state(segments * STRIDE * np.array([1.0, 1.0, 0.0]))
         path = line(setup.state(np.zeros(3)), far)
-        return median(lambda: plan(setup.extended, path, segments, stance="centred"))
+        return median(
+            lambda: plan(
+                setup.extended, path, segments, execution=Execution(stance="centred")
+            )
+        )
 
     short, long, longest = (planned(n) / n for n in (SHORT, LONG, LONGEST))
     yield Row(f"{SHORT} segments planned in", 1e3 * SHORT * short, "ms", "< 5")

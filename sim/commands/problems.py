@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models import ProblemError
+from planner import Execution
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override
 from sim.scenarios.settings import nearest
@@ -143,7 +144,10 @@ def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Pl
             return aim(compiled, problem.path, problem.segments, execution)
         stance, limits = problem.stance, problem.limits
         return plan(
-            compiled, problem.path, problem.segments, stance=stance, limits=limits
+            compiled,
+            problem.path,
+            problem.segments,
+            execution=Execution(stance=stance, limits=limits),
         )
 
 

@@ -40,7 +40,7 @@ def execute(options: argparse.Namespace) -> None:
     from models import load  # the slow part; a refused scenario does not wait
     from sim.folder import claim
     from sim.progress import bar
-    from sim.simulation import run
+    from sim.run_folder import run
 
     load(scenario.robot)
     look = options.look if _can_film(options.video) else None

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from models import MeasurementError, TwistModel
 from planner import Array
 from sim.evaluation.attribution import error_sources
+from sim.evaluation.comparison import describe
 from sim.evaluation.passage import clearances
 from sim.evaluation.phases import count_changes, swing_slip
+from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, twist_model
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Prediction, Predictor
@@ -47,6 +50,15 @@ class Evaluation:
     unpredicted: Mapping[str, str]  # predictions that could not be made, and why
     clearance: Mapping[str, Array]  # achieved and predicted, if anything is in the way
     walking: Array  # moments from the start of the walk on, (T,), bool
+
+    @cached_property
+    def summary(self) -> Summary:
+        """The numbers of summary.json."""
+        floor = creep_floor(self.walk.setup, self.walk.duration)
+        return summarise(self, floor) | {"timing": dict(self.walk.seconds)}
+
+    def __str__(self) -> str:
+        return describe(self.summary)
 
     @property
     def judged(self) -> Array:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from models import AIR_SWINGS, FEET, PIVOT, PIVOTS, hexapod
-from planner import Array, ExtendedSystem, Path, Plan, extend, plan, rollout
+from planner import Array, Execution, ExtendedSystem, Path, Plan, extend, plan, rollout
 from sim.motion.poses import rotate
 
 Fields = Literal["paper", "lifted"]
@@ -80,7 +80,9 @@ def walk(
             the body walks the same way.
         samples: States recorded along each flow.
     """
-    planned = plan(_extended(fields), path, segments, coordinates="backward")
+    planned = plan(
+        _extended(fields), path, segments, execution=Execution(coordinates="backward")
+    )
     return PaperWalk(planned, rollout(planned, samples), samples)
 
 

@@ -15,12 +15,11 @@ from sim.evaluation.evaluation import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.passage import commanded
 from sim.motion.poses import rotate
 from sim.motion.schedule import Phase
-from sim.planning.bounds import within_bounds
-from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import Walk, Walker, walk
+from sim.simulation import simulate
+from sim.walking.walker import Walk, Walker
 
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path
@@ -83,12 +82,10 @@ class Walked:
 def perform(job: Job) -> Walked:
     """Make one walk."""
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
-    setup = prepare(load_scenario(job.scenario, settings))
+    scenario = load_scenario(job.scenario, settings)
     if job.sway:
-        return _gathered(evaluate(_sway(setup)))
-    setup = within_bounds(setup)
-    planned = None if setup.scenario.replan else plan_open_loop(setup)
-    return _gathered(evaluate(walk(setup, planned)))
+        return _gathered(evaluate(_sway(prepare(scenario))))
+    return _gathered(simulate(scenario).evaluation)
 
 
 def perform_all(

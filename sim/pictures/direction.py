@@ -39,7 +39,7 @@ def check() -> str:
     return gl.probe()
 
 
-def film(
+def film_folder(
     folder: Path,
     *,
     look: str = "draft",

@@ -7,6 +7,8 @@ planned again, until the predicted end of each meets the nominal one. Still open
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from models import Strokes, TwistModel, travel
@@ -47,10 +49,9 @@ def plan_along(
         setup.extended,
         path,
         setup.scenario.segments,
-        stance=setup.stance,
-        limits=setup.swing_limits,
-        static_stability=setup.equations.static_stability,
-        coordinates=coordinates or setup.coordinates,
+        execution=replace(
+            setup.execution(), coordinates=coordinates or setup.coordinates
+        ),
     )
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from planner import (
     Array,
     BoundError,
+    Execution,
     RangeError,
     ResolutionError,
     Slack,
@@ -79,8 +80,9 @@ def _reach(setup: Setup) -> Slack:
         setup.extended,
         setup.nominal(),
         setup.scenario.segments,
-        stance=setup.stance,
-        static_stability=setup.equations.static_stability,
+        execution=Execution(
+            stance=setup.stance, static_stability=setup.equations.static_stability
+        ),
     )
     shape, flows = setup.extended.shape, planned.flows
     segment = np.repeat(
@@ -88,7 +90,7 @@ def _reach(setup: Setup) -> Slack:
         np.diff(planned.segment_ends, prepend=0),
     )
     standing, walking = np.inf, np.full(len(planned.segment_ends), np.inf)
-    for name, (low, high) in setup.swing_limits.items():
+    for name, (low, high) in setup.equations.limits.items():
         angle = shape.trajectory(shape.names.index(name), flows, 0.0)[1:]
         np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
         standing = min(standing, high, -low)

@@ -53,25 +53,14 @@ class Setup:
 
     @property
     def stance(self) -> StanceRule:
-        """Centred with lifted fields, the printed order with the paper's.
-
-        A robot that rows in patterns on all feet is centred by stepping in between.
-        """
-        stance: StanceRule = "centred" if self.scenario.fields == "lifted" else "paper"
-        if self.scenario.stance is not None:
-            stance = self.scenario.stance
-        rows = bool(self.robot.card.patterns)
-        return "stepped" if rows and stance == "centred" else stance
+        """The scenario's, or how the robot's equations are best carried out."""
+        asked, own = self.scenario.stance, self.equations.stance
+        return own if asked is None or (asked, own) == ("centred", "stepped") else asked
 
     @property
     def coordinates(self) -> Coordinates:
         """Those of the printed words that switch contacts least, or the shortest."""
         return "shortest" if self.scenario.words == "shortest" else "fewest"
-
-    @property
-    def swing_limits(self) -> dict[str, tuple[float, float]]:
-        """Joint range of every group's angle, by the name of its coordinate."""
-        return {f"phi_{g}": span for g, span in self.robot.swing_range.items()}
 
     @property
     def at_rest(self) -> LegState:
@@ -93,10 +82,9 @@ class Setup:
         Args:
             finish: Whether a centred plan brings the legs back to angle 0 at its end.
         """
-        return Execution(
+        return replace(
+            self.equations.execution,
             stance=self.stance,
-            limits=self.swing_limits,
-            static_stability=self.equations.static_stability,
             coordinates=self.coordinates,
             finish=finish,
         )
@@ -138,19 +126,22 @@ class Setup:
 
     def nominal(self) -> Path:
         """The nominal path as configurations: legs at angle 0, feet on the ground."""
-        poses, rest = self.scenario.path.curve, 2 * len(self.robot.groups)
-        return Path(lambda s: np.pad(poses.at(s), ((0, 0), (0, rest))), poses.corners)
+        return self.equations.configurations(self.scenario.path.curve)
 
 
-def prepare(scenario: Scenario) -> Setup:
+def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     """Load the robot, compile its equations, build its world.
+
+    Args:
+        scenario: What to walk.
+        robot: The scenario's robot, if it is loaded already.
 
     Raises:
         UnknownRobotError: If there is no such robot.
         ModelError: If the robot cannot be used.
         UsageError: If a setting asks for what the robot cannot do.
     """
-    robot = load(scenario.robot)
+    robot = load(scenario.robot) if robot is None else robot
     described = equations(robot, scenario.fields)
     world = build(robot, scenario)
     kinematics, model = Kinematics(robot), load_world(world)

@@ -9,9 +9,11 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from models import Robot
 from planner import Array, Flow, Plan
 from sim.motion.poses import seen_from
 from sim.motion.sampling import looks
@@ -22,7 +24,8 @@ from sim.physics.recording import Recorder, Recording
 from sim.planning.open_loop import plan_segment
 from sim.preparation.effort import check_effort
 from sim.preparation.laying import lay
-from sim.preparation.setup import Setup
+from sim.preparation.planned import scenario_of
+from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 
 
@@ -60,6 +63,24 @@ class Walk:
         """Number of steps of the first hold, after which the walk begins."""
         return self.stretches[0].schedule.stop
 
+    def commands(self) -> Iterator[Array]:
+        """Commands carried out, made again from what was laid, shape (n, nu) each."""
+        return _commands(self.setup, self.stretches, self.steps)
+
+    @property
+    def steps(self) -> int:
+        """Number of commands carried out."""
+        return self.recording.steps
+
+
+def _commands(
+    setup: Setup, stretches: Iterable[Stretch], steps: int
+) -> Iterator[Array]:
+    for stretch in stretches:
+        schedule = stretch.schedule
+        done = min(schedule.stop, steps) - schedule.start
+        yield from setup.commands(schedule, done)
+
 
 class Walker:
     """Executes flows and keeps track of where the robot is."""
@@ -92,11 +113,8 @@ class Walker:
         return self._recorder.engine.steps
 
     def commands(self) -> Iterator[Array]:
-        """Commands carried out, made again from what was laid, shape (n, nu) each."""
-        for stretch in self._stretches:
-            schedule = stretch.schedule
-            steps = min(schedule.stop, self.steps) - schedule.start
-            yield from self.setup.commands(schedule, steps)
+        """Commands carried out so far, as those of a finished walk."""
+        return _commands(self.setup, self._stretches, self.steps)
 
     def stand(self) -> None:
         """Hold still on all feet; the walk starts when the first hold ends."""
@@ -155,9 +173,23 @@ class Walker:
         self.seconds["simulate"] += time.perf_counter() - began
 
 
-def walk(setup: Setup, planned: Plan | None, progress: Progress = silent) -> Walk:
-    """Walk once; arguments and errors are those of `carry_out`."""
-    return carry_out(Walker(setup, progress), planned)
+def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) -> Walk:
+    """Walk a plan in the physics, blindly.
+
+    Args:
+        robot: Robot that the plan is for.
+        plan: Flows of its equations.
+        progress: Told the stage and how much of it is done.
+        **changes: Settings of a scenario that are not to have their defaults, such as
+            `friction=0.5`.
+
+    Raises:
+        UsageError: If a setting is impossible, or the walk takes too many steps.
+        ModelError: If the robot cannot be used.
+        SimulationError: If the physics diverges.
+    """
+    setup = prepare(scenario_of(robot, plan, **changes), robot)
+    return carry_out(Walker(setup, progress), plan)
 
 
 def carry_out(walker: Walker, planned: Plan | None) -> Walk:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
@@ -29,7 +30,9 @@ def extended(system):
 
 
 def from_p_to_q(extended, segments=1):
-    return plan(extended, line(P, Q), segments, coordinates="backward")
+    return plan(
+        extended, line(P, Q), segments, execution=Execution(coordinates="backward")
+    )
 
 
 def test_eq_16_has_two_columns_on_the_bottom_stratum(system):

@@ -34,7 +34,7 @@ def documented_arguments(docstring):
     if "Args" not in parts:
         return None
     section = parts[parts.index("Args") + 1]
-    return re.findall(r"^    (\w+):", section, re.MULTILINE)
+    return re.findall(r"^    \*{0,2}(\w+):", section, re.MULTILINE)
 
 
 def arguments(function):

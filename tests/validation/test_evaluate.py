@@ -10,7 +10,7 @@ from sim.motion.poses import wrap
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import walk
+from sim.walking.walker import Walker, carry_out
 
 pytestmark = pytest.mark.physics
 PATH = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.1]}, "segments": 2}
@@ -19,7 +19,7 @@ PATH = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.1]}, "segments": 2}
 def judge(changes):
     setup = prepare(load_scenario("line", PATH | changes))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
-    evaluation = evaluate(walk(setup, planned))
+    evaluation = evaluate(carry_out(Walker(setup), planned))
     return evaluation, summarise(evaluation, 0.0)
 
 

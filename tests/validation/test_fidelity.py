@@ -14,7 +14,7 @@ from sim.experiments.creep import creep_floor
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import walk
+from sim.walking.walker import Walker, carry_out
 
 pytestmark = pytest.mark.physics
 
@@ -32,7 +32,7 @@ class Result:
 def run(name, **changes):
     setup = prepare(load_scenario(name, changes))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
-    walked = walk(setup, planned)
+    walked = carry_out(Walker(setup), planned)
     evaluation = evaluate(walked)
     summary = summarise(evaluation, creep_floor(setup, walked.duration))
     return Result(walked, evaluation, summary, dict(trajectory(evaluation)))

@@ -6,9 +6,9 @@ import pytest
 
 from models.library import load
 from sim.folder import RunFolder
+from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
-from sim.simulation import run
 from sim.world.model import build, load as load_world
 from sim.world.sensors import SELF_CONTACT
 from tests import foreign

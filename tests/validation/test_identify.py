@@ -18,8 +18,8 @@ from sim.experiments.predictions import twist_model
 from sim.folder import RunFolder
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
+from sim.run_folder import run
 from sim.scenarios.file import load_scenario
-from sim.simulation import run
 
 pytestmark = pytest.mark.physics
 MIDDLE = np.zeros((1, 2))

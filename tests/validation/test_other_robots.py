@@ -10,10 +10,9 @@ import pytest
 from models.contact.kinematics import Kinematics
 from models.library import load as load_robot
 from planner.controllability.gaits import gait_controllability
-from sim.evaluation.evaluation import evaluate, summarise
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import walk
+from sim.simulation import simulate
 
 pytestmark = pytest.mark.physics
 
@@ -32,7 +31,7 @@ def walked(robot, goal, segments):
     """Summary of a replanned walk."""
     path = {"kind": "line", "goal": [float(g) for g in goal]}
     changes = {"robot": robot, "path": path, "segments": segments, "replan": True}
-    return summarise(evaluate(walk(prepare(load_scenario("line", changes)), None)), 0.0)
+    return simulate(load_scenario("line", changes)).summary
 
 
 def check_steady(summary):

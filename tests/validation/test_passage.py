@@ -9,7 +9,7 @@ from sim.planning.open_loop import plan_open_loop
 from sim.planning.routes import routed
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import walk
+from sim.walking.walker import Walker, carry_out
 
 pytestmark = pytest.mark.physics
 
@@ -24,7 +24,7 @@ BESIDE = {
 def run(name, **changes):
     setup = within_bounds(routed(prepare(load_scenario(name, changes))))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
-    evaluation = evaluate(walk(setup, planned))
+    evaluation = evaluate(carry_out(Walker(setup), planned))
     return summarise(evaluation, 0.0), dict(trajectory(evaluation))
 
 

@@ -14,8 +14,8 @@ from sim.errors import SimulationError
 from sim.folder import RunFolder
 from sim.motion.poses import rotate
 from sim.motion.stability import stability_margin
+from sim.run_folder import run
 from sim.scenarios.file import load_scenario
-from sim.simulation import run
 
 pytestmark = pytest.mark.physics
 

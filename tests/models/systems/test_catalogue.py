@@ -8,6 +8,7 @@ from models.errors import ProblemError
 from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS, shipped_system
 from planner.controllability.gaits import gait_controllability
+from planner.execution.execution import Execution
 from planner.extension.choice import choose_elements
 from planner.extension.extended import extend
 from planner.extension.hall_fields import hall_fields
@@ -73,8 +74,7 @@ def test_nilpotent_plan_meets_its_goal(name):
         problem.path,
         problem.segments,
         problem.elements,
-        stance=problem.stance,
-        limits=problem.limits,
+        execution=Execution(stance=problem.stance, limits=problem.limits),
     )
     assert np.linalg.norm(rollout(planned)[-1] - problem.states[1]) < EXACT
 

@@ -5,6 +5,7 @@ import pytest
 
 from models.systems.catalogue import shipped_system
 from planner.errors import RangeError
+from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.playback import play, rollout
@@ -20,8 +21,7 @@ def test_disc_turns_once_around_within_the_fingers_range():
         problem.path,
         problem.segments,
         problem.elements,
-        stance=problem.stance,
-        limits=problem.limits,
+        execution=Execution(stance=problem.stance, limits=problem.limits),
     )
     states = rollout(planned)
     assert states[-1, 0] == pytest.approx(2 * np.pi, abs=EXACT)
@@ -31,7 +31,12 @@ def test_disc_turns_once_around_within_the_fingers_range():
 def test_fingers_part_from_the_disc_and_return():
     problem = shipped_system("finger-gaiting")
     compiled = extend(problem.system, problem.elements)
-    planned = plan(compiled, problem.path, 8, stance="centred", limits=problem.limits)
+    planned = plan(
+        compiled,
+        problem.path,
+        8,
+        execution=Execution(stance="centred", limits=problem.limits),
+    )
     lifted = with_lifts(problem.system, planned.flows, 0.01)
     states = play(problem.system, lifted, planned.start)
     assert states[-1] == pytest.approx(problem.states[1], abs=EXACT)
@@ -52,8 +57,8 @@ def test_fingers_in_contact_turn_with_the_disc():
 
 def test_segments_are_as_many_as_the_fingers_range_asks_for():
     problem = shipped_system("finger-gaiting", {"span": 0.3})
-    choices = {"stance": "centred", "limits": problem.limits}
+    execution = Execution(stance="centred", limits=problem.limits)
     assert 10 < 2 * np.pi / 0.6 < 11  # strokes of 0.6 rad in a turn of the disc
-    plan(problem.system, problem.path, 11, problem.elements, **choices)
+    plan(problem.system, problem.path, 11, problem.elements, execution=execution)
     with pytest.raises(RangeError, match="plan at least 11 segments"):
-        plan(problem.system, problem.path, 10, problem.elements, **choices)
+        plan(problem.system, problem.path, 10, problem.elements, execution=execution)

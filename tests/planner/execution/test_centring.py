@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from planner.errors import RangeError
+from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import ellipse, line
@@ -30,7 +31,7 @@ def robot():
 def both(extended, way, **options):
     path, segments = WAYS[way]
     return [
-        plan(extended, path, segments, stance=stance, **options)
+        plan(extended, path, segments, execution=Execution(stance=stance, **options))
         for stance in ("paper", "centred")
     ]
 
@@ -108,7 +109,12 @@ def test_contact_switches_of_the_grouped_plans(robot, way, coordinates, switches
 def test_legs_end_where_the_goal_has_them_and_stay_if_told_so(robot):
     goal = np.array([0.03, 0.02, 0, 0.1, -0.1])
     home, away = (
-        plan(robot, line(AT_REST, goal), 3, stance="centred", finish=finish)
+        plan(
+            robot,
+            line(AT_REST, goal),
+            3,
+            execution=Execution(stance="centred", finish=finish),
+        )
         for finish in (True, False)
     )
     assert rollout(home)[-1][3:] == pytest.approx(goal[3:], abs=ROUNDING)
@@ -119,7 +125,10 @@ def test_legs_end_where_the_goal_has_them_and_stay_if_told_so(robot):
 def test_start_shape_is_arbitrary(robot):
     start = np.array([0, 0, 0, 0.3, -0.4])
     planned = plan(
-        robot, line(start, AT_REST + [0.02, 0, 0, 0, 0]), 2, stance="centred"
+        robot,
+        line(start, AT_REST + [0.02, 0, 0, 0, 0]),
+        2,
+        execution=Execution(stance="centred"),
     )
     loaded = [f for f in planned.flows if f.field in LIFTED[:2]]
     assert max(abs(f.duration) for f in loaded) / 2 < 0.3
@@ -145,16 +154,31 @@ def test_range_that_would_be_left_is_refused_with_the_number_of_segments_that_do
     with pytest.raises(
         RangeError, match="outside its range -0.2 to 0.2; plan at"
     ) as no:
-        plan(robot, path, 4, stance="centred", limits=limits)
-    enough = plan(robot, path, no.value.segments, stance="centred", limits=limits)
+        plan(robot, path, 4, execution=Execution(stance="centred", limits=limits))
+    enough = plan(
+        robot,
+        path,
+        no.value.segments,
+        execution=Execution(stance="centred", limits=limits),
+    )
     assert largest_angle(robot, enough) <= 0.2
     with pytest.raises(RangeError):
-        plan(robot, path, no.value.segments - 1, stance="centred", limits=limits)
+        plan(
+            robot,
+            path,
+            no.value.segments - 1,
+            execution=Execution(stance="centred", limits=limits),
+        )
 
 
 def test_range_that_no_number_of_segments_keeps_is_refused(robot):
     with pytest.raises(RangeError, match="no number of segments would do") as refusal:
-        plan(robot, line([0, 0, 0, 0.5, 0], AT_REST), 1, limits={"phi_1": (-0.2, 0.2)})
+        plan(
+            robot,
+            line([0, 0, 0, 0.5, 0], AT_REST),
+            1,
+            execution=Execution(limits={"phi_1": (-0.2, 0.2)}),
+        )
     assert refusal.value.segments is None
 
 
@@ -164,13 +188,16 @@ def test_range_that_needs_more_segments_than_are_tried_is_not_called_hopeless(
     monkeypatch.setattr("planner.planning.algorithm.MOST_TRIED", 8)
     limits = {"phi_1": (-1e-3, 1e-3)}
     with pytest.raises(RangeError, match="; 8 segments would not do; widen the range"):
-        plan(robot, WAYS["line"][0], 1, limits=limits)
+        plan(robot, WAYS["line"][0], 1, execution=Execution(limits=limits))
 
 
 def test_words_that_keep_the_range_are_preferred_to_fewer_switches(robot):
     path, segments = WAYS["diagonal"]
     limits = {"phi_1": (-0.4, 0.4), "phi_2": (-0.4, 0.4)}
-    free, bound = (plan(robot, path, segments, limits=held) for held in ({}, limits))
+    free, bound = (
+        plan(robot, path, segments, execution=Execution(limits=held))
+        for held in ({}, limits)
+    )
     assert largest_angle(robot, free) > 0.4 >= largest_angle(robot, bound)
     assert free.contact_switches < bound.contact_switches
 
@@ -185,7 +212,12 @@ def test_words_that_keep_the_range_are_preferred_to_fewer_switches(robot):
 )
 def test_limits_that_bound_no_shape_are_refused(robot, limits, message):
     with pytest.raises(ValueError, match=message):
-        plan(robot, line(AT_REST, [0.01, 0, 0, 0, 0]), 1, limits=limits)
+        plan(
+            robot,
+            line(AT_REST, [0.01, 0, 0, 0, 0]),
+            1,
+            execution=Execution(limits=limits),
+        )
 
 
 @pytest.mark.parametrize("stance", ["centred", "stepped"])
@@ -193,10 +225,10 @@ def test_fields_known_as_functions_have_no_known_shape(stance):
     strata = {"12": {}, "1": {"a": [1, 0]}, "2": {"b": lambda x: [0, 1]}}
     mixed = StratifiedSystem("x y", strata, "12")
     straight = line([0, 0], [1, 1])
-    planned = plan(mixed, straight, 2, ["a", "b"], stance=stance)
+    planned = plan(mixed, straight, 2, ["a", "b"], execution=Execution(stance=stance))
     assert rollout(planned)[-1] == pytest.approx([1, 1], abs=ROUNDING)
     with pytest.raises(ValueError, match="limit of x: .* only a function knows; limit"):
-        plan(mixed, straight, 2, ["a", "b"], limits={"x": (-1, 1)})
+        plan(mixed, straight, 2, ["a", "b"], execution=Execution(limits={"x": (-1, 1)}))
 
 
 def test_switches_of_centred_plans_are_those_of_their_flows(robot):

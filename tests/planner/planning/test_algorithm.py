@@ -37,7 +37,7 @@ def paper():
 
 
 def miss(extended, path, segments, **options):
-    planned = plan(extended, path, segments, **options)
+    planned = plan(extended, path, segments, execution=Execution(**options))
     return np.linalg.norm(rollout(planned)[-1] - planned.goal)
 
 
@@ -110,7 +110,7 @@ def test_segment_ends_divide_the_flows(paper):
 
 @pytest.mark.parametrize("stance", ["paper", "centred"])
 def test_path_of_zero_length_is_an_empty_plan(paper, stance):
-    planned = plan(paper, line(AT_REST, AT_REST), 3, stance=stance)
+    planned = plan(paper, line(AT_REST, AT_REST), 3, execution=Execution(stance=stance))
     assert planned.flows == ()
     assert planned.contact_switches == 0
     assert rollout(planned).tolist() == [AT_REST.tolist()]
@@ -148,7 +148,7 @@ def test_start_and_goal_may_be_in_different_strata():
     robot = extend(hexapod(), LIFTED)
     path = line(AT_REST, [0.1, 0, 0, 0, 0])
     free = plan(robot, path, 1)
-    held = plan(robot, path, 1, depart="1", arrive="1")
+    held = plan(robot, path, 1, execution=Execution(depart="1", arrive="1"))
     assert rollout(held)[-1][:3] == pytest.approx(rollout(free)[-1][:3], abs=ROUNDING)
     assert held.contact_switches == contact_switches(robot.system, held.flows, "1", "1")
     assert held.contact_switches == free.contact_switches - 2
@@ -210,7 +210,7 @@ def test_elements_are_asked_for_once(paper):
 )
 def test_unknown_choices_are_refused(paper, choice, error, message):
     with pytest.raises(error, match=message):
-        plan(paper, DIAGONALLY, 1, **choice)
+        plan(paper, DIAGONALLY, 1, execution=Execution(**choice))
 
 
 def test_rank_lost_on_the_way_is_refused_with_the_place():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from planner.execution.execution import Execution
 from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan, system_from, system_table
 from planner.planning.paths import line
@@ -18,7 +19,7 @@ from tests.systems import LIFTED, METRES, X, Y, hexapod
 def test_saved_plan_is_the_same_when_loaded(tmp_path):
     path = line(np.zeros(7), [0.1, 0.1] + [0] * 5)
     robot = hexapod(**METRES, heights=True)
-    planned = plan(robot, path, 3, LIFTED, stance="centred")
+    planned = plan(robot, path, 3, LIFTED, execution=Execution(stance="centred"))
     save_plan(planned, tmp_path / "plan.json")
     loaded = load_plan(tmp_path / "plan.json")
     assert loaded.flows == planned.flows
@@ -41,7 +42,7 @@ def test_system_survives_its_table():
         ("{", "is not JSON"),
         ("[" * 99_999, "is not JSON"),
         ("[]", "is not a plan of the format"),
-        ('{"format": "stratified plan, version 1"}', "is damaged: 'system'"),
+        ('{"format": "stratified plan, version 2"}', "is damaged: 'system'"),
     ],
 )
 def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
@@ -63,9 +64,9 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
             "segment_ends do not ascend to the number of flows, ",
         ),
         ({"segment_ends": ["all"]}, "is damaged: .* not supported"),
-        ({"start": [0, 0]}, r"start of shape \(2,\) should be \(5,\) finite numbers"),
-        ({"start": [float("nan")] * 5}, "start of shape .* finite numbers"),
-        ({"goal": "home"}, "goal of shape"),
+        ({"nominal": [[0, 0]]}, r"nominal of shape \(1, 2\) should be \(2, 5\) finite"),
+        ({"nominal": [[float("nan")] * 5] * 2}, "nominal of shape .* finite numbers"),
+        ({"nominal": "home"}, "nominal of shape"),
         ({"inputs": 5}, r"inputs of shape \(\) should be \(1, 5\) finite numbers"),
         ({"hall_coordinates": [[0, 0]]}, "hall_coordinates of shape"),
         ({"elements": 5}, "is damaged: "),

@@ -150,7 +150,7 @@ def test_shortest_words_reach_the_same_hall_coordinates(robot):
     goal = 1e-3 * np.array([1, 2, 0.5, 0, 0])
     for scale in (1.0, 0.1):
         path = line(AT_REST, scale * goal)
-        planned = plan(robot, path, 1, coordinates="shortest")
+        planned = plan(robot, path, 1, execution=Execution(coordinates="shortest"))
         # 0.0378 m and 0.56 rad a radian; sweeps of the root of the way, cubed
         miss = np.linalg.norm(rollout(planned)[-1] - scale * goal)
         assert miss < travel(planned) ** 3 * METRES["stride"] * METRES["yaw_gain"] ** 2
@@ -166,7 +166,10 @@ def test_single_shot_travels_a_third_less_by_short_words(paper):
 def test_words_of_higher_degree_are_the_shorter_of_the_two():
     extended = extend(chained(4), ["g1", "g2", "[g1,g2]", "[g1,[g1,g2]]"])
     path = line(np.zeros(4), [0.4, -0.7, 0.9, -0.3])
-    printed = [plan(extended, path, 1, coordinates=o) for o in ("backward", "forward")]
-    short = plan(extended, path, 1, coordinates="shortest")
+    printed = [
+        plan(extended, path, 1, execution=Execution(coordinates=o))
+        for o in ("backward", "forward")
+    ]
+    short = plan(extended, path, 1, execution=Execution(coordinates="shortest"))
     lengths = [sum(abs(flow.duration) for flow in p.flows) for p in (*printed, short)]
     assert lengths[2] == min(lengths)

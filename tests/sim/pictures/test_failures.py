@@ -8,7 +8,7 @@ import pytest
 from sim.errors import ExitCode, FilesError, RenderError, UsageError
 from sim.pictures import crew
 from sim.pictures.crew import Piece
-from sim.pictures.direction import film
+from sim.pictures.direction import film_folder
 from sim.pictures.file import check_encoder, count_pictures, encoding, join
 from sim.pictures.story import read_walk
 from tests.screen import FFMPEG, decode
@@ -72,7 +72,7 @@ def test_an_encoder_that_fails_leaves_no_film(
     before = {path.name for path in folder.iterdir()}
     ffmpeg(script)
     with pytest.raises(error, match=message):
-        film(folder)
+        film_folder(folder)
     assert {path.name for path in folder.iterdir()} == before
 
 
@@ -99,7 +99,7 @@ def test_an_unknown_look_is_refused(walked):
     with pytest.raises(
         UsageError, match="unknown look 'fine': film; known are draft, f"
     ):
-        film(walked, look="fine")
+        film_folder(walked, look="fine")
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from sim.pictures import crew, gl, style
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
 from sim.pictures.crew import Piece
-from sim.pictures.direction import film
+from sim.pictures.direction import film_folder
 from sim.pictures.file import count_pictures
 from sim.pictures.story import read_walk
 from tests.screen import FFMPEG, decode, on_screen
@@ -24,7 +24,7 @@ BAR = np.s_[612:650, 30:600]  # where the stratum is put into words
 def filmed(driver, walked, tmp_path_factory):
     folder = tmp_path_factory.mktemp("filmed") / "run"
     shutil.copytree(walked, folder)
-    return film(folder)
+    return film_folder(folder)
 
 
 @pytest.fixture(scope="module")
@@ -165,7 +165,7 @@ def test_a_film_needs_neither_the_current_folder_nor_an_empty_environment(
     monkeypatch.chdir(elsewhere)
     monkeypatch.setenv("MUJOCO_GL", "banana")
     told = []
-    assert film(folder, progress=told.append) == folder / "video.mp4"
+    assert film_folder(folder, progress=told.append) == folder / "video.mp4"
     assert told[-1] == pytest.approx(1.0)
     assert told == sorted(told)
     assert [path.name for path in elsewhere.iterdir()] == ["sim"]

@@ -8,8 +8,8 @@ from sim.planning.open_loop import plan_open_loop
 from sim.preparation import effort
 from sim.preparation.effort import MOST_STEPS, check_effort
 from sim.preparation.setup import prepare
-from sim.simulation import run
-from sim.walking.walker import expected_steps, walk
+from sim.run_folder import run
+from sim.walking.walker import Walker, carry_out, expected_steps
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,10 @@ def test_billions_of_steps_are_refused_with_a_setting_before_the_first(
 def test_steps_are_counted_before_the_walk(scenario, replan):
     setup = prepare(scenario(replan=replan))
     planned = None if replan else plan_open_loop(setup)
-    counted, made = expected_steps(setup, planned), walk(setup, planned).recording.steps
+    counted, made = (
+        expected_steps(setup, planned),
+        carry_out(Walker(setup), planned).recording.steps,
+    )
     # a replanned walk is taken for so many times its first segment
     assert counted == pytest.approx(made, rel=0.2 if replan else 0)
 

@@ -10,9 +10,9 @@ import pytest
 from models.description.robot import FOLDER
 from models.library import load
 from sim.folder import RunFolder
+from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
-from sim.simulation import run
 from sim.world.model import build, load as load_world
 
 PLATE = (0.085, 0.13, 0.008)  # half sizes of the shipped body plate [m]

@@ -1,0 +1,26 @@
+from .errors import (
+    FilesError as FilesError,
+    RenderError as RenderError,
+    SimulationError as SimulationError,
+    StratawalkError as StratawalkError,
+    UsageError as UsageError,
+)
+from .evaluation.evaluation import (
+    Evaluation as Evaluation,
+    evaluate as evaluate,
+)
+from .filming import film as film
+from .run_folder import write as write
+from .scenarios.file import (
+    load_scenario as load_scenario,
+    shipped_scenarios as shipped_scenarios,
+)
+from .scenarios.scenario import Scenario as Scenario
+from .simulation import (
+    Simulation as Simulation,
+    simulate as simulate,
+)
+from .walking.walker import (
+    Walk as Walk,
+    walk as walk,
+)

@@ -1,0 +1,55 @@
+"""Films of walks that need not be in a run folder."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from sim.errors import UsageError
+from sim.evaluation.evaluation import Evaluation, evaluate
+from sim.pictures.direction import film_folder
+from sim.progress import Progress, silent
+from sim.run_folder import write
+from sim.simulation import Simulation
+from sim.walking.walker import Walk
+
+
+def film(
+    walked: Walk | Evaluation | Simulation,
+    path: str | Path,
+    *,
+    look: str = "draft",
+    progress: Progress = silent,
+) -> Path:
+    """Film a walk.
+
+    Args:
+        walked: What to film.
+        path: The film's file, which must not exist and ends in `.mp4`.
+        look: `draft`, or `final` with shadows and smooth edges, four times slower.
+        progress: Told the stage and how much of it is done.
+
+    Returns:
+        The film's path.
+
+    Raises:
+        UsageError: If there is such a file already, it is no `.mp4`, or there is no
+            such look.
+        RenderError: If pictures cannot be drawn or encoded.
+        FilesError: If the film cannot be written.
+    """
+    path = Path(path)
+    if path.suffix != ".mp4":
+        raise UsageError("not a film's name", str(path), "give a name in .mp4")
+    if os.path.lexists(path):
+        raise UsageError("already exists", str(path), "give another name")
+    done = evaluate(walked) if isinstance(walked, Walk) else walked
+    with TemporaryDirectory() as scratch:
+        folder = write(done, Path(scratch) / "run")
+        made = film_folder(
+            folder, look=look, progress=lambda part: progress("filming", part)
+        )
+        shutil.move(made, path)
+    return path

@@ -1,0 +1,35 @@
+"""A scenario for a plan that somebody made: its path is what the plan was to follow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from models import FOLDER, Robot, equations
+from planner import Plan
+from sim.scenarios.body_path import waypoints
+from sim.scenarios.scenario import Scenario
+
+
+def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
+    """The scenario that a plan of a robot would carry out.
+
+    Args:
+        robot: Robot that the plan is for.
+        plan: Flows of its equations.
+        **changes: Settings that are not to have their defaults.
+
+    Raises:
+        UsageError: If a setting is unknown or impossible.
+    """
+    printed = plan.elements == equations(robot, "paper").elements
+    shipped = robot.path.parent == FOLDER
+    return Scenario(
+        **{
+            "name": "plan",
+            "robot": robot.name if shipped else str(robot.path.resolve()),
+            "fields": "paper" if printed else "lifted",
+            "segments": len(plan.segment_ends),
+            "path": waypoints(plan.nominal[:, :3].tolist()),
+        }
+        | changes
+    )

@@ -1,0 +1,136 @@
+"""The run folder: everything about a simulation, written as it comes to be."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import numpy as np
+
+from sim.evaluation.evaluation import Evaluation, Summary, trajectory
+from sim.evaluation.phases import table
+from sim.folder import Pieces, RunFolder, claim
+from sim.physics.engine import STRETCH
+from sim.preparation.resolve import resolved
+from sim.preparation.setup import Setup
+from sim.progress import Progress, silent
+from sim.scenarios.file import dumps
+from sim.scenarios.scenario import Scenario
+from sim.simulation import Prepared, Simulation, simulate
+from sim.walking.walker import Walk, Walker
+from sim.world.origin import origin
+
+CARD = "model.toml"  # beside model.xml, as a robot's card is
+DENSE = 10  # times that commands shrink when they are written; 7.6 measured
+
+
+class Writer:
+    """Writes into a folder what it is shown of a simulation."""
+
+    def __init__(self, folder: RunFolder) -> None:
+        self.folder = folder
+
+    def prepared(self, prepared: Prepared) -> None:
+        """All that a run is made of, so that the folder can be run again anywhere."""
+        row = 8 * (1 + prepared.setup.model.nu)
+        self.folder.reserve(prepared.steps * row // DENSE)
+        self.setup(prepared.setup, prepared.scenario)
+
+    def setup(self, setup: Setup, scenario: Scenario) -> None:
+        """Model, card, the robot as it was given, and the scenario.
+
+        Args:
+            setup: What the scenario has come to.
+            scenario: Before its path was divided for its bounds.
+        """
+        robot, copies = origin(setup.robot)
+        card = {CARD: setup.robot.card_text.encode()}
+        for name, content in (setup.world.files | card | copies).items():
+            self.folder.write_bytes(name, content)
+        text = dumps(resolved(setup, scenario, robot))
+        self.folder.write_text("scenario.toml", text)
+
+    def walked(self, walk: Walker | Walk) -> None:
+        """The commands, from which also a failed walk is replayed."""
+        steps, timestep = walk.steps, walk.setup.limits.timestep
+        if not steps:
+            return
+        rows = np.split(np.arange(steps), range(STRETCH, steps, STRETCH))
+        clock = Pieces((steps,), (row * timestep for row in rows))
+        ctrl = Pieces((steps, walk.setup.model.nu), walk.commands())
+        self.folder.write_arrays("commands.npz", [("time", clock), ("ctrl", ctrl)])
+
+    def evaluated(self, evaluation: Evaluation) -> None:
+        """States and predictions, row by row and phase by phase."""
+        self.folder.write_arrays("trajectory.npz", trajectory(evaluation))
+        self.folder.write_text("flows.csv", table(evaluation.walk))
+
+    def summarised(self, summary: Summary) -> None:
+        """The numbers."""
+        self.folder.write_json("summary.json", summary)
+
+
+def run(
+    scenario: Scenario,
+    folder: RunFolder,
+    *,
+    look: str | None = None,
+    progress: Progress = silent,
+) -> Summary:
+    """Carry a scenario out and leave everything about it in a folder.
+
+    Args:
+        scenario: What to walk.
+        folder: Empty folder of this run.
+        look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
+        progress: Told the stage and how much of it is done.
+
+    Returns:
+        The summary, as written to summary.json.
+
+    Raises:
+        PlannerError: If there is no plan.
+        UsageError: If the walk takes more steps or memory than there can be.
+        SimulationError: If the physics diverges.
+        FilesError: If the folder cannot be written.
+        RenderError: If a film is wanted and cannot be made.
+    """
+    writer = Writer(folder)
+    simulation = simulate(scenario, progress=progress, witness=writer)
+    writer.evaluated(simulation.evaluation)
+    simulation.timing["render"] = 0.0
+    writer.summarised(simulation.summary)
+    if look is not None:
+        from sim.pictures.direction import film_folder
+
+        began = time.perf_counter()
+        film_folder(folder.path, look=look, progress=lambda f: progress("filming", f))
+        simulation.timing["render"] = time.perf_counter() - began
+        writer.summarised(simulation.summary)
+    return simulation.summary
+
+
+def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Path:
+    """Write a run folder.
+
+    Args:
+        done: What was simulated, or a walk that was evaluated.
+        folder: Folder to make; None takes the next free number in `runs`.
+
+    Returns:
+        The folder's path.
+
+    Raises:
+        UsageError: If the folder exists.
+        FilesError: If it cannot be made or written.
+    """
+    evaluation = done.evaluation if isinstance(done, Simulation) else done
+    setup = evaluation.walk.setup
+    asked = done.prepared.scenario if isinstance(done, Simulation) else setup.scenario
+    made = claim(None if folder is None else Path(folder), asked.name)
+    writer = Writer(made)
+    writer.setup(setup, asked)
+    writer.walked(evaluation.walk)
+    writer.evaluated(evaluation)
+    writer.summarised(done.summary)
+    return made.path
