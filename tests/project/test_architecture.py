@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.offenders import no
+
 ROOT = Path(__file__).resolve().parents[2]
 LAYERS = {
     "planner": {"planner"},
@@ -59,28 +61,34 @@ def tops(path):
     return {name.partition(".")[0] for name in imports(path)}
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_imports_point_downwards(path):
-    ours = tops(path) & (LAYERS.keys() | {"tests"})
-    assert ours <= LAYERS[layer_of(path)]
+def test_there_are_files_to_check():
+    assert {layer_of(path) for path in SOURCES} == LAYERS.keys()
+    assert Path(__file__).resolve() in EVERY_FILE
 
 
-@pytest.mark.parametrize("path", EVERY_FILE, ids=name_of)
-def test_imports_are_absolute(path):
-    assert [name for name in imports(path) if name.startswith(".")] == []
+def test_imports_point_downwards():
+    ours = LAYERS.keys() | {"tests"}
+    no((path, tops(path) & ours - LAYERS[layer_of(path)]) for path in SOURCES)
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_libraries_stay_in_their_layers(path):
-    strayed = {
-        name for name in tops(path) if layer_of(path) not in ONLY_IN.get(name, LAYERS)
-    }
-    assert strayed == set()
+def test_imports_are_absolute():
+    no(
+        (path, [name for name in imports(path) if name.startswith(".")])
+        for path in EVERY_FILE
+    )
 
 
-@pytest.mark.parametrize("path", EVERY_FILE, ids=name_of)
-def test_files_are_short(path):
-    assert len(path.read_text().splitlines()) <= LONGEST
+def test_libraries_stay_in_their_layers():
+    def strayed(path):
+        where = layer_of(path)
+        return {name for name in tops(path) if where not in ONLY_IN.get(name, LAYERS)}
+
+    no((path, strayed(path)) for path in SOURCES)
+
+
+def test_files_are_short():
+    lines = ((path, len(path.read_text().splitlines())) for path in EVERY_FILE)
+    no((path, f"{n} lines" if n > LONGEST else "") for path, n in lines)
 
 
 @pytest.mark.parametrize("name", ["planner", "models", "sim"])

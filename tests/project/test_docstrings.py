@@ -4,7 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-import pytest
+from tests.offenders import no
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = [
@@ -13,10 +13,6 @@ SOURCES = [
     for p in sorted((ROOT / layer).rglob("*.py"))
 ]
 SECTION = re.compile(r"^(Args|Attributes|Returns|Raises|Yields):$", re.MULTILINE)
-
-
-def name_of(path):
-    return str(path.relative_to(ROOT))
 
 
 def public(nodes):
@@ -44,21 +40,30 @@ def arguments(function):
     return [name for name in names if name not in ("self", "cls")]
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_everything_public_has_a_docstring(path):
+def bare(path):
+    """What is public in a file and has no docstring, the module itself first."""
     module = ast.parse(path.read_text())
-    bare = [node.name for node in public(module.body) if not ast.get_docstring(node)]
-    assert ast.get_docstring(module), path
-    assert bare == []
+    if not ast.get_docstring(module):
+        yield path, "the module has no docstring"
+    for node in public(module.body):
+        if not ast.get_docstring(node):
+            yield path, f"{node.name} has no docstring"
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=name_of)
-def test_documented_arguments_are_those_of_the_signature(path):
-    wrong = {}
+def misdocumented(path):
+    """Functions of a file whose Args section differs from the signature."""
     for node in public(ast.parse(path.read_text()).body):
         if isinstance(node, ast.ClassDef):
             continue
         documented = documented_arguments(ast.get_docstring(node) or "")
         if documented is not None and documented != arguments(node):
-            wrong[node.name] = (documented, arguments(node))
-    assert wrong == {}
+            given = arguments(node)
+            yield path, f"{node.name} documents {documented} and takes {given}"
+
+
+def test_everything_public_has_a_docstring():
+    no(fault for path in SOURCES for fault in bare(path))
+
+
+def test_documented_arguments_are_those_of_the_signature():
+    no(fault for path in SOURCES for fault in misdocumented(path))
