@@ -22,6 +22,7 @@ from .errors import (
     ResolutionError as ResolutionError,
     SingularConfigurationError as SingularConfigurationError,
     StratumError as StratumError,
+    did_you_mean as did_you_mean,
     point as point,
     unknown as unknown,
 )
@@ -31,13 +32,17 @@ from .execution.execution import (
     StanceRule as StanceRule,
 )
 from .execution.stepping import StabilityTest as StabilityTest
+from .extension.bracket_fields import hall_fields as hall_fields
 from .extension.choice import choose_elements as choose_elements
 from .extension.extended import (
     ExtendedSystem as ExtendedSystem,
     extend as extend,
 )
-from .extension.hall_fields import hall_fields as hall_fields
 from .extension.steering import Steering as Steering
+from .files import (
+    require_space as require_space,
+    whole_file as whole_file,
+)
 from .lie.coordinates import (
     backward as backward,
     backward_from_forward as backward_from_forward,

@@ -11,12 +11,26 @@ def point(configuration: Iterable[float]) -> str:
     return f"({', '.join(f'{value:.6g}' for value in configuration)})"
 
 
-def unknown(name: str, known: Iterable[str]) -> str:
-    """The end of a message on an unknown name: the known ones, and the nearest."""
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """What to do about an unknown name: take the nearest known one, or another one.
+
+    Args:
+        name: The unknown name.
+        known: The names that are known, in the order in which to list them.
+
+    Returns:
+        `did you mean 'line'? there are line, ellipse`, or without the question where no
+        known name is near.
+    """
     known = list(known)
     near = get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    return f"is unknown; there are {', '.join(known)}{hint}"
+    question = f"did you mean {near[0]!r}? " if near else ""
+    return f"{question}there are {', '.join(known) or 'none'}"
+
+
+def unknown(name: str, known: Iterable[str]) -> str:
+    """The end of a message on an unknown name: that it is unknown, and what to do."""
+    return f"is unknown; {did_you_mean(name, known)}"
 
 
 class PlannerError(Exception):

@@ -19,9 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.evaluation.attribution import error_sources
-from sim.scenarios.file import load_scenario
-from sim.simulation import simulate
+from sim import error_sources, load_scenario, simulate
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
 UNITS = {
@@ -106,7 +104,7 @@ def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
     """One panel a setting, and one for the sources of the error at the defaults."""
     import matplotlib as mpl
 
-    from sim.figures.style import IDEAL, PHYSICS, STYLE, sheet_of
+    from sim import IDEAL, PHYSICS, STYLE, sheet_of
 
     with mpl.rc_context(STYLE):
         figure, panels = sheet_of("ABE\nCDE", 3.6)

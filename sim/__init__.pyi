@@ -5,9 +5,16 @@ from .errors import (
     StratawalkError as StratawalkError,
     UsageError as UsageError,
 )
+from .evaluation.attribution import error_sources as error_sources
 from .evaluation.evaluation import (
     Evaluation as Evaluation,
     evaluate as evaluate,
+)
+from .figures.style import (
+    IDEAL as IDEAL,
+    PHYSICS as PHYSICS,
+    STYLE as STYLE,
+    sheet_of as sheet_of,
 )
 from .filming import film as film
 from .run_folder import write as write

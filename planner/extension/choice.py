@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from planner.controllability.closure import involutive_closure
 from planner.controllability.decoupling import on_bottom
 from planner.errors import PlannerError, RankError, SingularConfigurationError
-from planner.extension.hall_fields import hall_fields
+from planner.extension.bracket_fields import hall_fields
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import column_space, in_words
 from planner.systems.elements import Tree, leaves, parse_names

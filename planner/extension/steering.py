@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from planner.extension.hall_fields import HallFields, hall_fields
+from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.lie.coordinates import integrate
 from planner.lie.hall import Bracket
 from planner.lie.short_words import short_durations

@@ -7,7 +7,6 @@ stand in a TOML file.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from planner.files import whole_file
 from planner.planning.algorithm import Plan
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
@@ -112,18 +112,8 @@ def save_plan(plan: Plan, path: Path | str) -> None:
         "depart": plan.depart,
         "arrive": plan.arrive,
     }
-    path = Path(path)
-    part = Path(f"{path}.{os.getpid()}.part")
-    try:
-        with part.open("w") as file:
-            json.dump(table, file)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, path)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(path)) from None
-    finally:
-        part.unlink(missing_ok=True)
+    with whole_file(path) as part:
+        part.write_text(json.dumps(table))
 
 
 def load_plan(path: Path | str) -> Plan:

@@ -9,9 +9,9 @@ from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS, shipped_system
 from planner.controllability.gaits import gait_controllability
 from planner.execution.execution import Execution
+from planner.extension.bracket_fields import hall_fields
 from planner.extension.choice import choose_elements
 from planner.extension.extended import extend
-from planner.extension.hall_fields import hall_fields
 from planner.planning.algorithm import plan
 from planner.planning.playback import rollout
 from planner.planning.shooting import steer
@@ -165,7 +165,11 @@ def test_foot_heights_change_no_plan_of_the_hexapod():
     ("name", "values", "message"),
     [
         ("centipede", {}, "system 'centipede' is unknown; there are paper-hexapod, "),
-        ("car", {"lenght": 1}, "parameters of car: lenght is unknown; .* mean length"),
+        (
+            "car",
+            {"lenght": 1},
+            "parameters of car: lenght is unknown; .* 'length'",
+        ),
         ("engel", {"size": 4}, "parameters of engel: size is unknown; it has none"),
         ("car", {"length": "long"}, "length is 'long'; give a number"),
         ("biped", {"heights": 1}, "heights is 1; give true or false"),

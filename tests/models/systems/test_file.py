@@ -137,7 +137,7 @@ def test_python_file_may_have_fields_known_as_functions(read):
     ("change", "message"),
     [
         (("state =", "sate ="), "state is missing; give state, goal, strata"),
-        (("segments", "segmnts"), "key 'segmnts' is unknown; .* mean segments"),
+        (("segments", "segmnts"), "key 'segmnts' is unknown; .* mean 'segments'"),
         (("[parameters]", "[parameters"), "bad system: .*mine.toml; "),
         (('"x", "y"', '"x", 7'), r"state is \['x', 7, 'theta'\]; make it a list of te"),
         (
@@ -148,7 +148,7 @@ def test_python_file_may_have_fields_known_as_functions(read):
             ("{ theta = 1 }", "[0, 0, 1]"),
             r"field turn is \[0, 0, 1\]; give rates, as in",
         ),
-        (("{ theta", "{ thta"), "field turn moves thta, .* mean theta"),
+        (("{ theta", "{ thta"), "field turn moves thta, .* mean 'theta'"),
         (("{ theta = 1 }", "{ theta = true }"), "field turn has True; write a number"),
         (("cos(theta)", "cos(phi)"), "field roll: formula .* has 'phi', which is nei"),
         (("cos(theta)", "__import__('os')"), "field roll: formula .* neither a number"),
@@ -206,7 +206,7 @@ def test_what_makes_no_sense_is_refused(read, change, message):
 
 
 def test_unknown_parameter_from_outside_is_refused(read):
-    with pytest.raises(ProblemError, match="parameter 'rad' is unknown; .* mean rad"):
+    with pytest.raises(ProblemError, match="parameter 'rad' is unknown; .* mean 'rad"):
         read(WHEEL, values={"rad": 1})
 
 

@@ -1,0 +1,23 @@
+"""Messages on unknown names lead to the known ones."""
+
+import pytest
+
+from planner.errors import did_you_mean, unknown
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "remedy"),
+    [
+        ("lien", ["line", "ellipse"], "did you mean 'line'? there are line, ellipse"),
+        ("zigzag", ["line", "ellipse"], "there are line, ellipse"),
+        ("line", [], "there are none"),
+        ("b", iter(["a", "b"]), "did you mean 'b'? there are a, b"),
+    ],
+)
+def test_remedy_names_the_nearest_if_it_is_near_and_all_of_them(name, known, remedy):
+    assert did_you_mean(name, known) == remedy
+
+
+def test_unknown_names_are_called_so_with_the_remedy():
+    message = "is unknown; did you mean 'line'? there are line"
+    assert unknown("lien", ["line"]) == message

@@ -1,0 +1,69 @@
+"""Files are whole or absent, whatever happens while they are written."""
+
+import errno
+import os
+import subprocess
+import sys
+
+import pytest
+
+from planner.files import require_space, whole_file
+
+
+def names(folder):
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def test_file_has_its_name_when_the_block_ends_and_not_before(tmp_path):
+    with whole_file(tmp_path / "plan.json") as part:
+        part.write_text("all of it")
+        assert part.suffix == ".json"
+        assert names(tmp_path) == [part.name] != ["plan.json"]
+    assert names(tmp_path) == ["plan.json"]
+    assert (tmp_path / "plan.json").read_text() == "all of it"
+
+
+def test_block_that_fails_leaves_the_file_that_was_there(tmp_path):
+    (tmp_path / "plan.json").write_text("before")
+
+    def write_half():
+        with whole_file(tmp_path / "plan.json") as part:
+            part.write_text("half")
+            raise ZeroDivisionError
+
+    pytest.raises(ZeroDivisionError, write_half)
+    assert names(tmp_path) == ["plan.json"]
+    assert (tmp_path / "plan.json").read_text() == "before"
+
+
+def test_process_that_dies_halfway_leaves_no_file_under_its_name(tmp_path):
+    program = (
+        "import os, planner\n"
+        f"with planner.whole_file({str(tmp_path / 'a.txt')!r}) as part:\n"
+        "    part.write_text('half')\n"
+        "    os._exit(9)\n"
+    )
+    assert subprocess.run([sys.executable, "-c", program]).returncode == 9
+    assert "a.txt" not in names(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["absent/a.json", "file/a.json", "."])
+def test_refusal_names_the_file_and_not_the_part(tmp_path, name):
+    (tmp_path / "file").touch()
+    path = tmp_path / name
+    with (
+        pytest.raises(OSError, match="a directory|file or dir|busy") as refusal,
+        whole_file(path) as part,
+    ):
+        part.write_text("text")
+    assert refusal.value.filename == str(path)
+
+
+def test_disk_that_is_too_small_is_refused_before_the_work(tmp_path):
+    require_space(tmp_path, 1000)
+    with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)) as refusal:
+        require_space(tmp_path, 10**18)
+    assert refusal.value.errno == errno.ENOSPC
+    with pytest.raises(OSError, match="a.txt"), whole_file(tmp_path / "a.txt", 10**18):
+        pytest.fail("there is no room for it")
+    assert names(tmp_path) == []
