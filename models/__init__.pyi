@@ -1,4 +1,5 @@
 from .checks.posture import UPRIGHT as UPRIGHT
+from .contact.cores import covering_core as covering_core
 from .contact.ground import (
     Ground as Ground,
     ground_of as ground_of,
@@ -16,6 +17,7 @@ from .description.compiled import (
     ON_JOINT as ON_JOINT,
     actuator_of as actuator_of,
     compile_model as compile_model,
+    free_joint as free_joint,
     root_body as root_body,
 )
 from .description.robot import (
@@ -47,6 +49,11 @@ from .motion.identified import (
     IdentifiedTwists as IdentifiedTwists,
     MeasuredField as MeasuredField,
 )
+from .motion.robot_equations import (
+    Equations as Equations,
+    equations as equations,
+    strata as strata,
+)
 from .motion.strokes import (
     Strokes as Strokes,
     travel as travel,
@@ -55,11 +62,6 @@ from .motion.twists import (
     IdealTwists as IdealTwists,
     QuasiStaticTwists as QuasiStaticTwists,
     TwistModel as TwistModel,
-)
-from .motion.walkers import (
-    Equations as Equations,
-    equations as equations,
-    strata as strata,
 )
 from .systems.catalogue import (
     SYSTEMS as SYSTEMS,

@@ -33,8 +33,7 @@ def foot_velocities(feet: Array, rates: Array, twist: Array) -> Array:
         Shape (..., F, 2), in the body frame.
     """
     turned = np.stack([-feet[..., 1], feet[..., 0]], axis=-1)
-    moved = rates + twist[..., None, :2] + twist[..., None, 2:] * turned
-    return np.asarray(moved)
+    return rates + twist[..., None, :2] + twist[..., None, 2:] * turned
 
 
 def foot_jacobians(feet: Array) -> Array:
@@ -65,7 +64,7 @@ def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
         rates=np.where(on, rates / unit[..., None], 0.0),
         loads=loads / loads.sum(axis=-1, keepdims=True),
     )
-    return np.asarray(problem.solve() * unit / np.array([1.0, 1.0, reach]))
+    return problem.solve() * unit / np.array([1.0, 1.0, reach])
 
 
 class _Problem:
@@ -89,7 +88,7 @@ class _Problem:
     def dissipation(self, xi: Array, smoothing: float = 0.0) -> Array:
         """Smoothed power, shape (N,)."""
         square = (self.velocities(xi) ** 2).sum(-1)
-        return np.asarray((self.loads * np.sqrt(square + smoothing**2)).sum(-1))
+        return (self.loads * np.sqrt(square + smoothing**2)).sum(-1)
 
     def _turning_about_one_foot(self) -> tuple[Array, Array]:
         """The best twist at which some foot sticks, and the index of that foot.
@@ -131,7 +130,7 @@ class _Problem:
         alone = ((self.loads > 0) & ~sliding).sum(axis=-1) == 1
         rows = np.arange(len(xi))
         held = needed <= self.loads[rows, sticking] * (1 + 1e-12)
-        return np.asarray((alone & held) | ~sliding.any(axis=-1))
+        return (alone & held) | ~sliding.any(axis=-1)
 
     def improve(self, start: Array) -> Array:
         """Newton's method on ever less smoothed dissipation; the start if worse."""
@@ -156,7 +155,7 @@ class _Problem:
         H = np.einsum("nf,nfij,nfik->njk", self.loads / s[..., 0], J, J)
         H -= np.einsum("nf,nfj,nfk->njk", self.loads / s[..., 0], Jw, Jw)
         H += 1e-14 * np.trace(H, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        return np.asarray(-np.linalg.solve(H, gradient[..., None])[..., 0])
+        return -np.linalg.solve(H, gradient[..., None])[..., 0]
 
     def _halved_until_lower(self, xi: Array, step: Array, smoothing: float) -> Array:
         """Steps that are worse whatever their length are not taken."""
@@ -178,7 +177,7 @@ def _bisect(p: Array, q2: Array, weight: Array, low: Array, high: Array) -> Arra
         length = np.sqrt(d**2 + q2)
         slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=-1)
         low, high = np.where(slope < 0, middle, low), np.where(slope > 0, middle, high)
-    return np.asarray((low + high) / 2)
+    return (low + high) / 2
 
 
 def _about(feet: Array, rates: Array, omega: Array) -> Array:

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from models.contact.kinematics import Kinematics
-from models.description.compiled import actuator_of
+from models.description.compiled import actuator_of, free_joint
 from models.description.robot import Robot
 from planner import Array
 
@@ -60,9 +60,7 @@ def _sink(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Lower the root until every foot touches, and look for contacts."""
     zero = np.zeros(len(robot.groups))
     gap = Kinematics(robot).stance(zero).height
-    root = model.body(robot.root)
-    height = model.jnt_qposadr[root.jntadr[0]] + 2
-    data.qpos[height] -= gap.max() - gap.min() + _TOUCH
+    data.qpos[free_joint(model, robot.root) + 2] -= gap.max() - gap.min() + _TOUCH
     mujoco.mj_forward(model, data)
 
 

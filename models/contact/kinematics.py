@@ -52,9 +52,8 @@ class Kinematics:
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
         robot = self.robot
-        s = robot.swing_gain * swing[..., robot.group_of_leg]  # (..., F)
-        r = robot.raise_sign * lift[..., robot.group_of_leg]
-        basis = _basis(s), _basis(r)  # (..., F, 3)
+        turned, raised = robot.joint_angles(swing, lift)  # (..., F)
+        basis = _basis(turned), _basis(raised)  # (..., F, 3)
         feet, swung, lifted, weight = (
             np.einsum("fabi,...fa,...fb->...fi", coefficients, *basis)
             for coefficients in self._coefficients

@@ -36,4 +36,4 @@ def static_loads(feet: Array, center_of_mass: Array) -> Array:
             break
         standing &= ~pulled
     loads = np.maximum(loads, 0.0)
-    return np.asarray(loads / loads.sum(axis=-1, keepdims=True))
+    return loads / loads.sum(axis=-1, keepdims=True)

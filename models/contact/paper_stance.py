@@ -53,7 +53,7 @@ class PaperStance:
         reach = np.stack(
             [-np.sin(phi) + 0 * _ROWS, np.cos(phi) * _SIDES[tripod]], axis=-1
         )
-        return np.asarray(self.hips(tripod) + self.leg_length * reach)
+        return self.hips(tripod) + self.leg_length * reach
 
     def bounds(self, phi: ArrayLike) -> tuple[Array, Array]:
         """Least and largest b that the loaded tripod carries without tipping.
@@ -75,4 +75,4 @@ class PaperStance:
         """
         low, high = self.bounds(phi)
         b = np.asarray(b, dtype=float)
-        return np.asarray(np.minimum(b - low, high - b))
+        return np.minimum(b - low, high - b)

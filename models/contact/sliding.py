@@ -122,13 +122,13 @@ class _Balance:
             if not worse.any():
                 break
             step = np.where(worse[:, None], step / 2, step)
-        return np.asarray(step)
+        return step
 
     def force(self, xi: Array, smoothing: float) -> Array:
         """Sum of friction forces and their moment, shape (N, 3)."""
         loads, direction = self.loads(xi, smoothing)
         dragging = loads[..., None] * direction  # (N, F, 2)
-        return np.asarray((dragging[..., None, :] @ self.J)[..., 0, :].sum(axis=-2))
+        return (dragging[..., None, :] @ self.J)[..., 0, :].sum(axis=-2)
 
     def loads(self, xi: Array, smoothing: float) -> tuple[Array, Array]:
         """Share of the weight on each foot, and the direction in which it slides.
@@ -158,18 +158,18 @@ class _Balance:
             if not pulled.any():
                 break
             standing &= ~pulled
-        return np.asarray(np.maximum(loads, 0.0))
+        return np.maximum(loads, 0.0)
 
     def _springs(self, k: Array, pushed: Array) -> Array:
         turned = np.swapaxes(self.arms, -1, -2)  # (N, 3, F)
         stiffness = turned @ (k[..., None] * self.arms)
         missing = self.moments[..., None] - turned @ pushed[..., None]
         sunk = np.linalg.solve(stiffness, missing)
-        return np.asarray(k * (self.arms @ sunk)[..., 0] + pushed)
+        return k * (self.arms @ sunk)[..., 0] + pushed
 
     def _slope(self, xi: Array, rest: Array, smoothing: float) -> Array:
         """Derivative of the force by differences, shape (N, 3, 3)."""
         d = 1e-5 * smoothing
         ahead = [self.force(xi + d * axis, smoothing) for axis in np.eye(3)]
         slope = (np.array(ahead) - rest) / d  # (3, N, 3)
-        return np.asarray(np.moveaxis(slope, 0, -1) + 1e-9 * np.eye(3))
+        return np.moveaxis(slope, 0, -1) + 1e-9 * np.eye(3)

@@ -98,9 +98,9 @@ class StaticStability:
 def _least_load(feet: Array, center: Array) -> Array:
     """Smallest share of the weight on any of the feet, shape (...)."""
     if feet.shape[-2] == 3:
-        return np.asarray(_shares(feet, center).min(axis=-1))
+        return _shares(feet, center).min(axis=-1)
     rows = static_loads(feet.reshape(-1, *feet.shape[-2:]), center.reshape(-1, 2))
-    return np.asarray(rows.min(axis=-1).reshape(center.shape[:-1]))
+    return rows.min(axis=-1).reshape(center.shape[:-1])
 
 
 def _shares(feet: Array, center: Array) -> Array:
@@ -113,4 +113,4 @@ def _shares(feet: Array, center: Array) -> Array:
     after = np.roll(spokes, -1, axis=-2)
     areas = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
     opposite = np.roll(areas, -1, axis=-1)
-    return np.asarray(opposite / areas.sum(axis=-1, keepdims=True))
+    return opposite / areas.sum(axis=-1, keepdims=True)

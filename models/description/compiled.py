@@ -101,6 +101,11 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
     return int(model.jnt_bodyid[free[0]])
 
 
+def free_joint(model: mujoco.MjModel, root: str) -> int:
+    """Where the seven numbers of a body's free joint begin in qpos."""
+    return int(model.jnt_qposadr[model.body(root).jntadr[0]])
+
+
 def joints_above(model: mujoco.MjModel, body: int) -> list[int]:
     """Joints between a body and the world, from the body upward; free ones left out."""
     found = []

@@ -1,8 +1,8 @@
 """A robot: an MJCF file and its card, and where in the model the card's parts are.
 
 Shipped robots and a user's own are the same here. Whether the two fit is for
-`checks.parts` and `checks.posture` to say; the equations are in `motion.walkers`, the
-physics in `sim`.
+`checks.parts` and `checks.posture` to say; the equations of motion are in
+`motion.robot_equations`, the physics in `sim`.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from models.description.card import Card
 from models.description.compiled import (
     actuators_of,
     compile_model,
+    free_joint,
     read_spec,
     root_body,
 )
@@ -76,6 +77,33 @@ class Robot:
         """Sign of each leg's lift joint that raises the foot, shape (F,)."""
         return np.array([self.card.legs[leg].raise_sign for leg in self.legs], float)
 
+    def leg_angles(self, swing: np.ndarray, lift: np.ndarray) -> dict[str, np.ndarray]:
+        """Angles of the swing and lift joints when the groups have given angles.
+
+        Args:
+            swing: Angle of each group, shape (..., G) [rad].
+            lift: How far each group is raised, shape (..., G) [rad].
+
+        Returns:
+            For each joint its angle relative to `standing_angle`, shape (...) [rad].
+        """
+        turned, raised = self.joint_angles(swing, lift)
+        return {
+            joint: angles[..., i]
+            for i, leg in enumerate(self.legs)
+            for joint, angles in (
+                (self.card.legs[leg].swing, turned),
+                (self.card.legs[leg].lift, raised),
+            )
+        }
+
+    def joint_angles(
+        self, swing: np.ndarray, lift: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """As `leg_angles`: swing and lift joints of all legs, shape (..., F) each."""
+        of_leg = self.group_of_leg
+        return self.swing_gain * swing[..., of_leg], self.raise_sign * lift[..., of_leg]
+
     def planted(self, stratum: str) -> np.ndarray:
         """Which feet are in contact on a stratum, shape (F,), bool."""
         return np.array([self.groups[g] in stratum for g in self.group_of_leg])
@@ -119,7 +147,7 @@ class Robot:
     @property
     def root_address(self) -> int:
         """Where the free joint's seven numbers begin in qpos."""
-        return int(self.model.jnt_qposadr[self.model.body(self.root).jntadr[0]])
+        return free_joint(self.model, self.root)
 
     def standing_angle(self, joint: str) -> float:
         """Angle of a hinge in the configuration `start_qpos` [rad]."""

@@ -70,4 +70,4 @@ class IdentifiedTwists:
         parts = [
             u[:, None] * f(w) for f, u, w in zip(on, inputs.T, ways.T, strict=True)
         ]
-        return np.asarray(np.sum(parts, axis=0))
+        return np.sum(parts, axis=0)

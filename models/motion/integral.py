@@ -57,17 +57,17 @@ class Integral:
         u = np.clip((clock - begin) / (end - begin), 0.0, 1.0)
         weights = _integrals(u) @ _COEFFICIENTS  # (M, NODES)
         inside = np.einsum("mn,mnc->mc", weights, self.values[panel])
-        return np.asarray(self._starts[panel] + inside)
+        return self._starts[panel] + inside
 
     def at_nodes(self) -> Array:
         """The integral at every node, shape (P, NODES, C)."""
         inside = np.einsum("jn,pnc->pjc", _TO_NODES, self.values)
-        return np.asarray(self._starts[:-1, None] + inside)
+        return self._starts[:-1, None] + inside
 
     @property
     def total(self) -> Array:
         """The integral over all panels, shape (C,)."""
-        return np.asarray(self._starts[-1])
+        return self._starts[-1]
 
     @cached_property
     def _starts(self) -> Array:

@@ -8,9 +8,11 @@ angles, not time.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from models.contact.dissipation import foot_velocities
 from models.contact.kinematics import Kinematics
@@ -18,6 +20,7 @@ from models.motion.integral import FRACTIONS, NODES, Integral
 from models.motion.twists import TwistModel
 from planner import Array
 
+Move = tuple[str, ArrayLike]  # stratum, and change of every group's angle [rad]
 PANEL = 0.05  # [rad]; a stroke is integrated in panels that swing at most this far
 
 
@@ -28,6 +31,28 @@ class Strokes:
     strata: tuple[str, ...]  # groups in contact, for each stroke
     begin: Array  # angles at the start, shape (S, G) [rad]
     change: Array  # shape (S, G) [rad]
+
+    @classmethod
+    def among(
+        cls, moves: Sequence[Move], groups: Sequence[str], start: ArrayLike
+    ) -> tuple[Strokes, Array]:
+        """The strokes among consecutive moves of the groups' angles.
+
+        Args:
+            moves: For each the stratum, and the change of every group's angle [rad].
+            groups: Names of the groups.
+            start: Angles before the first move, shape (G,) [rad].
+
+        Returns:
+            The strokes, and which of the moves they are, shape (moves,), bool.
+        """
+        strata = tuple(stratum for stratum, _ in moves)
+        change = np.array([c for _, c in moves], float).reshape(-1, len(groups))
+        standing = np.array([[g in s for g in groups] for s in strata], bool)
+        loaded = ((change != 0) & standing.reshape(change.shape)).any(axis=1)
+        begin = np.cumsum([np.asarray(start, float), *change], axis=0)[:-1]
+        on = tuple(s for s, is_loaded in zip(strata, loaded, strict=True) if is_loaded)
+        return cls(on, begin[loaded], change[loaded]), loaded
 
 
 @dataclass(frozen=True)
@@ -97,4 +122,4 @@ class _Panels:
         moved = stance.rates * self.rates[..., robot.group_of_leg, None]
         speed = np.linalg.norm(foot_velocities(stance.feet, moved, twist), axis=-1)
         planted = np.array([robot.planted(stratum) for stratum in self.strata])
-        return np.asarray(speed * planted.reshape(-1, 1, len(robot.legs)))
+        return speed * planted.reshape(-1, 1, len(robot.legs))

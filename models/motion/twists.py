@@ -16,7 +16,7 @@ from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics, Stance
 from models.contact.loads import static_loads
 from models.contact.sliding import sliding_twist
-from models.motion.walkers import Equations
+from models.motion.robot_equations import Equations
 from planner import Array
 
 
@@ -47,7 +47,7 @@ class IdealTwists:
         swings = [name for name in on if name in equations.swings]
         directions = np.array([equations.swings[name] for name in swings])
         twists = np.array([equations.twists[name] for name in swings])
-        return np.asarray(rates @ np.linalg.pinv(directions) @ twists)
+        return rates @ np.linalg.pinv(directions) @ twists
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Walkers in units of their own size: those that the paper draws and names.
 
-`motion.walker` makes their equations; here are strata, twists and elements.
+Their equations are made in `motion.equations_of_motion`; the strata, the body twists
+and the elements to steer with stand here.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ from collections.abc import Mapping, Sequence
 
 import sympy as sp
 
-from models.motion.walker import Strata, Twist, walker
+from models.motion.equations_of_motion import Swing, Twist, walking_system
 from models.systems.problem import Problem
+from planner import StratifiedSystem
 
 ALTERNATING = ("12", "1", "12", "2", "12")
 AIR_SWINGS = ("g1_2", "g2_1")  # of the group that is up
+Strata = Mapping[str, Mapping[str, Twist | None]]
 Feet = Mapping[str, Sequence[tuple[float, float]]]  # x, y of each group's feet
 
 
@@ -200,3 +203,29 @@ def _twist(feet: Feet, stratum: str, group: str) -> Twist:
     swing = sp.Matrix([v for owner, *_ in planted for v in (int(owner == group), 0)])
     forward, left, yaw = (slip.T * slip).LUsolve(slip.T * swing)
     return (forward, left, yaw)
+
+
+def walker(
+    strata: Strata, *, heights: bool = True, trailer: float | None = None
+) -> StratifiedSystem:
+    """The stratified system of a walker whose groups swing one by one.
+
+    Args:
+        strata: For each stratum, the bottom one first, the body twist that each group
+            in contact gives when it swings, None if it cannot swing there; the bottom
+            stratum has every group.
+        heights: Whether the state holds foot heights, and the strata fields that lift.
+        trailer: As in `walking_system`.
+    """
+    groups = tuple(next(iter(strata.values())))
+    swings = [
+        Swing(stratum, str(i + 1), _unit(i, len(groups)), twists.get(group))
+        for stratum, twists in strata.items()
+        for i, group in enumerate(groups)
+        if twists.get(group, ()) is not None
+    ]
+    return walking_system(groups, strata, swings, heights=heights, trailer=trailer)
+
+
+def _unit(index: int, size: int) -> tuple[float, ...]:
+    return tuple(float(i == index) for i in range(size))

@@ -27,7 +27,7 @@ def contributions(achieved: Array, predicted: Array) -> Array:
     """
     rest = relative(predicted, predicted[-1])  # predicted way from each pose to the end
     ends = compose(achieved, rest)  # (P + 1, 3)
-    return np.asarray(np.diff(ends, axis=0))
+    return np.diff(ends, axis=0)
 
 
 def error_sources(

@@ -66,7 +66,7 @@ class Evaluation:
 
         They depend on what was commanded alone, not on which rows are written.
         """
-        return np.asarray(self.walking & self.walk.recording.marks.looked)
+        return self.walking & self.walk.recording.marks.looked
 
 
 def evaluate(walk: Walk) -> Evaluation:

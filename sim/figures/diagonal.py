@@ -107,7 +107,7 @@ def matched(planned: Footprints, found: Footprints) -> Array:
         raise ValueError(
             f"{len(found.foot)} footprints found for {len(planned.foot)} planned"
         )
-    return np.asarray(np.hypot(*(found.place - planned.place).T))
+    return np.hypot(*(found.place - planned.place).T)
 
 
 def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:

@@ -100,7 +100,7 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
 def _departure(walked: Walked, name: str) -> Array:
     """Distance of the physics from a prediction at every row, shape (T,) [m]."""
     apart = walked.pose["achieved"] - walked.pose[name]
-    return np.asarray(np.hypot(*apart[:, :2].T))
+    return np.hypot(*apart[:, :2].T)
 
 
 def _least_margin(walked: Walked, name: str) -> Array:

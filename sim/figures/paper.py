@@ -106,7 +106,7 @@ def feet(walked: PaperWalk) -> Array:
         arm = np.array(at) / PIVOT - pivot
         places[:, leg - 1] = pivot + rotate(np.tile(arm, (len(x), 1)), turned)
     moved = rotate(places, yaw[:, None])
-    return np.asarray(moved + np.stack([x, y], axis=-1)[:, None])
+    return moved + np.stack([x, y], axis=-1)[:, None]
 
 
 def standing(walked: PaperWalk) -> Array:

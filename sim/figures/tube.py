@@ -29,7 +29,7 @@ class Tube:
     @property
     def length(self) -> Array:
         """Of one segment, (K,)."""
-        return np.asarray(self.way / self.segments)
+        return self.way / self.segments
 
     @property
     def exponent(self) -> float:

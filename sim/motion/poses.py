@@ -35,7 +35,7 @@ def tilt(qpos: Array, address: int) -> Array:
         address: Where the free joint's seven numbers begin.
     """
     _, x, y, _ = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
-    return np.asarray(2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0)))
+    return 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
 
 
 def seen_from(origin: Array, pose: Array) -> Array:

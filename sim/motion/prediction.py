@@ -14,7 +14,7 @@ import numpy as np
 from models import Kinematics, Strokes, TwistModel, travel
 from planner import Array
 from sim.motion.poses import compose
-from sim.motion.schedule import Phase, Schedule
+from sim.motion.schedule import Schedule
 from sim.motion.stability import stability_margin
 
 
@@ -66,9 +66,10 @@ class Predictor:
             kinematics,
             np.asarray(start_pose, dtype=float),
         )
-        self._begins = _begins(schedule)
-        self._loaded = [_is_loaded(phase, schedule) for phase in schedule.phases]
-        strokes = _strokes(schedule, self._begins, self._loaded)
+        strata = [phase.stratum for phase in schedule.phases]
+        moves = list(zip(strata, schedule.trajectories[0][1], strict=True))
+        start = schedule.begin.swing
+        strokes, self._loaded = Strokes.among(moves, schedule.limits.groups, start)
         self._path = travel(strokes, twists, kinematics)
 
     def angles(self, rows: Array) -> tuple[Array, Array]:
@@ -79,7 +80,7 @@ class Predictor:
         """Predict the motion at steps of the schedule, shape (T,)."""
         swing, lift = self.angles(rows)
         phase = self.schedule.phase_of(rows)
-        clock = _clock(self.schedule, self._begins, self._loaded, phase, swing)
+        clock = _clock(self.schedule, self._loaded, phase, swing)
         contact = _contact(self.schedule, phase, self.kinematics)
         stance = self.kinematics.stance(swing, lift)
         return Prediction(
@@ -90,47 +91,15 @@ class Predictor:
         )
 
 
-def _is_loaded(phase: Phase, schedule: Schedule) -> bool:
-    groups = schedule.limits.groups
-    on_ground = any(groups[i] in phase.stratum for i in phase.moving)
-    return phase.kind == "swing" and on_ground
-
-
-def _changes(schedule: Schedule) -> Array:
-    """Change of every group's swing angle in each phase, shape (phases, G)."""
-    changes = np.zeros((len(schedule.phases), len(schedule.begin.swing)))
-    for row, phase in zip(changes, schedule.phases, strict=True):
-        if phase.kind == "swing":
-            row[:] = np.multiply(phase.direction, phase.amount)
-    return changes
-
-
-def _begins(schedule: Schedule) -> Array:
-    """Swing angles at the start of each phase and at the end, (phases + 1, G)."""
-    steps = np.concatenate([[schedule.begin.swing], _changes(schedule)])
-    return np.cumsum(steps, axis=0)
-
-
-def _strokes(schedule: Schedule, begins: Array, loaded: list[bool]) -> Strokes:
-    strata = (phase.stratum for phase in schedule.phases)
-    return Strokes(
-        strata=tuple(s for s, on in zip(strata, loaded, strict=True) if on),
-        begin=begins[:-1][loaded],
-        change=np.diff(begins, axis=0)[loaded],
-    )
-
-
-def _clock(
-    schedule: Schedule, begins: Array, loaded: list[bool], phase: Array, swing: Array
-) -> Array:
-    """Each row's moment on the clock of the loaded swings, shape (T,)."""
-    before = np.cumsum(loaded) - loaded  # loaded swings finished before each phase
-    change = np.diff(begins, axis=0)
+def _clock(schedule: Schedule, loaded: Array, phase: Array, swing: Array) -> Array:
+    """Each row's moment on the clock of the strokes, shape (T,)."""
+    begin, change = schedule.trajectories[0]
+    before = np.cumsum(loaded) - loaded  # strokes finished before each phase
     length = np.where(loaded, (change**2).sum(axis=1), 1.0)
-    gone = ((swing - begins[phase]) * change[phase]).sum(axis=1) / length[phase]
-    return np.asarray(before[phase] + np.where(np.array(loaded)[phase], gone, 0.0))
+    gone = ((swing - begin[phase]) * change[phase]).sum(axis=1) / length[phase]
+    return before[phase] + np.where(loaded[phase], gone, 0.0)
 
 
 def _contact(schedule: Schedule, phase: Array, kinematics: Kinematics) -> Array:
     planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
-    return np.asarray(np.array(planted)[phase])
+    return np.array(planted)[phase]

@@ -86,12 +86,12 @@ def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
 
     def covered(t: Array) -> Array:  # integral of the cubic smoothstep, t in [0, 1]
         t = np.clip(t, 0, 1)
-        return np.asarray(t**3 - t**4 / 2)
+        return t**3 - t**4 / 2
 
     full = np.clip(done - rise, 0, np.subtract(steps, np.multiply(2, rise)))
     end = np.maximum(rise, 1)
     ends = covered(done / end) + 0.5 - covered((steps - done) / end)
-    return np.asarray((full + rise * ends) / np.subtract(steps, rise))
+    return (full + rise * ends) / np.subtract(steps, rise)
 
 
 def ramp_steps(
@@ -144,7 +144,7 @@ class Schedule:
         starts, steps, rise = self._timing[:, phase]
         way = ramp(rows + self.start - starts + 1.0, steps, rise)[:, None]
         swing, lift = (
-            begin[phase] + way * change[phase] for begin, change in self._trajectories
+            begin[phase] + way * change[phase] for begin, change in self.trajectories
         )
         return swing, lift
 
@@ -164,8 +164,12 @@ class Schedule:
         return 0 if phase.kind == "hold" else phase.steps // 2
 
     @cached_property
-    def _trajectories(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        """Swing, and lift, of every group as each phase begins, and its change then."""
+    def trajectories(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+        """Trajectories of the swing and of the lift angles, phase by phase.
+
+        Each is the angle of every group as a phase begins and its change during the
+        phase, shape (phases, G) [rad].
+        """
         moved = np.array(
             [np.multiply(p.direction, p.amount) for p in self.phases]
         ).reshape(-1, len(self.begin.swing))

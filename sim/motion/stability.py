@@ -30,7 +30,7 @@ def support_polygons(points: Array, contact: Array) -> Array:
     hulls = np.full(len(points), shapely.GeometryCollection(), dtype=object)
     some = np.unique(rows)
     hulls[some] = shapely.multipoints(standing, indices=np.searchsorted(some, rows))
-    return np.asarray(shapely.convex_hull(hulls))
+    return shapely.convex_hull(hulls)
 
 
 def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
@@ -75,13 +75,13 @@ def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
         return contact
     far = np.linalg.norm(points - center_of_mass[:, None, :2], axis=2)
     nearest = far == far.min(axis=1, keepdims=True)
-    return np.asarray(contact | (nearest & ~standing[:, None]))
+    return contact | (nearest & ~standing[:, None])
 
 
 def _way(places: Array, since: Array) -> Array:
     """At least the way from earlier places to these; (T, ..., 2) to (T, ...)."""
     step = np.abs(places - places[since])
-    return np.asarray(step[..., 0] + step[..., 1])
+    return step[..., 0] + step[..., 1]
 
 
 class LeastMargin:

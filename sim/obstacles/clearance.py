@@ -33,13 +33,13 @@ class Sweep:
     @property
     def least(self) -> Array:
         """Clearance of the whole outline at each sample, shape (T,) [m]."""
-        return np.asarray(self.clearance.min(axis=1, initial=np.inf))
+        return self.clearance.min(axis=1, initial=np.inf)
 
     @property
     def bound(self) -> Array:
         """What the clearance between samples cannot fall below, shape (T - 1,) [m]."""
         ends = self.clearance[:-1] + self.clearance[1:]
-        return np.asarray((ends.min(axis=1, initial=np.inf) - ARC * self.way) / 2)
+        return (ends.min(axis=1, initial=np.inf) - ARC * self.way) / 2
 
 
 @dataclass(frozen=True)
@@ -119,4 +119,4 @@ def _distance(cores: Array, area: shapely.Geometry) -> Array:
         deepest = np.zeros(inside.size)
         np.maximum.at(deepest, owner, np.where(covered, depth, 0.0))
         distance[inside] = -deepest
-    return np.asarray(distance)
+    return distance

@@ -8,7 +8,7 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from models import Robot
+from models import Robot, free_joint
 from planner import Array
 from sim.obstacles.solids import Solids
 
@@ -28,7 +28,7 @@ class Outline:
     @cached_property
     def _root(self) -> int:
         """Where the free joint's positions begin."""
-        return int(self.model.jnt_qposadr[self.model.body(self.robot.root).jntadr[0]])
+        return free_joint(self.model, self.robot.root)
 
     def configurations(self, pose: Array, swing: Array, lift: Array) -> Array:
         """Joint positions of a level body.
@@ -48,12 +48,8 @@ class Outline:
         half, zero = pose[:, 2] / 2, np.zeros(len(pose))
         upright = [np.cos(half), zero, zero, np.sin(half)]
         qpos[:, root + 3 : root + 7] = np.stack(upright, axis=-1)
-        turned = robot.swing_gain * swing[:, robot.group_of_leg]  # (T, F)
-        raised = robot.raise_sign * lift[:, robot.group_of_leg]
-        for i, leg in enumerate(robot.legs):
-            card = robot.card.legs[leg]
-            for joint, angle in ((card.swing, turned[:, i]), (card.lift, raised[:, i])):
-                qpos[:, model.joint(joint).qposadr[0]] += angle
+        for joint, angle in robot.leg_angles(swing, lift).items():
+            qpos[:, model.joint(joint).qposadr[0]] += angle
         return qpos
 
     def radius(self, qpos: Array) -> float:

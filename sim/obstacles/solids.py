@@ -8,7 +8,6 @@ box around them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,13 +15,8 @@ import mujoco
 import numpy as np
 import shapely
 
+from models import ModelError, covering_core
 from planner import Array
-
-Shape = mujoco.mjtGeom
-
-_CORNERS = np.array(
-    [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float
-)
 
 
 @dataclass(frozen=True)
@@ -109,39 +103,26 @@ def hulls(points: Array) -> Array:
         Shapely geometries, shape (T,).
     """
     if points.shape[1] == 1:
-        return np.asarray(shapely.points(points[:, 0]))
+        return shapely.points(points[:, 0])
     if points.shape[1] == 2:
-        return np.asarray(shapely.linestrings(points))
-    return np.asarray(shapely.convex_hull(shapely.linestrings(points)))
+        return shapely.linestrings(points)
+    return shapely.convex_hull(shapely.linestrings(points))
 
 
 def _part(model: mujoco.MjModel, geom: int) -> Part:
-    kind, size = int(model.geom_type[geom]), model.geom_size[geom]
-    if kind == Shape.mjGEOM_MESH:
-        core, radius = _mesh_hull(model, int(model.geom_dataid[geom])), 0.0
-    else:
-        core, radius = _PRIMITIVES[kind](size)
-    return Part(model.geom(geom).name, geom, core, radius)
+    name, core = model.geom(geom).name, covering_core(model, geom)
+    if core is None:
+        raise ModelError(
+            f"geom {name or geom} can collide, and its shape covers no definite floor; "
+            "make it a sphere, a capsule, a box, a cylinder, an ellipsoid or a mesh"
+        )
+    is_mesh = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH
+    points = _hull(core.points) if is_mesh else core.points
+    return Part(name, geom, points, core.radius)
 
 
-def _capsule(size: Array) -> tuple[Array, float]:
-    ends = np.array([(0, 0, -size[1]), (0, 0, size[1])])
-    return ends, float(size[0])
-
-
-_PRIMITIVES: Mapping[int, Callable[[Array], tuple[Array, float]]] = {
-    int(Shape.mjGEOM_SPHERE): lambda size: (np.zeros((1, 3)), float(size[0])),
-    int(Shape.mjGEOM_CAPSULE): _capsule,
-    int(Shape.mjGEOM_CYLINDER): _capsule,
-    int(Shape.mjGEOM_BOX): lambda size: (_CORNERS * size, 0.0),
-    int(Shape.mjGEOM_ELLIPSOID): lambda size: (_CORNERS * size, 0.0),
-}
-
-
-def _mesh_hull(model: mujoco.MjModel, mesh: int) -> Array:
-    """Corners of a mesh's convex hull, which is what collides, shape (k, 3)."""
+def _hull(points: Array) -> Array:
+    """Corners of the convex hull, which is what collides of a mesh, shape (k, 3)."""
     from scipy.spatial import ConvexHull
 
-    first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
-    vertices = model.mesh_vert[first : first + count].astype(float)
-    return np.asarray(vertices[ConvexHull(vertices).vertices])
+    return points[ConvexHull(points).vertices]

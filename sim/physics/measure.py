@@ -59,7 +59,7 @@ class Sensors:
 
     def loaded(self, readings: Readings) -> Array:
         """Whether each foot carries more than `LOADED` of the weight, (n, F), bool."""
-        return np.asarray(readings.force > LOADED * self.weight)
+        return readings.force > LOADED * self.weight
 
     @staticmethod
     def _foot(sensordata: Array, sensors: Sequence[Any]) -> tuple[Array, Array, Array]:

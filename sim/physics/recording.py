@@ -78,7 +78,7 @@ class Recording:
 
     def slip_after(self, step: int) -> Array:
         """Slip of every foot up to a moment that was kept, shape (F,) [m]."""
-        return np.asarray(self.moments.slip[self.moments.step == step][0])
+        return self.moments.slip[self.moments.step == step][0]
 
 
 class Recorder:

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 import mujoco
 import numpy as np
 
-from models import UPRIGHT, Kinematics, Lifting, ModelError, Robot
+from models import UPRIGHT, Kinematics, Lifting, ModelError, Robot, free_joint
 from sim.errors import UsageError
 from sim.physics.engine import silence_the_engine
 from sim.world.sensors import contact_sensor
@@ -75,7 +75,7 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _height(robot: Robot, model: mujoco.MjModel) -> int:
-    return int(model.jnt_qposadr[model.body(robot.root).jntadr[0]]) + 2
+    return free_joint(model, robot.root) + 2
 
 
 def _tipped(robot: Robot, data: mujoco.MjData) -> Iterator[tuple[str, str]]:

@@ -141,8 +141,8 @@ def _support(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
 def _corners(hull: shapely.Geometry) -> Array:
     """Corners of a polygon, anticlockwise; ends of a segment; shape (n, 2)."""
     if isinstance(hull, shapely.Polygon):
-        return np.asarray(shapely.get_coordinates(shapely.orient_polygons(hull))[:-1])
-    return np.asarray(shapely.get_coordinates(hull))
+        return shapely.get_coordinates(shapely.orient_polygons(hull))[:-1]
+    return shapely.get_coordinates(hull)
 
 
 def _weight(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:

@@ -153,7 +153,7 @@ def _nominal(scenario: Scenario) -> Array:
 
 def _points_in_world(start: Array, points: Array) -> Array:
     """Points given in the frame of the start pose, shape (..., 2)."""
-    return np.asarray(start[:2] + rotate(points, start[2]))
+    return start[:2] + rotate(points, start[2])
 
 
 def _in_world(start: Array, pose: Array) -> Array:

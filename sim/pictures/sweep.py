@@ -62,9 +62,7 @@ def swept(robot: Solids, walk: FilmedWalk, clock: Clock) -> Ink:
 def _outlines(robot: Solids, walk: FilmedWalk, rows: Array) -> Array:
     """The floor covered at each row, shapely geometries, shape (rows,)."""
     parts = robot.covered(walk.qpos[rows])
-    return np.asarray(
-        shapely.simplify(shapely.union_all(parts, axis=0), FINENESS * walk.reach)
-    )
+    return shapely.simplify(shapely.union_all(parts, axis=0), FINENESS * walk.reach)
 
 
 def _rings(shape: shapely.Geometry) -> Iterator[Array]:
@@ -78,4 +76,4 @@ def _triangles(shape: shapely.Geometry) -> Array:
     flat = shapely.MultiPolygon([p for p in shapely.get_parts(shape) if p.area])
     pieces = shapely.orient_polygons(shapely.constrained_delaunay_triangles(flat))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)
-    return np.asarray(corners[:, :3])
+    return corners[:, :3]

@@ -168,23 +168,13 @@ def segment_ends(
         twists: Prediction to follow.
         swing: Angle of every group at the start [rad]; all 0 when left out.
     """
-    equations, groups = setup.equations, setup.robot.groups
-    changes = np.array(
-        [np.multiply(equations.swings[f.field], f.duration) for f in planned.flows]
-    ).reshape(-1, len(groups))
-    begin = np.cumsum(changes, axis=0) - changes
-    begin += np.zeros(len(groups)) if swing is None else np.array(swing)
-    standing = np.array(
-        [[g in f.stratum for g in groups] for f in planned.flows], dtype=bool
-    )
-    loaded = ((changes != 0) & standing.reshape(changes.shape)).any(axis=1)
-    strokes = Strokes(
-        strata=tuple(
-            f.stratum for f, on in zip(planned.flows, loaded, strict=True) if on
-        ),
-        begin=begin[loaded],
-        change=changes[loaded],
-    )
+    swings, groups = setup.equations.swings, setup.robot.groups
+    moves = [
+        (flow.stratum, np.multiply(swings[flow.field], flow.duration))
+        for flow in planned.flows
+    ]
+    start = np.zeros(len(groups)) if swing is None else swing
+    strokes, loaded = Strokes.among(moves, groups, start)
     clock = np.concatenate([[0], np.cumsum(loaded)])
     ends = clock[[0, *planned.segment_ends]].astype(float)
     return travel(strokes, twists, setup.kinematics).pose(ends)

@@ -48,7 +48,7 @@ class ClearanceBound:
                     poses[worst], stratum, qpos[worst], clearance[worst]
                 )
             least = np.minimum(least, clearance)
-        return np.asarray(least.reshape(segments, samples).min(axis=1))
+        return least.reshape(segments, samples).min(axis=1)
 
     def _refusal(
         self, pose: Array, stratum: str, qpos: Array, clearance: float
@@ -89,4 +89,4 @@ class ClearanceBound:
                 [np.stack([first, middle], axis=1), np.stack([middle, last], axis=1)]
             )
             bound[open_] = self._between(stage, halves).reshape(2, -1).min(axis=0)
-        return np.asarray(np.where(seen < self.least, seen, bound))
+        return np.where(seen < self.least, seen, bound)

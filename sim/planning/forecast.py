@@ -52,7 +52,7 @@ class ForeseenStretch:
             if phase.kind == "swing":
                 swung = phase.segment
             deciding.append(max(phase.segment - (phase.segment != swung), 0))
-        return np.asarray(np.array(deciding)[self.schedule.phase_of(rows)])
+        return np.array(deciding)[self.schedule.phase_of(rows)]
 
     def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
         """Pose (T, 3), swing and lift (T, G) at steps."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from models import Equations, Kinematics, Lifting, Robot, equations, load
+from models import Equations, Kinematics, Lifting, Robot, equations, free_joint, load
 from planner import (
     Array,
     Coordinates,
@@ -109,8 +109,7 @@ class Setup:
 
     def pose(self, qpos: Array) -> Array:
         """Planar pose of the robot's root in the world, shape (..., 3)."""
-        root = self.model.body(self.robot.root).id
-        return pose_of(qpos, int(self.model.jnt_qposadr[self.model.body_jntadr[root]]))
+        return pose_of(qpos, free_joint(self.model, self.robot.root))
 
     def state(self, pose: Array, swing: tuple[float, ...] | None = None) -> Array:
         """Configuration of the equations, feet on the ground, shape (n,)."""

@@ -41,7 +41,7 @@ class Box:
         """Counter-clockwise, shape (4, 2) [m]."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         own = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) * self.half
-        return np.asarray(own @ np.array([(cos, sin), (-sin, cos)]) + self.center)
+        return own @ np.array([(cos, sin), (-sin, cos)]) + self.center
 
 
 @dataclass(frozen=True)

@@ -29,14 +29,10 @@ class Channels:
         """
         robot, model = self.robot, self.model
         rows = np.tile(model.key("start").ctrl, (len(swing), 1))
-        turned = robot.swing_gain * swing[:, robot.group_of_leg]  # (T, F)
-        raised = robot.raise_sign * lift[:, robot.group_of_leg]
-        for i, leg in enumerate(robot.legs):
-            card = robot.card.legs[leg]
-            for joint, angle in ((card.swing, turned[:, i]), (card.lift, raised[:, i])):
-                place = actuator_of(model, joint)
-                rows[:, place] = robot.standing_angle(joint) + angle
-            for joint in card.hold:
+        for joint, angle in robot.leg_angles(swing, lift).items():
+            rows[:, actuator_of(model, joint)] = robot.standing_angle(joint) + angle
+        for leg in robot.card.legs.values():
+            for joint in leg.hold:
                 rows[:, actuator_of(model, joint)] = robot.standing_angle(joint)
         return np.ascontiguousarray(rows)
 

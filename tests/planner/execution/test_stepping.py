@@ -10,7 +10,7 @@ from models.contact.loads import static_loads
 from models.contact.static_stability import StaticStability
 from models.library import load
 from models.morphology.shipped import QUADRUPED
-from models.motion.walkers import equations
+from models.motion.robot_equations import equations
 from planner.errors import StratumError
 from planner.execution.execution import Execution
 from planner.extension.extended import extend

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 from models.contact.dissipation import foot_velocities
 from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
+from models.motion.robot_equations import equations
 from models.motion.twists import IdealTwists, QuasiStaticTwists
-from models.motion.walkers import equations
 from planner.systems.flows import Flow
 from sim.motion.prediction import predict
 from sim.motion.schedule import LegState, MotionLimits, Scheduler

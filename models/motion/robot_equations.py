@@ -1,10 +1,9 @@
-"""The equations of motion of a robot on its strata, eqs. (16)-(18), from its card.
+"""A robot's equations of motion, eqs. (16)-(19), with the elements to steer it by.
 
-Configuration: x, y, theta, one swing angle `phi_G` and one foot height `height_G` for
-each group. The field `gS_i` swings group i on stratum S; fields numbered beyond the
-groups raise those in the air, in order, as g_{1,3} does in eq. (17). Where the card
-names patterns of groups that swing together, `gS_NAME` swings these instead of single
-groups that stand.
+The card says which groups of legs there are and which gait they walk; the twist of each
+swing is the card's claim or follows from contact kinematics. The field `gS_i` swings
+group i on stratum S. Where the card names patterns of groups that swing together,
+`gS_NAME` swings these instead of single groups that stand.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ from math import hypot
 from typing import Literal
 
 import numpy as np
-import sympy as sp
 
 from models.contact.dissipation import least_dissipation_twist
 from models.contact.kinematics import Kinematics
@@ -24,6 +22,12 @@ from models.contact.static_stability import StaticStability
 from models.description.card import Twist
 from models.description.robot import Robot
 from models.errors import ModelError
+from models.motion.equations_of_motion import (
+    POSE,
+    Direction,
+    Swing,
+    walking_system,
+)
 from planner import (
     Execution,
     Path,
@@ -34,9 +38,7 @@ from planner import (
 )
 
 Fields = Literal["paper", "lifted"]
-Direction = tuple[float, ...]  # rate of each group's angle per unit of a field
 STILL: Twist = (0.0, 0.0, 0.0)
-POSE = ("x", "y", "theta")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,20 +74,6 @@ class Equations:
         return hypot(*self.twists[field][:2])
 
 
-@dataclass(frozen=True, slots=True)
-class _Swing:
-    """One way to swing groups on a stratum."""
-
-    stratum: str
-    label: str  # after the stratum in the field's name
-    direction: Direction
-    twist: Twist | None  # None in the air
-
-    @property
-    def name(self) -> str:
-        return f"g{self.stratum}_{self.label}"
-
-
 def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     """The stratified system of a robot with constant twists.
 
@@ -99,9 +87,9 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         ModelError: If groups do not stand where they swing, or cannot be steered.
     """
     swings = [swing for stratum in strata(robot) for swing in _swings(robot, stratum)]
-    system = _system(robot, swings)
+    contacts = {name: name for name in strata(robot)}
     return Equations(
-        system=system,
+        system=walking_system(robot.groups, contacts, swings),
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
@@ -130,21 +118,21 @@ def strata(robot: Robot) -> tuple[str, ...]:
     return tuple(dict.fromkeys((robot.card.bottom, *robot.card.gait)))
 
 
-def _swings(robot: Robot, stratum: str) -> Iterator[_Swing]:
+def _swings(robot: Robot, stratum: str) -> Iterator[Swing]:
     """Swings on a stratum: single groups, or patterns in place of those that stand."""
     patterns = robot.card.patterns
     for i, group in enumerate(robot.groups):
         direction = _unit(robot, i)
         if group not in stratum:
-            yield _Swing(stratum, str(i + 1), direction, None)
+            yield Swing(stratum, str(i + 1), direction, None)
         elif not patterns:
             twist = group_twist(robot, group)
-            yield _Swing(stratum, str(i + 1), direction, twist)
+            yield Swing(stratum, str(i + 1), direction, twist)
     for name, pattern in patterns.items():
         if stratum in pattern.strata:
             direction = tuple(pattern.groups.get(g, 0.0) for g in robot.groups)
             twist = pattern.twist or twist_at_rest(robot, stratum, direction)
-            yield _Swing(stratum, name, direction, twist)
+            yield Swing(stratum, name, direction, twist)
 
 
 def _unit(robot: Robot, index: int) -> Direction:
@@ -187,48 +175,7 @@ def _clean(value: float) -> float:
     return round(float(value), 9) + 0.0
 
 
-def _system(robot: Robot, swings: list[_Swing]) -> StratifiedSystem:
-    x, y, theta = sp.symbols("x y theta")
-    phi = [sp.Symbol(f"phi_{group}") for group in robot.groups]
-    height = {group: sp.Symbol(f"height_{group}") for group in robot.groups}
-    fields: dict[str, dict[str, sp.Matrix]] = {name: {} for name in strata(robot)}
-    for swing in swings:
-        body = _body_velocity(swing.twist or STILL, theta)
-        angles = [_exact(rate) for rate in swing.direction]
-        column = sp.Matrix([*body, *angles, *[sp.S.Zero] * len(height)])
-        fields[swing.stratum][swing.name] = column
-    for name in fields:
-        for number, group in enumerate(_lifted(robot, name), len(robot.groups) + 1):
-            raised = [sp.Integer(other == group) for other in robot.groups]
-            still = [sp.S.Zero] * (3 + len(phi))
-            fields[name][f"g{name}_{number}"] = sp.Matrix([*still, *raised])
-    return StratifiedSystem(
-        state=(x, y, theta, *phi, *height.values()),
-        strata=fields,
-        bottom=robot.card.bottom,
-        level_sets={
-            name: tuple(height[group] for group in robot.groups if group in name)
-            for name in fields
-        },
-    )
-
-
-def _lifted(robot: Robot, stratum: str) -> list[str]:
-    return [group for group in robot.groups if group not in stratum]
-
-
-def _body_velocity(twist: Twist, theta: sp.Symbol) -> tuple[sp.Expr, ...]:
-    forward, left, yaw = map(_exact, twist)
-    cos, sin = sp.cos(theta), sp.sin(theta)
-    return (forward * cos - left * sin, forward * sin + left * cos, yaw)
-
-
-def _exact(value: float) -> sp.Expr:
-    """Whole numbers as such, so that zeros vanish from the brackets."""
-    return sp.Integer(int(value)) if float(value).is_integer() else sp.Float(value)
-
-
-def _elements(robot: Robot, swings: list[_Swing], fields: Fields) -> tuple[str, ...]:
+def _elements(robot: Robot, swings: list[Swing], fields: Fields) -> tuple[str, ...]:
     """Loaded swings to steer with, every group's swing in the air, and one bracket."""
     if robot.card.patterns:
         loaded = [swing for swing in swings if swing.twist is not None]
@@ -251,7 +198,7 @@ def _elements(robot: Robot, swings: list[_Swing], fields: Fields) -> tuple[str, 
     return (*names, *_air_swings(robot, swings), f"[{names[0]},{names[1]}]")
 
 
-def _air_swings(robot: Robot, swings: list[_Swing]) -> list[str]:
+def _air_swings(robot: Robot, swings: list[Swing]) -> list[str]:
     """For each group its swing on the first stratum where it is in the air."""
     first: dict[Direction, str] = {}
     for swing in swings:

@@ -1,0 +1,107 @@
+"""Equations of motion of a body that legs carry over the floor, eqs. (16)-(18).
+
+The configuration consists of the pose x, y, theta, a swing angle `phi_G` for each group
+of legs G that moves as one, and a foot height `height_G` for each. A field swings one
+or several groups: those in contact move the body, those in the air only their own
+angles. Further fields, numbered after the groups, raise the groups in the air in order,
+as g_{1,3} does in eq. (17).
+
+How far a swing moves the body is given here; contact kinematics or a robot's card
+decide it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy as sp
+
+from planner import StratifiedSystem
+
+Twist = tuple[Any, Any, Any]  # numbers or expressions: forward, left, yaw per unit
+Direction = tuple[float, ...]  # rate of each group's angle per unit of a field
+POSE = sp.symbols("x y theta")
+STILL: Twist = (0, 0, 0)
+EXACT = 2**53  # up to here floats hold every whole number
+
+
+@dataclass(frozen=True, slots=True)
+class Swing:
+    """One way to swing groups of legs on a stratum."""
+
+    stratum: str
+    label: str  # after the stratum in the field's name
+    direction: Direction
+    twist: Twist | None  # of the body, per unit; None for groups in the air
+
+    @property
+    def name(self) -> str:
+        """Name of the field, as in `g12_1`."""
+        return f"g{self.stratum}_{self.label}"
+
+
+def walking_system(
+    groups: Sequence[str],
+    contacts: Mapping[str, Collection[str]],
+    swings: Iterable[Swing],
+    *,
+    heights: bool = True,
+    trailer: float | None = None,
+) -> StratifiedSystem:
+    """The stratified system of a walking body.
+
+    Args:
+        groups: Names of the groups of legs.
+        contacts: Groups in contact on each stratum, the bottom stratum first.
+        swings: Fields that swing groups.
+        heights: Whether the state holds foot heights, and the strata fields that lift.
+        trailer: Distance from a hitch at the body's centre to the axle of a trailer,
+            whose heading `psi` then follows theta in the state; None tows none.
+    """
+    phi = [sp.Symbol(f"phi_{group}") for group in groups]
+    height = {g: sp.Symbol(f"height_{g}") for g in groups} if heights else {}
+    towed = () if trailer is None else (sp.Symbol("psi"),)
+    fields: dict[str, dict[str, list[sp.Expr]]] = {stratum: {} for stratum in contacts}
+    for swing in swings:
+        velocity = _velocity(swing.twist or STILL, trailer)
+        angles = map(_exact, swing.direction)
+        column = [*velocity, *angles, *[sp.S.Zero] * len(height)]
+        fields[swing.stratum][swing.name] = column
+    for stratum, standing in contacts.items():
+        lifted = [group for group in height if group not in standing]
+        for number, group in enumerate(lifted, len(groups) + 1):
+            still = [sp.S.Zero] * (len(POSE) + len(towed) + len(phi))
+            raised = [sp.Integer(other == group) for other in groups]
+            fields[stratum][f"g{stratum}_{number}"] = [*still, *raised]
+    return StratifiedSystem(
+        state=(*POSE, *towed, *phi, *height.values()),
+        strata=fields,
+        bottom=next(iter(contacts)),
+        level_sets={
+            stratum: tuple(height[group] for group in groups if group in standing)
+            for stratum, standing in contacts.items()
+        }
+        if heights
+        else {},
+    )
+
+
+def _velocity(twist: Twist, trailer: float | None) -> list[sp.Expr]:
+    """Rates of x, y, theta and, where a trailer is towed, psi."""
+    forward, left, yaw = map(_exact, twist)
+    theta = POSE[2]
+    cos, sin = sp.cos(theta), sp.sin(theta)
+    body = [forward * cos - left * sin, forward * sin + left * cos, yaw]
+    if trailer is None:
+        return body
+    behind = theta - sp.Symbol("psi")  # the axle follows the hitch without sideslip
+    return [*body, (forward * sp.sin(behind) + left * sp.cos(behind)) / trailer]
+
+
+def _exact(value: Any) -> sp.Expr:
+    """Floats that are whole as integers, so that zeros vanish from the brackets."""
+    exact = sp.sympify(value)
+    whole = exact.is_Float and float(exact).is_integer() and abs(exact) < EXACT
+    return sp.Integer(int(exact)) if whole else exact
