@@ -13,7 +13,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from importlib import import_module
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from sim.errors import ExitCode, Terminated, UsageError, exit_code, one_line
 from sim.pictures import gl
@@ -42,6 +42,17 @@ class Parser(argparse.ArgumentParser):
             UsageError: Always.
         """
         raise UsageError(message, "the command line", f"see {self.prog} --help")
+
+
+class Version(argparse.Action):
+    """Print the version of the package that is installed, and end."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
+        """Print it; the package's metadata are read no earlier than this."""
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('stratawalk')}")
+        parser.exit()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -77,6 +88,9 @@ def _execute(words: Sequence[str]) -> int:
 def parser() -> Parser:
     """The command line of every command."""
     stratawalk = Parser("stratawalk", description=DESCRIPTION, allow_abbrev=False)
+    stratawalk.add_argument(
+        "--version", action=Version, nargs=0, help="print the version and end"
+    )
     commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
     for name in COMMANDS:
         module = import_module(f"sim.commands.{name}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ from sim.motion.schedule import Phase
 from sim.motion.stability import BLOCK, carrying, stability_margin
 from sim.walking.walker import Walk
 
-Summary = dict[str, object]
+Summary = dict[str, Any]
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,12 @@ LAYERS = {
     "models": {"planner", "models"},
     "sim": {"planner", "models", "sim"},
     "scripts": {"planner", "models", "sim", "scripts"},
+    "examples": {"planner", "models", "sim"},
 }
+DOORS = {"planner", "models", "sim"}
 ONLY_IN = {
     "mujoco": {"models", "sim", "scripts"},
-    "sympy": {"planner", "models"},
+    "sympy": {"planner", "models", "examples"},
     "imageio": {"sim"},
     "imageio_ffmpeg": {"sim"},
     "PIL": {"sim"},
@@ -57,8 +59,12 @@ def imports(path):
             yield "." * node.level + (node.module or "")
 
 
+def top(name):
+    return name.partition(".")[0]
+
+
 def tops(path):
-    return {name.partition(".")[0] for name in imports(path)}
+    return {top(name) for name in imports(path)}
 
 
 def test_there_are_files_to_check():
@@ -69,6 +75,12 @@ def test_there_are_files_to_check():
 def test_imports_point_downwards():
     ours = LAYERS.keys() | {"tests"}
     no((path, tops(path) & ours - LAYERS[layer_of(path)]) for path in SOURCES)
+
+
+def test_examples_go_through_the_front_doors():
+    examples = [path for path in SOURCES if layer_of(path) == "examples"]
+    inner = {path: [n for n in imports(path) if "." in n] for path in examples}
+    no((path, [n for n in names if top(n) in DOORS]) for path, names in inner.items())
 
 
 def test_imports_are_absolute():

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -123,6 +124,12 @@ def test_every_command_answers_help(stratawalk):
         done = stratawalk(name, "--help")
         assert (done.returncode, done.stderr) == (0, "")
         assert f"stratawalk {name}" in done.stdout
+
+
+def test_version_is_that_of_the_package(stratawalk):
+    done = stratawalk("--version")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"stratawalk {version('stratawalk')}\n"
 
 
 def test_scenarios_lists_what_is_shipped(stratawalk):
