@@ -2,12 +2,15 @@
 
 import sympy as sp
 
+from planner.lie.hall import hall_basis
+from planner.systems.flows import Flow, visits
 from planner.systems.strata import StratifiedSystem
 
 X, Y, THETA = sp.symbols("x y theta")
 PAPER = ("g12_1", "g12_2", "g1_2", "g2_1", "[g12_1,g12_2]")
 LIFTED = ("g1_1", "g2_2", "g1_2", "g2_1", "[g1_1,g2_2]")
 GAIT = ("12", "1", "12", "2", "12")
+LIFTS = {"1": "g1_3", "2": "g2_3"}  # fields that raise a tripod, by stratum
 METRES = {"stride": 0.0378, "yaw_gain": 0.56}  # of the robot that walks, [m/rad], [1]
 
 
@@ -34,6 +37,26 @@ def hexapod(stride=1, yaw_gain=1, *, heights=False):
     strata["2"]["g2_3"] = field("height_1")
     h1, h2 = state[5:]
     return StratifiedSystem(state, strata, "12", {"12": [h1, h2], "1": [h1], "2": [h2]})
+
+
+def with_lifts(flows, height, lifts):
+    """Flows with the lift-off before and the touchdown after each visit, eq. (12).
+
+    `lifts` names for each stratum the field that raises the foot in the air there.
+    """
+    complete = []
+    for visit in visits(flows):
+        stratum = visit[0].stratum
+        if lift := lifts.get(stratum):
+            visit = [Flow(stratum, lift, height), *visit, Flow(stratum, lift, -height)]
+        complete += visit
+    return complete
+
+
+def hall_elements(names):
+    """Elements of the Hall basis by their names."""
+    named = {str(element): element for element in hall_basis(4, 5)}
+    return tuple(named[name] for name in names)
 
 
 def heisenberg():

@@ -12,8 +12,6 @@ The conventions are those of Lafferriere and Sussmann, the paper's [3]:
 
 from __future__ import annotations
 
-import json
-import reprlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
@@ -88,26 +86,3 @@ def degree(element: Element) -> int:
     if isinstance(element, Bracket):
         return degree(element.left) + degree(element.right)
     return 1
-
-
-def element_of(text: str) -> Element:
-    """The element that `str` writes as the text, in the Hall basis or not.
-
-    Raises:
-        ValueError: The text is neither a generator's number nor a bracket of elements.
-    """
-    try:
-        return _element(json.loads(text))
-    except (ValueError, RecursionError):
-        raise ValueError(
-            f"{reprlib.repr(text)} is no element; write a generator's number from 1 "
-            "on, or a bracket of two elements such as [1,[1,2]]"
-        ) from None
-
-
-def _element(tree: object) -> Element:
-    if type(tree) is int and tree >= 1:
-        return tree
-    if isinstance(tree, list) and len(tree) == 2:
-        return Bracket(_element(tree[0]), _element(tree[1]))
-    raise ValueError(tree)

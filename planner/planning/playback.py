@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.numerics.collocation import follow
 from planner.planning.algorithm import Plan
-from planner.systems.flows import Flow, require_flows
+from planner.systems.flows import Flow, flow_map, require_flows
 from planner.systems.strata import StratifiedSystem
 
 
@@ -46,7 +45,7 @@ def play(
             "needed"
         )
     for flow in flows:
-        velocity = system.compiled(flow.field).velocity
         for _ in range(samples):
-            states.append(follow(velocity, states[-1], flow.duration / samples))
+            part = flow.duration / samples
+            states.append(flow_map(system, flow.field, states[-1], part))
     return np.array(states)

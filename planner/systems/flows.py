@@ -1,7 +1,8 @@
-"""Flows along the fields of strata, and the lifts and landings between them.
+"""Sequences of flows along the fields of strata, eqs. (2) and (12).
 
-A sequence of flows is in time order. It names strata; how feet get from one stratum to
-the next is inserted here from the fields that move foot heights (eq. 12).
+A sequence of flows is in time order. Every flow names the stratum that it runs on, so
+the lift-offs and touchdowns of eq. (12) are implied wherever the stratum changes; the
+route through the graph of strata, `StratifiedSystem.route`, says which feet they move.
 """
 
 from __future__ import annotations
@@ -12,16 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from planner.errors import StratumError, unknown
+from planner.errors import unknown
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import follow
-from planner.systems.fields import NumericField, VectorField
-from planner.systems.level_sets import LevelSet
 from planner.systems.strata import StratifiedSystem, steps
 
 
 class Flow(NamedTuple):
-    """Flow along one field of one stratum for a signed time."""
+    """The flow phi_t^g along one field of one stratum for a signed time, eq. (2)."""
 
     stratum: str
     field: str
@@ -32,11 +31,12 @@ class Flow(NamedTuple):
 
 
 class Word(NamedTuple):
-    """Flows of a segment in time order, before they are grouped by stratum.
+    """The flows of a segment in time order, before they are grouped by stratum.
 
     Attributes:
-        fields: Names of the fields; words of many segments share theirs.
-        durations: Their signed durations.
+        fields: Names of the fields. Segments whose words have the same fields share one
+            tuple.
+        durations: Signed duration of the flow along each of them.
     """
 
     fields: tuple[str, ...]
@@ -44,10 +44,11 @@ class Word(NamedTuple):
 
 
 def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
-    """Refuse flows that a system does not have.
+    """Check that a system has the strata and fields that flows name.
 
     Raises:
-        ValueError: A stratum is unknown, or lacks a field, or a time is not finite.
+        ValueError: A stratum or a field is unknown, a field belongs to another stratum,
+            or a duration is not finite.
     """
     for stratum, field in dict.fromkeys(flow[:2] for flow in flows):
         if stratum not in system.strata:
@@ -61,11 +62,11 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
             )
     for flow in flows:
         if not math.isfinite(flow.duration):
-            raise ValueError(f"flow {flow} is not of a finite time")
+            raise ValueError(f"the duration of flow {flow} is not finite")
 
 
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
-    """Join consecutive flows of one field; those that cancel disappear."""
+    """Join consecutive flows along one field, and drop those that cancel."""
     joined: list[Flow] = []
     for flow in flows:
         if joined and joined[-1][:2] == flow[:2]:
@@ -76,7 +77,7 @@ def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
 
 
 def visits(flows: Iterable[Flow]) -> list[list[Flow]]:
-    """Maximal runs of flows on one stratum."""
+    """Split a sequence of flows where the stratum changes."""
     runs: list[list[Flow]] = []
     for flow in flows:
         if runs and runs[-1][0].stratum == flow.stratum:
@@ -89,13 +90,15 @@ def visits(flows: Iterable[Flow]) -> list[list[Flow]]:
 def contact_switches(
     system: StratifiedSystem, flows: Iterable[Flow], start: str = "", goal: str = ""
 ) -> int:
-    """Commanded lifts plus landings, the first lift and the final landing included.
+    """Number of lift-offs and touchdowns that a sequence of flows implies, eq. (12).
+
+    The first lift-off and the final touchdown are included.
 
     Args:
-        system: System whose graph of strata says how feet get from one to the next.
+        system: System whose graph of strata gives the way from one stratum to another.
         flows: Flows in time order.
-        start: Stratum at rest before the first flow; the bottom stratum if empty.
-        goal: Stratum at rest after the last one; the bottom stratum if empty.
+        start: Stratum before the first flow; the bottom stratum if empty.
+        goal: Stratum after the last flow; the bottom stratum if empty.
     """
     walk = [start or system.bottom]
     walk += [run[0].stratum for run in visits(merged(flows))]
@@ -106,80 +109,17 @@ def contact_switches(
 def flow_map(
     system: StratifiedSystem, name: str, x: Sequence[float] | Array, duration: float
 ) -> Array:
-    """The configuration after flowing along a field, shape (n,)."""
-    velocity = system.compiled(name).velocity
-    return follow(velocity, np.asarray(x, dtype=float), duration)
-
-
-def with_lifts(
-    system: StratifiedSystem,
-    flows: Iterable[Flow],
-    height: float,
-    start: str = "",
-    goal: str = "",
-) -> tuple[Flow, ...]:
-    """Insert the flows that lift and land feet between strata, as in eq. (12).
+    """The configuration phi_t^g(x) after a flow along a field, eq. (2), shape (n,).
 
     Args:
-        system: System with foot heights in its state and fields that move them alone.
-        flows: Flows in time order.
-        height: Foot height to lift to, in the unit of the level sets.
-        start: Stratum at rest before the first flow; the bottom stratum if empty.
-        goal: Stratum at rest after the last one; the bottom stratum if empty.
+        system: System that has the field.
+        name: Name of the field g.
+        x: Configuration before the flow, shape (n,).
+        duration: Signed duration t.
 
     Raises:
-        StratumError: No field moves a foot's height by itself.
+        ValueError: The system has no such field.
+        ConvergenceError: The flow escapes to infinity, or the field is not smooth.
     """
-    complete: list[Flow] = []
-    here = start or system.bottom
-    for flow in flows:
-        complete += _transition(system, here, flow.stratum, height)
-        complete.append(flow)
-        here = flow.stratum
-    return (*complete, *_transition(system, here, goal or system.bottom, height))
-
-
-def _transition(
-    system: StratifiedSystem, start: str, goal: str, height: float
-) -> list[Flow]:
-    moves = []
-    for here, there in steps(system.route(start, goal)):
-        landing = system.contacts[here] < system.contacts[there]
-        high = (
-            here if landing else there
-        )  # a lift field acts where its foot is in the air
-        for contact in sorted(system.contacts[here] ^ system.contacts[there]):
-            name, rate = lift_field(system, high, contact)
-            moves.append(Flow(high, name, (-height if landing else height) / rate))
-    return moves
-
-
-def lift_field(
-    system: StratifiedSystem, stratum: str, contact: str
-) -> tuple[str, float]:
-    """The field that moves one foot's height on a stratum, and its rate.
-
-    It changes the height at a constant rate and no other height that the bottom
-    stratum keeps at zero.
-
-    Raises:
-        StratumError: There is none.
-    """
-    heights = system.level_set(system.bottom).functions
-    for name, column in system.strata[stratum].items():
-        rates = _constant_rates(column, system.level_set(system.bottom))
-        moved = [str(h) for h, rate in zip(heights, rates, strict=True) if rate]
-        if moved == [contact] and np.isfinite(rates).all():
-            return name, float(rates.sum())
-    raise StratumError(
-        f"no field of S{stratum} moves {contact} alone; give it one, or leave lifts "
-        "out of the flows"
-    )
-
-
-def _constant_rates(column: VectorField, heights: LevelSet) -> Array:
-    """Rates of the heights along a field where they are constant, else nan."""
-    if isinstance(column, NumericField):
-        return np.full(len(heights.functions), np.nan)
-    rates = heights.differential * column
-    return np.array([float(r) if r.is_number else np.nan for r in rates])
+    velocity = system.compiled(name).velocity
+    return follow(velocity, np.asarray(x, dtype=float), duration)

@@ -9,7 +9,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.playback import play, rollout
-from planner.systems.flows import with_lifts
+from tests.systems import with_lifts
 
 EXACT = 1e-9  # what a nilpotent plan promises; rounding is far below
 
@@ -37,7 +37,8 @@ def test_fingers_part_from_the_disc_and_return():
         8,
         execution=Execution(stance="centred", limits=problem.limits),
     )
-    lifted = with_lifts(problem.system, planned.flows, 0.01)
+    lifts = {step: f"lift_{step}" for step in problem.system.strata if step != "123"}
+    lifted = with_lifts(planned.flows, 0.01, lifts)
     states = play(problem.system, lifted, planned.start)
     assert states[-1] == pytest.approx(problem.states[1], abs=EXACT)
     off = states[:, 4:] > 0.005

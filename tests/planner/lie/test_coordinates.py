@@ -19,12 +19,13 @@ from planner.lie.coordinates import (
     product,
 )
 from planner.lie.free_lie import lie_algebra
-from planner.lie.hall import element_of, hall_basis
+from planner.lie.hall import hall_basis
 from planner.lie.tensor import Tensor
 from planner.numerics.collocation import collocation
+from tests.systems import hall_elements
 
 BASES = [hall_basis(2, 5), hall_basis(3, 3), hall_basis(4, 2), hall_basis(1, 1)]
-PAPER = tuple(map(element_of, ["1", "2", "3", "4", "[1,2]"]))  # the elements of Sec. 6
+PAPER = hall_elements(["1", "2", "3", "4", "[1,2]"])  # the elements of Sec. 6
 ROUNDING = 1e-11  # measured: below 1e-12 for coordinates up to 1
 
 some = settings(max_examples=25, deadline=None)

@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from planner.lie.free_lie import LieAlgebra, lie_algebra, structure_constants
-from planner.lie.hall import degree, element_of, hall_basis
+from planner.lie.hall import Bracket, degree, hall_basis
 from planner.lie.tensor import Tensor
+from tests.systems import hall_elements
 
 BASES = [hall_basis(2, 6), hall_basis(3, 4), hall_basis(4, 3)]
-CHAINED = tuple(map(element_of, ["1", "2", "[1,2]", "[1,[1,2]]", "[1,[1,[1,2]]]"]))
+CHAINED = hall_elements(["1", "2", "[1,2]", "[1,[1,2]]", "[1,[1,[1,2]]]"])
 
 few = settings(max_examples=25, deadline=None)  # exact numbers are slow
 
@@ -143,18 +144,18 @@ def test_elements_that_vanish_change_nothing_else(data):
 
 
 def test_a_basis_that_lacks_an_element_of_its_brackets_is_refused():
-    basis = tuple(map(element_of, ["1", "2", "[1,[1,2]]"]))
+    basis = hall_elements(["1", "2", "[1,[1,2]]"])
     message = r"has \[1,\[1,2\]\] but not \[1,2\], .*; add \[1,2\], or leave out"
     with pytest.raises(ValueError, match=message):
         LieAlgebra(basis)
 
 
-@pytest.mark.parametrize("names", [["2", "1"], ["1", "2", "[2,1]"], ["1", "1"]])
-def test_a_basis_out_of_order_or_not_of_hall_elements_is_refused(names):
+@pytest.mark.parametrize("basis", [(2, 1), (1, 2, Bracket(2, 1)), (1, 1)])
+def test_a_basis_out_of_order_or_not_of_hall_elements_is_refused(basis):
     with pytest.raises(
         ValueError, match="is not a part of the Hall basis in its order"
     ):
-        LieAlgebra(tuple(map(element_of, names)))
+        LieAlgebra(basis)
 
 
 def test_an_empty_basis_is_refused():
@@ -168,7 +169,7 @@ def test_a_basis_without_generators_is_refused():
     with pytest.raises(
         ValueError, match="is not a part of the Hall basis in its order"
     ):
-        LieAlgebra((element_of("[1,2]"),))
+        LieAlgebra((Bracket(1, 2),))
 
 
 def test_exponentials_and_logarithms_refuse_other_constant_terms():

@@ -1,11 +1,11 @@
-"""The Hall basis: its size, its order, its completeness, and elements as text."""
+"""The Hall basis: its size, its order, its completeness, its names."""
 
 from itertools import product
 
 import pytest
 from sympy import divisors, mobius
 
-from planner.lie.hall import Bracket, degree, element_of, hall_basis
+from planner.lie.hall import Bracket, degree, hall_basis
 
 SMALL = [(1, 4), (2, 6), (3, 5), (4, 4), (11, 2)]
 
@@ -61,24 +61,6 @@ def test_elements_are_written_without_spaces():
         "[1,[1,2]]",
         "[2,[1,2]]",
     ]
-
-
-@pytest.mark.parametrize("element", hall_basis(3, 4), ids=str)
-def test_elements_are_read_back_from_their_text(element):
-    assert element_of(str(element)) == element
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        *("", "0", "-1", "1.0", "true", "[1]", "[1,2,3]", "[1,[2]]", "[1,2", "g1"),
-        "[1," * 9999,
-    ],
-    ids=lambda text: text[:9],
-)
-def test_text_that_is_no_element_is_refused(text):
-    with pytest.raises(ValueError, match="is no element; write a generator's number"):
-        element_of(text)
 
 
 def test_a_basis_without_generators_or_degrees_is_refused():

@@ -15,15 +15,17 @@ from planner.planning.paths import ellipse, line, waypoints
 from planner.planning.playback import play, rollout
 from planner.planning.replanning import plan_step
 from planner.systems.fields import NumericField
-from planner.systems.flows import contact_switches, with_lifts
+from planner.systems.flows import contact_switches
 from planner.systems.strata import StratifiedSystem
 from tests.systems import (
     LIFTED,
+    LIFTS,
     PAPER,
     chained,
     flat_power,
     heisenberg,
     hexapod,
+    with_lifts,
 )
 
 ROUNDING = 1e-12
@@ -45,7 +47,7 @@ def test_plan_ends_in_the_stratum_it_started_in(paper):
     planned = plan(paper, DIAGONALLY, 4)
     assert (planned.depart, planned.arrive) == ("12", "12")
     robot = hexapod(heights=True)
-    lifted = with_lifts(robot, planned.flows, height=0.1)
+    lifted = with_lifts(planned.flows, 0.1, LIFTS)
     end = play(robot, lifted, np.zeros(7))[-1]
     assert end[5:] == pytest.approx([0, 0], abs=ROUNDING)
 

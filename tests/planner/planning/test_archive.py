@@ -57,7 +57,10 @@ def test_files_that_are_no_plans_are_refused(tmp_path, text, message):
         ({"flows": [["12", "g9", 1.0]]}, "field g9 is unknown"),
         ({"flows": [["12", "g1_1", 1.0]]}, "the field belongs to S1; save the plan ag"),
         ({"flows": [["9", "g1_1", 1.0]]}, "stratum '9', which is unknown"),
-        ({"flows": [["1", "g1_1", float("nan")]]}, "is not of a finite time"),
+        (
+            {"flows": [["1", "g1_1", float("nan")]]},
+            "flow .* is not finite",
+        ),
         ({"flows": [["1", "g1_1", "long"]]}, "could not convert string to float"),
         (
             {"segment_ends": [99]},

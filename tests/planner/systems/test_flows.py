@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-import sympy as sp
 
-from planner.errors import StratumError
 from planner.planning.playback import play
 from planner.systems.flows import (
     Flow,
@@ -12,10 +10,8 @@ from planner.systems.flows import (
     flow_map,
     merged,
     visits,
-    with_lifts,
 )
-from planner.systems.strata import StratifiedSystem
-from tests.systems import hexapod
+from tests.systems import LIFTS, hexapod, with_lifts
 
 START = np.array([0.2, -0.1, 0.4, 0.1, -0.2, 0.0, 0.0])
 SWINGS = (Flow("1", "g1_2", 0.7), Flow("2", "g2_1", -0.4))  # eq. (14)
@@ -60,7 +56,7 @@ def test_flow_map_of_a_tripod_is_an_arc():
 def test_lifts_and_landings_reach_the_same_state_as_the_flows_alone():
     # eq. (12) = eq. (14): lifting commutes with swinging
     robot = hexapod(heights=True)
-    lifted = with_lifts(robot, SWINGS, height=0.03)
+    lifted = with_lifts(SWINGS, 0.03, LIFTS)
     assert [flow.field for flow in lifted] == [
         "g1_3", "g1_2", "g1_3", "g2_3", "g2_1", "g2_3",
     ]  # fmt: skip
@@ -70,7 +66,7 @@ def test_lifts_and_landings_reach_the_same_state_as_the_flows_alone():
 
 def test_lifting_a_tripod_does_not_move_the_body():
     robot = hexapod(heights=True)
-    states = play(robot, with_lifts(robot, SWINGS, height=0.03), START)
+    states = play(robot, with_lifts(SWINGS, 0.03, LIFTS), START)
     assert np.ptp(states[:, :3], axis=0).max() == 0.0
     assert states[:, 5:].max() == pytest.approx(0.03)
     assert states[-1, 5:] == pytest.approx([0, 0], abs=ROUNDING)
@@ -78,21 +74,5 @@ def test_lifting_a_tripod_does_not_move_the_body():
 
 def test_a_foot_is_on_the_ground_before_another_lifts():
     robot = hexapod(heights=True)
-    states = play(robot, with_lifts(robot, SWINGS, height=0.03), START)
+    states = play(robot, with_lifts(SWINGS, 0.03, LIFTS), START)
     assert (states[:, 5:].min(axis=1) == 0.0).all()
-
-
-def test_lift_fields_may_have_any_rate():
-    x, h = sp.symbols("x h")
-    strata = {"on": {"slide": [1, 0]}, "off": {"swing": [2, 0], "raise": [0, -0.5]}}
-    crane = StratifiedSystem((x, h), strata, "on", {"on": [h]})
-    up, swing, down = with_lifts(crane, [Flow("off", "swing", 1.0)], height=0.1)
-    assert (up.duration, down.duration) == (-0.2, 0.2)
-    assert swing == Flow("off", "swing", 1.0)
-
-
-def test_foot_that_no_field_lifts_is_named():
-    strata = {"on": {"slide": [1, 0]}, "off": {"swing": [1, 0]}}
-    stuck = StratifiedSystem(sp.symbols("x h"), strata, "on", {"on": [sp.Symbol("h")]})
-    with pytest.raises(StratumError, match="no field of Soff moves h alone"):
-        with_lifts(stuck, [Flow("off", "swing", 1.0)], height=0.1)
