@@ -56,7 +56,7 @@ def parse_card(text: str, source: str) -> Card:
     """Read a robot card.
 
     Args:
-        text: TOML in the format of the README's section on robots.
+        text: TOML in the format of docs/robots.md.
         source: Where it stands, for refusals.
 
     Raises:

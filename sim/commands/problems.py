@@ -164,4 +164,4 @@ def refused(where: str) -> Iterator[None]:
         raise
     except ValueError as error:
         what, _, remedy = str(error).partition("; ")
-        raise UsageError(what, where, remedy or "see the README") from error
+        raise UsageError(what, where, remedy or "see docs/systems.md") from error

@@ -18,7 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "robot",
         metavar="ROBOT",
         nargs="?",
-        help="a shipped robot, or your FILE.xml with its card (README, Adding a robot)",
+        help="a shipped robot, or your FILE.xml with its card (docs/robots.md)",
     )
 
 

@@ -1,6 +1,6 @@
 """Judge a walk: achieved beside predicted on one time axis, and the summary of both.
 
-Definitions are in the README. Writes nothing; `sim.simulation` does.
+Definitions are in docs/numbers.md. Writes nothing; `sim.simulation` does.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
-"""The README tells the truth: its code runs, its commands, options and files exist."""
+"""README and docs tell the truth: what they name exists, what they show is so."""
 
 import argparse
 import json
 import re
-import shlex
 import tomllib
-from pathlib import Path
 
 import pytest
 
@@ -14,68 +12,72 @@ from models.systems.catalogue import SYSTEMS
 from sim.cli import COMMANDS, main, parser
 from sim.evaluation.comparison import HEADER, PREDICTIONS
 from sim.scenarios.file import load_scenario, shipped_scenarios
+from tests.pages import PAGES, README, ROOT, blocks, commands, name_of
 
-ROOT = Path(__file__).resolve().parents[2]
-README = (ROOT / "README.md").read_text()
-
-
-def blocks(language):
-    return re.findall(rf"^```{language}\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+PROGRAMS = [*(ROOT / "scripts").glob("*.py"), *(ROOT / "examples").glob("*.py")]
+OUR_PATH = r"`((?:planner|models|sim|scripts|tests|docs|examples)/[\w./-]*)`"
 
 
-def command_lines():
-    """The words of every `$ stratawalk ...` line, comments left out."""
-    lines = (line for block in blocks("console") for line in block.splitlines())
-    return [
-        shlex.split(line[2:], comments=True) for line in lines if "$ stratawalk" in line
-    ]
+def blocks_with(language, text):
+    return [block.text for block in blocks(language) if text in block.text]
 
 
-def options(command):
-    """Options that a command of the parser knows."""
+def options_of_commands():
     (commands,) = (
         a for a in parser()._actions if isinstance(a, argparse._SubParsersAction)
     )
-    return {
-        word for a in commands.choices[command]._actions for word in a.option_strings
-    }
+    parsers = (parser(), *commands.choices.values())
+    return {word for p in parsers for a in p._actions for word in a.option_strings}
 
 
-@pytest.mark.parametrize("block", blocks("python"))
-def test_every_python_block_runs(block):
-    exec(compile(block, "README.md", "exec"), {})
+def options_of_programs():
+    source = "".join(path.read_text() for path in PROGRAMS)
+    return set(re.findall(r'add_argument\(\s*"(--[a-z-]+)"', source))
 
 
-@pytest.mark.parametrize("words", command_lines(), ids=" ".join)
-def test_every_command_line_parses_and_names_what_is_shipped(words):
-    given = parser().parse_args(words[1:])
+@pytest.mark.parametrize("command", commands(), ids=str)
+def test_every_command_line_parses_and_names_what_is_shipped(command):
+    given = parser().parse_args(command.words)
     assert getattr(given, "scenario", None) in (*shipped_scenarios(), *SYSTEMS, None)
     assert getattr(given, "system", None) in (*shipped_robots(), *SYSTEMS, None)
     assert getattr(given, "robot", None) in (*shipped_robots(), None)
 
 
-def test_every_option_exists():
-    ours = {word for command in COMMANDS for word in options(command)}
-    named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", README))
-    assert named - ours == set()
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_option_exists(page):
+    named = set(re.findall(r"(?<![\w-])--[a-z][a-z-]*", page.read_text()))
+    assert named - options_of_commands() - options_of_programs() == set()
 
 
-def test_every_command_named_exists():
-    assert set(re.findall(r"stratawalk ([a-z]+)", README)) <= set(COMMANDS)
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_command_named_exists(page):
+    named = set(re.findall(r"[`$] ?stratawalk ([a-z]+)", page.read_text()))
+    assert named <= set(COMMANDS)
 
 
-def test_every_path_of_this_project_exists():
-    named = re.findall(
-        r"`((?:planner|models|sim|scripts|tests|docs)/[\w./-]*)`", README
-    )
-    pictures = re.findall(r"!\[[^]]*\]\(([^)]+)\)", README)
-    assert [path for path in (*named, *pictures) if not (ROOT / path).exists()] == []
-    assert named
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_path_of_this_project_exists(page):
+    text = page.read_text()
+    named = [ROOT / path for path in re.findall(OUR_PATH, text)]
+    links = re.findall(r"\]\(([^)#]+)[^)]*\)", text)
+    linked = [page.parent / link for link in links if "://" not in link]
+    assert [str(path) for path in (*named, *linked) if not path.exists()] == []
+
+
+def test_every_page_can_be_reached_from_the_readme():
+    reached, ahead = set(), [README]
+    while ahead:
+        page = ahead.pop()
+        reached.add(page)
+        links = re.findall(r"\]\(([^):#]+\.md)", page.read_text())
+        found = {(page.parent / link).resolve() for link in links}
+        ahead += [link for link in found if link not in reached]
+    assert [name_of(page) for page in PAGES if page not in reached] == []
 
 
 def test_the_scenarios_shown_are_some(tmp_path):
     shown = []
-    for block in (b for b in blocks("toml") if "[path]" in b):
+    for block in blocks_with("toml", "[path]"):
         (tmp_path / "mine.toml").write_text(block)
         shown.append(load_scenario(str(tmp_path / "mine.toml")))
     around, out = shown
@@ -85,7 +87,7 @@ def test_the_scenarios_shown_are_some(tmp_path):
 
 
 def test_the_system_shown_is_checked_and_planned(tmp_path, capsys):
-    (block,) = (b for b in blocks("toml") if "[strata" in b)
+    (block,) = blocks_with("toml", "[strata")
     path = tmp_path / "cupboard.toml"
     path.write_text(block)
     assert main(["check", str(path)]) == 0
@@ -95,7 +97,7 @@ def test_the_system_shown_is_checked_and_planned(tmp_path, capsys):
 
 
 def test_the_card_shown_has_the_keys_of_the_shipped_cards():
-    (block,) = (b for b in blocks("toml") if "[gait]" in b)
+    (block,) = blocks_with("toml", "[gait]")
     shown = tomllib.loads(block)
     real = tomllib.loads((ROOT / "models" / "robots" / "hexapod.toml").read_text())
     assert real.keys() - {"description"} <= shown.keys()
@@ -103,7 +105,7 @@ def test_the_card_shown_has_the_keys_of_the_shipped_cards():
 
 
 def test_the_comparison_shown_has_todays_rows_and_columns():
-    (shown,) = (block for block in blocks("console") if "$ scripts/run\n" in block)
+    (shown,) = blocks_with("text", HEADER)
     lines = shown.splitlines()
     rows = lines[lines.index(HEADER) + 1 :][: len(PREDICTIONS) + 2]
     assert [row.split()[0] for row in rows] == [
