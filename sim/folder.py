@@ -10,7 +10,6 @@ import errno
 import json
 import os
 import re
-import shutil
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -20,6 +19,7 @@ from typing import IO
 
 import numpy as np
 
+from planner import require_space, whole_file
 from sim.errors import FilesError, UsageError
 
 
@@ -67,8 +67,10 @@ class RunFolder:
         Raises:
             FilesError: If the disk has less.
         """
-        if shutil.disk_usage(self.path).free < size:
-            raise _failure(_full(self.path), self.path, size)
+        try:
+            require_space(self.path, size)
+        except OSError as error:
+            raise _failure(error, self.path, size) from error
 
     def write_arrays(
         self, name: str, arrays: Iterable[tuple[str, np.ndarray | Pieces]]
@@ -176,34 +178,11 @@ def whole(path: Path, size: int | None = None) -> Iterator[Path]:
     Raises:
         FilesError: If the disk is full or the folder cannot be written.
     """
-    part = path.with_name(f".{path.stem}.part{path.suffix}")  # suffixes choose formats
     try:
-        _check_space(path, size or 0)
-        yield part
-        _flush(part)
-        os.replace(part, path)
-        _flush(path.parent)
+        with whole_file(path, size or 0) as part:
+            yield part
     except OSError as error:
         raise _failure(error, path, size) from error
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _check_space(path: Path, size: int) -> None:
-    if shutil.disk_usage(path.parent).free < size:
-        raise _full(path)
-
-
-def _full(path: Path) -> OSError:
-    return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-
-
-def _flush(path: Path) -> None:
-    handle = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)
 
 
 def _failure(error: OSError, path: Path, size: int | None) -> FilesError:

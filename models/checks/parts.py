@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections import Counter
 from collections.abc import Iterator
 
@@ -12,6 +11,7 @@ from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
 from models.errors import ModelError
+from planner import did_you_mean
 
 
 def check_parts(robot: Robot) -> None:
@@ -37,7 +37,7 @@ def _check_names(robot: Robot) -> None:
         lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing)
         raise ModelError(
             f"the card names what the model lacks: {robot.path}; {lacks}; "
-            f"{nearest(missing[0][1], _known(robot, missing[0][0]))}"
+            f"{did_you_mean(missing[0][1], sorted(_known(robot, missing[0][0])))}"
         )
     if shared := [part for part, times in Counter(named).items() if times > 1]:
         kind, name = shared[0]
@@ -61,13 +61,6 @@ def _known(robot: Robot, kind: str) -> set[str]:
     joints = (model.joint(i) for i in range(model.njnt))
     free = mujoco.mjtJoint.mjJNT_FREE
     return {j.name for j in joints if j.name and j.type[0] != free}
-
-
-def nearest(word: str, known: set[str]) -> str:
-    """The remedy for an unknown name: the nearest known one, or all of them."""
-    if near := difflib.get_close_matches(word, known, n=1):
-        return f"did you mean {near[0]!r}?"
-    return f"there are {', '.join(sorted(known)) or 'none with a name'}"
 
 
 def _problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:

@@ -15,7 +15,7 @@ from models.description.card import (
     Servo,
     Twist,
 )
-from models.description.card_table import Table
+from models.description.table import Table
 from models.errors import ModelError
 
 KEYS = {

@@ -23,13 +23,21 @@ import runpy
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import sympy as sp
 
+from models.description.table import Table
 from models.errors import ProblemError
 from models.systems.problem import Problem
-from planner import RESERVED, PlannerError, StratifiedSystem, read_formula, unknown
+from planner import (
+    RESERVED,
+    PlannerError,
+    StanceRule,
+    StratifiedSystem,
+    read_formula,
+    unknown,
+)
 
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (
@@ -74,56 +82,53 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
 
 
 def _decode(
-    name: str, table: Mapping[str, Any], values: Mapping[str, object]
+    name: str, content: Mapping[str, Any], values: Mapping[str, object]
 ) -> Problem:
-    _require_keys(table)
-    system = _system(table, _table(table, "parameters"), values)
+    table = Table(content, known=REQUIRED + OPTIONAL)
+    system = _system(table, values)
+    table.get("goal")
     return Problem(
         name=name,
-        description=_text(table.get("description", ""), "description"),
+        description=table.text("description") if "description" in table else "",
         system=system,
         gait=_names(table, "gait") or _gait(system),
         elements=_names(table, "elements"),
-        start=_numbers(_table(table, "start"), "start"),
-        goal=_numbers(_table(table, "goal"), "goal"),
-        segments=_whole(table.get("segments", 1)),
-        limits={key: _span(key, v) for key, v in _table(table, "limits").items()},
-        stance=_text(table.get("stance", "paper"), "stance"),
+        start=table.gains("start"),
+        goal=table.gains("goal"),
+        segments=table.whole("segments") if "segments" in table else 1,
+        limits={key: _span(table, key) for key in table.table("limits").values},
+        stance=_stance(table),
     )
 
 
-def _require_keys(table: Mapping[str, Any]) -> None:
-    for key in REQUIRED:
-        if key not in table:
-            raise ValueError(f"{key} is missing; give {', '.join(REQUIRED)}")
-    for key in table:
-        if key not in REQUIRED + OPTIONAL:
-            raise ValueError(f"key {key!r} {unknown(key, REQUIRED + OPTIONAL)}")
+def _stance(table: Table) -> StanceRule:
+    """The stance that the file asks for; `Problem` refuses one that does not exist."""
+    return cast(StanceRule, table.text("stance")) if "stance" in table else "paper"
 
 
-def _system(
-    table: Mapping[str, Any],
-    parameters: Mapping[str, Any],
-    values: Mapping[str, object],
-) -> StratifiedSystem:
+def _system(table: Table, values: Mapping[str, object]) -> StratifiedSystem:
+    parameters = table.table("parameters")
     for key in values:
         if key not in parameters:
-            raise ValueError(f"parameter {key!r} {unknown(key, parameters)}")
-    state = tuple(sp.Symbol(name, real=True) for name in _names(table, "state"))
-    formula = _reader(state, _numbers({**parameters, **values}, "parameters"))
+            raise ValueError(f"parameter {key!r} {unknown(key, parameters.values)}")
+    given = Table({**parameters.values, **values}, "parameters")
+    state = tuple(sp.Symbol(name, real=True) for name in table.texts("state"))
+    formula = _reader(state, {name: given.exact(name) for name in given.values})
     strata = {
         stratum: {
             name: _field(f"field {name}", rates, state, formula)
-            for name, rates in _table(table["strata"], stratum, "stratum ").items()
+            for name, rates in fields.values.items()
         }
-        for stratum in _table(table, "strata")
+        for stratum, fields in table.tables("strata").items()
     }
+    sets = table.table("level_sets")
     level_sets = {
-        stratum: tuple(formula(f"level set of S{stratum}", f) for f in functions)
-        for stratum in _table(table, "level_sets")
-        for functions in [_list(table["level_sets"], stratum)]
+        stratum: tuple(
+            formula(f"level set of S{stratum}", f) for f in sets.list(stratum)
+        )
+        for stratum in sets.values
     }
-    bottom = str(table.get("bottom", next(iter(strata), "")))
+    bottom = str(table.values.get("bottom", next(iter(strata), "")))
     return StratifiedSystem(state, strata, bottom, level_sets)
 
 
@@ -164,48 +169,12 @@ def _gait(system: StratifiedSystem) -> tuple[str, ...]:
     return (bottom, *(s for near in system.neighbours[bottom] for s in (near, bottom)))
 
 
-def _table(table: Mapping[str, Any], key: str, kind: str = "") -> Mapping[str, Any]:
-    value = table.get(key, {})
-    if not isinstance(value, dict):
-        raise ValueError(f"{kind}{key} is {value!r}; make it a table")
-    return value
+def _names(table: Table, key: str) -> tuple[str, ...]:
+    return table.texts(key) if key in table else ()
 
 
-def _list(table: Mapping[str, Any], key: str) -> list[Any]:
-    value = table.get(key, [])
-    if not isinstance(value, list):
-        raise ValueError(f"{key} is {value!r}; make it a list")
-    return value
-
-
-def _names(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    names = _list(table, key)
-    if not all(isinstance(name, str) for name in names):
-        raise ValueError(f"{key} is {names}; make it a list of texts")
-    return tuple(names)
-
-
-def _text(value: object, key: str) -> Any:
-    if not isinstance(value, str):
-        raise ValueError(f"{key} is {value!r}; give a text")
-    return value
-
-
-def _numbers(table: Mapping[str, Any], what: str) -> dict[str, float]:
-    for key, value in table.items():
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{what}: {key} is {value!r}; give a number")
-    return dict(table)
-
-
-def _span(name: str, value: object) -> tuple[float, float]:
-    match value:
-        case [int() | float() as low, int() | float() as high]:
-            return (low, high)
-    raise ValueError(f"limits: {name} is {value!r}; give [lowest, highest]")
-
-
-def _whole(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"segments is {value!r}; give a whole number")
-    return value
+def _span(table: Table, name: str) -> tuple[float, float]:
+    low_high = table.table("limits").numbers(name)
+    if len(low_high) != 2:
+        raise ValueError(f"limits.{name} must be [lowest, highest], got {low_high}")
+    return low_high[0], low_high[1]

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models import ProblemError
-from planner import Execution
+from planner import Execution, did_you_mean
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override
-from sim.scenarios.settings import nearest
 
 if TYPE_CHECKING:
     from models import Problem
@@ -41,7 +40,7 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     from models import SYSTEMS
 
     if source not in SYSTEMS:
-        remedy = nearest(source, [*others, *SYSTEMS])
+        remedy = did_you_mean(source, [*others, *SYSTEMS])
         raise UsageError(f"unknown {kind} or system {source!r}", kind.upper(), remedy)
     return True
 

@@ -8,10 +8,9 @@ how one is cut into segments, and how it is followed are for the planner.
 from __future__ import annotations
 
 import math
-import reprlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 from scipy.special import ellipe
@@ -19,7 +18,13 @@ from scipy.special import ellipe
 import planner
 from planner import Array, Path
 from sim.errors import UsageError
-from sim.scenarios.settings import is_number, nearest
+from sim.scenarios.tables import (
+    are_numbers,
+    is_list,
+    refusal,
+    require_keys,
+    require_kind,
+)
 
 Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
@@ -88,7 +93,7 @@ def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
     Raises:
         UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
     """
-    if not _is_list(points) or len(points) < 2:
+    if not is_list(points) or len(points) < 2:
         raise _refusal("path.points", points, "at least two poses [x, y, yaw]")
     poses = tuple(_pose(f"path.points[{i}]", point) for i, point in enumerate(points))
     if poses[0] != START:
@@ -128,22 +133,9 @@ def decode(table: object) -> NominalPath:
     """
     if isinstance(table, dict) and table.keys() == {"goal"}:
         table = {"kind": "route", **table}
-    if not isinstance(table, dict) or not isinstance(table.get("kind"), str):
-        raise _refusal("path", table, f"a table with kind = {' or '.join(KINDS)}")
-    kind = table["kind"]
-    if kind not in KINDS:
-        raise UsageError(
-            f"unknown path kind {kind!r}", "path.kind", nearest(kind, KINDS)
-        )
-    key, make = KINDS[kind]
-    for other in table.keys() - {"kind", key}:
-        raise UsageError(
-            f"unknown key 'path.{other}'", f"path of kind {kind}", f"give {key}"
-        )
-    if key not in table:
-        raise UsageError(
-            f"path.{key} is missing", f"path of kind {kind}", f"give {key}"
-        )
+    table = require_kind(table, "path", KINDS)
+    key, make = KINDS[table["kind"]]
+    require_keys(table, f"path of kind {table['kind']}", (key,), ())
     return make(table[key])
 
 
@@ -158,18 +150,10 @@ def _pose(key: str, value: object) -> Pose:
 
 
 def _numbers(key: str, value: object, count: int, wanted: str) -> tuple[float, ...]:
-    wanted = f"{wanted}, none beyond {LARGEST:g}"
-    if not _is_list(value) or len(value) != count:
-        raise _refusal(key, value, wanted)
-    if not all(is_number(item) and abs(item) <= LARGEST for item in value):
-        raise _refusal(key, value, wanted)
+    if not are_numbers(value, count, LARGEST):
+        raise _refusal(key, value, f"{wanted}, none beyond {LARGEST:g}")
     return tuple(float(item) for item in value)
 
 
-def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
-    return isinstance(value, Sequence) and not isinstance(value, str)
-
-
 def _refusal(key: str, value: object, wanted: str) -> UsageError:
-    what = f"{key} = {reprlib.repr(value)} is not allowed"
-    return UsageError(what, "the nominal path", f"give {wanted}")
+    return refusal(key, value, "the nominal path", wanted)

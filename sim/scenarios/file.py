@@ -13,10 +13,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from planner import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.scenario import Scenario, settings
-from sim.scenarios.settings import nearest
 
 FOLDER = Path(str(files("sim.scenarios")))
 
@@ -110,7 +110,9 @@ def _find(source: str) -> Path:
 
 
 def _known(source: str) -> str:
-    return f"{nearest(source, shipped_scenarios())}; or give the path of a TOML file"
+    return (
+        f"{did_you_mean(source, shipped_scenarios())}; or give the path of a TOML file"
+    )
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -135,7 +137,9 @@ def _replace(table: dict[str, Any], key: str, value: object) -> None:
     for name in outer:
         inner = table.get(name)
         if not isinstance(inner, dict):
-            raise UsageError(f"unknown key {key!r}", "--set", nearest(key, _keys()))
+            raise UsageError(
+                f"unknown key {key!r}", "--set", did_you_mean(key, _keys())
+            )
         table = inner
     table[last] = value
 
@@ -146,7 +150,7 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
         raise UsageError(what, where, "use the commands plan and check on it")
     for key in table:
         if key not in _keys():
-            raise UsageError(f"unknown key {key!r}", where, nearest(key, _keys()))
+            raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, _keys()))
     if "path" not in table:
         raise UsageError("path is missing", where, "give path")
     standing = shapes.decode(table.get("obstacles", ()))

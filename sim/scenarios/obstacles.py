@@ -7,8 +7,7 @@ pieces once, so that the engine and the planner see the same solids.
 from __future__ import annotations
 
 import math
-import reprlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -17,8 +16,14 @@ import numpy as np
 import shapely
 
 from planner import Array
-from sim.errors import UsageError
-from sim.scenarios.settings import is_number, nearest
+from sim.scenarios.settings import is_number
+from sim.scenarios.tables import (
+    are_numbers,
+    is_list,
+    refusal,
+    require_keys,
+    require_kind,
+)
 
 Point = tuple[float, float]
 
@@ -88,8 +93,8 @@ def decode(tables: object) -> tuple[Obstacle, ...]:
         UsageError: If a key is missing or unknown, or a value impossible; it names the
             obstacle by its place in the list, from 1.
     """
-    if not isinstance(tables, Sequence) or isinstance(tables, str):
-        raise _refusal("obstacles", tables, "a list of tables, [[obstacles]]")
+    if not is_list(tables):
+        raise refusal("", tables, "obstacles", "a list of tables, [[obstacles]]")
     return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
 
 
@@ -118,10 +123,10 @@ def _box(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
     center = _point(table["center"], f"{where}: center")
     size = _numbers(table["size"], f"{where}: size", "two lengths above 0 [m]")
     if min(size) < LEAST:
-        raise _refusal(f"{where}: size", table["size"], "two lengths above 0 [m]")
+        raise refusal("", table["size"], f"{where}: size", "two lengths above 0 [m]")
     yaw = table.get("yaw", 0.0)
     if not is_number(yaw) or not math.isfinite(yaw):
-        raise _refusal(f"{where}: yaw", yaw, "an angle [rad]")
+        raise refusal("", yaw, f"{where}: yaw", "an angle [rad]")
     return (Box(center, (size[0] / 2, size[1] / 2), float(yaw)),)
 
 
@@ -131,7 +136,7 @@ def _polygon(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
     polygon = shapely.Polygon(points)
     if not polygon.is_valid or polygon.area < LEAST**2:
         wanted = "corners of a polygon in order, no sides crossing"
-        raise _refusal(f"{where}: points", table["points"], wanted)
+        raise refusal("", table["points"], f"{where}: points", wanted)
     if math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
         return (_prism(polygon),)
     triangles = shapely.constrained_delaunay_triangles(polygon)
@@ -151,16 +156,11 @@ KINDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Callable[..., Any]]]
 """For each kind the keys it must have, those it may have, and what makes its pieces."""
 
 
-def _decode(table: object, where: str) -> Obstacle:
-    if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
-        raise _refusal(where, table, f"a table with kind = {' or '.join(KINDS)}")
+def _decode(values: object, where: str) -> Obstacle:
+    table = require_kind(values, where, KINDS)
     kind = table["kind"]
-    if kind not in KINDS:
-        raise UsageError(
-            f"unknown kind of obstacle {kind!r}", where, nearest(kind, KINDS)
-        )
     needed, allowed, make = KINDS[kind]
-    _check_keys(table, where, needed, (*allowed, "height"))
+    require_keys(table, where, needed, (*allowed, "height"))
     height = _length(table.get("height", HEIGHT), f"{where}: height")
     given = tuple(
         (key, _frozen(value)) for key, value in table.items() if key != "kind"
@@ -173,25 +173,14 @@ def _frozen(value: object) -> object:
     return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value
 
 
-def _check_keys(
-    table: Mapping[str, Any], where: str, needed: Iterable[str], allowed: Iterable[str]
-) -> None:
-    known = (*needed, *allowed)
-    for key in table.keys() - {"kind", *known}:
-        raise UsageError(f"unknown key {key!r}", where, nearest(key, known))
-    for key in needed:
-        if key not in table:
-            raise UsageError(f"{key} is missing", where, f"give {key}")
-
-
 def _points(value: object, where: str, least: int) -> tuple[Point, ...]:
-    wanted = f"at least {least} points [x, y] [m]"
-    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) < least:
-        raise _refusal(where, value, wanted)
+    if not is_list(value) or len(value) < least:
+        raise refusal("", value, where, f"at least {least} points [x, y] [m]")
     points = tuple(_point(point, where) for point in value)
     for a, b in pairwise(points):
         if math.dist(a, b) < LEAST:
-            raise _refusal(where, value, "points that differ from one to the next")
+            wanted = "points that differ from one to the next"
+            raise refusal("", value, where, wanted)
     return points
 
 
@@ -200,18 +189,13 @@ def _point(value: object, where: str) -> Point:
 
 
 def _numbers(value: object, where: str, wanted: str) -> Point:
-    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) != 2:
-        raise _refusal(where, value, wanted)
-    if not all(is_number(item) and abs(item) <= FARTHEST for item in value):
-        raise _refusal(where, value, f"{wanted}, none beyond {FARTHEST:g}")
+    if not are_numbers(value, 2, FARTHEST):
+        raise refusal("", value, where, f"{wanted}, none beyond {FARTHEST:g}")
     return float(value[0]), float(value[1])
 
 
 def _length(value: object, where: str) -> float:
     if not is_number(value) or not LEAST <= value <= FARTHEST:
-        raise _refusal(where, value, f"a length from {LEAST:g} to {FARTHEST:g} m")
+        wanted = f"a length from {LEAST:g} to {FARTHEST:g} m"
+        raise refusal("", value, where, wanted)
     return float(value)
-
-
-def _refusal(where: str, value: object, wanted: str) -> UsageError:
-    return UsageError(f"{reprlib.repr(value)} is not allowed", where, f"give {wanted}")

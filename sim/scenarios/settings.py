@@ -5,9 +5,7 @@ Knows no particular setting; `scenarios.scenario` declares them.
 
 from __future__ import annotations
 
-import difflib
 import math
-from collections.abc import Iterable
 from dataclasses import MISSING, dataclass, field
 from numbers import Real
 from typing import Any, Protocol, TypeGuard
@@ -138,10 +136,3 @@ def setting(kind: Kind, about: str, default: object = MISSING) -> Any:
         A field for a keyword-only dataclass.
     """
     return field(default=default, metadata={"kind": kind, "about": about})
-
-
-def nearest(word: str, known: Iterable[str]) -> str:
-    """The remedy for an unknown word: the nearest known one, and all of them."""
-    names = list(known)
-    closest = difflib.get_close_matches(word, names, n=1, cutoff=0.0)[0]
-    return f"did you mean {closest!r}? known are {', '.join(names)}"

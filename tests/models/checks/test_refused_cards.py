@@ -22,7 +22,7 @@ LEG = '1 = { swing = "swing_1", lift = "lift_1", raise = 1, foot = ["foot_1"] }'
         (
             "t_angle",
             "t_angel",
-            "card has no key 'lift_angel'; did you mean 'lift_a",
+            "file has no key 'lift_angel'; did you mean 'lift_a",
         ),
         ("description =", "description = 1 #", "description must be a text, got 1"),
         (LEG, '1 = "swing_1"', "leg.1 must be a table, got 'swing_1'"),

@@ -64,7 +64,7 @@ def refusal(done):
         (["run", "gone.toml"], 2, "no such scenario file: gone.toml"),
         (["run", "line", "--fields", "papper"], 2, "give lifted or paper"),
         (["run", "line", "--look", "pretty"], 2, "invalid choice: 'pretty'"),
-        (["run", "line", "--set", "freindly=1"], 2, "did you mean 'friction'?"),
+        (["run", "line", "--set", "fricton=1"], 2, "did you mean 'friction'?"),
         (["run", "line", "--set", "friction=-1"], 2, "give a number from 0 to 10"),
         (["run", "line", "--set", "timestep=0"], 2, "timestep = 0 is not allowed"),
         (

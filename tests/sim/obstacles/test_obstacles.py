@@ -140,7 +140,7 @@ def test_touches_are_counted_when_they_begin(scenario):
     ("table", "message"),
     [
         ("wall", "'wall' is not allowed: obstacle 1; give a table with kind = wall or"),
-        ({"kind": "moat"}, "unknown kind of obstacle 'moat': obstacle 1; did you mean"),
+        ({"kind": "moat"}, "unknown kind 'moat': obstacle 1; there are wall, box, p"),
         ({"kind": "box", "size": [1, 1]}, "center is missing: obstacle 1; give center"),
         (BOX | {"hight": 1}, "unknown key 'hight': obstacle 1; did you mean 'height'"),
         (

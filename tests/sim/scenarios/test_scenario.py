@@ -226,9 +226,9 @@ def test_setting_with_a_default_may_not_be_none():
 @pytest.mark.parametrize(
     ("table", "message"),
     [
-        ('kind = "line"', "path.goal is missing: path of kind line"),
-        ('kind = "lien"\ngoal = [0, 0, 0]', "unknown path kind 'lien'.*'line'"),
-        ('kind = "line"\ngoal = [0, 0, 0]\nturn = 1', "unknown key 'path.turn'"),
+        ('kind = "line"', "goal is missing: path of kind line; give goal"),
+        ('kind = "lien"\ngoal = [0, 0, 0]', "unknown kind 'lien': path; .*'line'"),
+        ('kind = "line"\ngoal = [0, 0, 0]\nturn = 1', "unknown key 'turn'"),
         ("semi_axes = [1, 1]", "give a table with kind = line or ellipse or waypoints"),
         ('kind = "line"\ngoal = [0, 0]', r"path.goal = \[0, 0\] is not allowed"),
         ('kind = "line"\ngoal = "here"', "path.goal = 'here' is not allowed"),
@@ -251,9 +251,9 @@ def test_impossible_path_is_refused(file, table, message):
 
 def test_unknown_key_is_refused_with_the_nearest_valid_one(file):
     with pytest.raises(
-        UsageError, match="unknown key 'freindly'.*did you mean 'friction'"
+        UsageError, match="unknown key 'fricton'.*did you mean 'friction'"
     ):
-        load_scenario(file("freindly = 1\n" + SMALLEST))
+        load_scenario(file("fricton = 1\n" + SMALLEST))
 
 
 def test_unknown_table_is_refused_in_an_override():

@@ -1,11 +1,15 @@
-"""Take typed values out of TOML tables; refusals say where, what, and what would do."""
+"""Typed values from TOML tables, for robot cards and files of systems.
+
+Every refusal says which value of which key is wrong, and what would be right.
+"""
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Collection, Mapping
 from math import isfinite
 from typing import Any, TypeVar
+
+from planner import did_you_mean
 
 T = TypeVar("T")
 
@@ -30,11 +34,8 @@ class Table:
             raise ValueError(f"{where} must be a table, got {values!r}")
         self.values, self.where = values, where
         for key in values.keys() - set(known or values):
-            near = difflib.get_close_matches(key, known, n=1)
-            hint = (
-                f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
-            )
-            raise ValueError(f"{where or 'the card'} has no key {key!r}; {hint}")
+            place = where or "the file"
+            raise ValueError(f"{place} has no key {key!r}; {did_you_mean(key, known)}")
 
     def __contains__(self, key: str) -> bool:
         return key in self.values
@@ -57,16 +58,34 @@ class Table:
         """A finite number."""
         return float(self._of("a number", key, _is_number))
 
+    def exact(self, key: str) -> float:
+        """A finite number as it is written: a whole one is an int."""
+        return self._of("a number", key, _is_number)
+
     def numbers(self, key: str) -> tuple[float, ...]:
         """A list of finite numbers."""
         return tuple(map(float, self._of("a list of numbers", key, _are_numbers)))
 
+    def whole(self, key: str) -> int:
+        """A whole number."""
+        return int(self._of("a whole number", key, _is_whole))
+
+    def list(self, key: str) -> list[Any]:
+        """A list; empty if left out."""
+        if key not in self.values:
+            return []
+        return list(self._of("a list", key, lambda value: isinstance(value, list)))
+
+    def table(self, key: str) -> Table:
+        """A table of any keys; empty if left out."""
+        return Table(self.values.get(key, {}), self._place(key))
+
     def gains(self, key: str) -> dict[str, float]:
         """A table of numbers; empty if left out."""
-        inner = Table(self.values.get(key, {}), self._place(key))
+        inner = self.table(key)
         return {name: inner.number(name) for name in inner.values}
 
-    def tables(self, key: str, known: Collection[str]) -> dict[str, Table]:
+    def tables(self, key: str, known: Collection[str] = ()) -> dict[str, Table]:
         """The tables in a table by their names, each with its known keys."""
         inner = Table(self.get(key), self._place(key))
         return {
@@ -95,6 +114,10 @@ def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     return isfinite(value)
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool)
 
 
 def _are_numbers(value: object) -> bool:

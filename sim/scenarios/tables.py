@@ -1,0 +1,75 @@
+"""What tables of paths and of obstacles have in common, and how they are refused.
+
+Such a table has a `kind`, which decides the other keys, and holds numbers and points.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, TypeGuard
+
+from planner import did_you_mean
+from sim.errors import UsageError
+from sim.scenarios.settings import is_number
+
+
+def refusal(what: str, value: object, where: str, wanted: str) -> UsageError:
+    """An error for a value that is not allowed.
+
+    Args:
+        what: Key of the value, to stand before it; empty where `where` ends with it.
+        value: The value.
+        where: Place of the value in the scenario.
+        wanted: What would be allowed, to follow the word "give".
+    """
+    key = f"{what} = " if what else ""
+    return UsageError(
+        f"{key}{reprlib.repr(value)} is not allowed", where, f"give {wanted}"
+    )
+
+
+def is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    """Whether a value is a list; text is none."""
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def are_numbers(value: object, count: int, largest: float) -> TypeGuard[Sequence[Any]]:
+    """Whether a value is a list of so many numbers, none beyond the largest."""
+    return (
+        is_list(value)
+        and len(value) == count
+        and all(is_number(item) and abs(item) <= largest for item in value)
+    )
+
+
+def require_kind(
+    table: object, where: str, kinds: Collection[str]
+) -> Mapping[str, Any]:
+    """The table, once its `kind` is found to be a known one.
+
+    Raises:
+        UsageError: If it is no table, or has no kind or an unknown one.
+    """
+    if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
+        raise refusal("", table, where, f"a table with kind = {' or '.join(kinds)}")
+    if table["kind"] not in kinds:
+        what = f"unknown kind {table['kind']!r}"
+        raise UsageError(what, where, did_you_mean(table["kind"], kinds))
+    return table
+
+
+def require_keys(
+    table: Mapping[str, Any], where: str, needed: Iterable[str], allowed: Iterable[str]
+) -> None:
+    """Refuse a table that has an unknown key or lacks a needed one.
+
+    Raises:
+        UsageError: If so, with the key.
+    """
+    needed, known = tuple(needed), (*needed, *allowed)
+    for key in table.keys() - {"kind", *known}:
+        raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, known))
+    for key in needed:
+        if key not in table:
+            raise UsageError(f"{key} is missing", where, f"give {key}")
