@@ -77,16 +77,15 @@ class Execution:
         self,
         extended: ExtendedSystem,
         hall_coordinates: Array,
-        start: Array,
-        goal: Array,
+        nominal: Array,
     ) -> list[list[Flow]]:
         """Flows of each segment in time order, within the limits.
 
         Args:
             extended: System that the coordinates are of.
             hall_coordinates: Backward coordinates, shape (segments, s).
-            start: Configuration before the first flow, shape (n,).
-            goal: Configuration whose shape to end in, shape (n,).
+            nominal: Configurations between segments, before the first flow and the one
+                whose shape to end in included, shape (segments + 1, n).
 
         Raises:
             StratumError: `depart` or `arrive` is unknown or cannot be joined.
@@ -95,23 +94,25 @@ class Execution:
         *choices, last_choice = CHOICES[self.coordinates]
         for orders in choices:
             try:
-                return self._flows(extended, hall_coordinates, (start, goal), orders)
+                return self._flows(extended, hall_coordinates, nominal, orders)
             except RangeError:
                 continue
-        return self._flows(extended, hall_coordinates, (start, goal), last_choice)
+        return self._flows(extended, hall_coordinates, nominal, last_choice)
 
     def _flows(
         self,
         extended: ExtendedSystem,
         hall_coordinates: Array,
-        states: tuple[Array, Array],
+        nominal: Array,
         orders: Sequence[Wording],
     ) -> list[list[Flow]]:
         """Flows of words in one of the orders, a segment each."""
         ends = self._ends(extended)
-        start, goal = states
+        start, goal = nominal[0], nominal[-1]
         steering = extended.steering
-        ways = [steering.words(hall_coordinates, order) for order in orders]
+        ways = [
+            steering.words(hall_coordinates, order, nominal[:-1]) for order in orders
+        ]
         words = list(zip(*ways, strict=True))
         ordered = regroup(extended.grouper, words, *ends)
         if self.stance == "centred":

@@ -6,7 +6,7 @@ others are left out before they are formed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -38,6 +38,11 @@ class HallFields:
     vanishing: frozenset[Element]
     clashing: frozenset[frozenset[str]]
 
+    @property
+    def entangled(self) -> tuple[int, ...]:
+        """Numbers of the generators that do not commute with all others, from 1."""
+        return _entangled(self.generators, self.clashing)
+
     def commute(self, a: str, b: str) -> bool:
         """Whether the flows of two generators may be interchanged."""
         return frozenset((a, b)) not in self.clashing
@@ -55,7 +60,7 @@ def hall_fields(
     """
     clashing = _clashing(system, generators)
     full = _entangled_basis(generators, clashing, max_degree)
-    fields = _fields(full, [system.fields[name] for name in generators], system.state)
+    fields = fields_of(full, [system.fields[name] for name in generators], system.state)
     zeros = vanishing(list(fields.values()), system.state)
     zero = frozenset(e for e, gone in zip(full, zeros, strict=True) if gone)
     ideal = _largest_ideal(zero, full, len(generators))
@@ -88,30 +93,43 @@ def _entangled_basis(
     generators: Sequence[str], clashing: frozenset[frozenset[str]], highest: int
 ) -> list[Element]:
     """All generators, and the brackets of those that do not commute with all others."""
-    numbers = [
-        i
-        for i, g in enumerate(generators, start=1)
-        if any(g in pair for pair in clashing)
-    ]
+    numbers = _entangled(generators, clashing)
     brackets = hall_basis(len(numbers), highest)[len(numbers) :] if numbers else ()
     return [
         *range(1, len(generators) + 1),
-        *(_renumbered(e, numbers) for e in brackets),
+        *(renumbered(e, numbers) for e in brackets),
     ]
 
 
-def _renumbered(element: Element, numbers: Sequence[int]) -> Element:
+def _entangled(
+    generators: Sequence[str], clashing: frozenset[frozenset[str]]
+) -> tuple[int, ...]:
+    return tuple(
+        i
+        for i, g in enumerate(generators, start=1)
+        if any(g in pair for pair in clashing)
+    )
+
+
+def renumbered(element: Element, numbers: Sequence[int]) -> Element:
+    """The same element over other generators."""
     if isinstance(element, Bracket):
         return Bracket(
-            _renumbered(element.left, numbers), _renumbered(element.right, numbers)
+            renumbered(element.left, numbers), renumbered(element.right, numbers)
         )
     return numbers[element - 1]
 
 
-def _fields(
-    elements: Sequence[Element], generators: Sequence[VectorField], state: Symbols
+def fields_of(
+    elements: Iterable[Element], generators: Sequence[VectorField], state: Symbols
 ) -> dict[Element, VectorField]:
-    """Every element as a field."""
+    """Every element as a field, and the generators they are brackets of.
+
+    Args:
+        elements: Hall elements, those within others before them.
+        generators: Fields behind the numbers of generators.
+        state: Symbols of the state.
+    """
     fields: dict[Element, VectorField] = dict(enumerate(generators, start=1))
     for element in elements:
         if isinstance(element, Bracket):

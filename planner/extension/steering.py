@@ -13,10 +13,11 @@ from typing import Literal
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, hall_fields
+from planner.extension.rectangles import Rectangles, rectangles, weights
 from planner.lie.coordinates import integrate
 from planner.lie.hall import Bracket
 from planner.lie.short_words import short_durations
-from planner.lie.words import Spelling, joined, spellings
+from planner.lie.words import Order, Spelling, joined, spellings
 from planner.numerics.arrays import Array
 from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word
@@ -33,10 +34,13 @@ class Steering:
         hall: The generators, in order of first appearance among the elements, and the
             Hall basis over them up to the elements' highest degree.
         selected: Index in the basis of each selected element.
+        rectangles: From which corner, and in which shape, words run their rectangles;
+            None where there are none.
     """
 
     hall: HallFields
     selected: tuple[int, ...]
+    rectangles: Rectangles | None
 
     @property
     def basis(self) -> tuple[str, ...]:
@@ -57,7 +61,9 @@ class Steering:
         everywhere[..., list(self.selected)] = inputs
         return integrate(self.hall.elements, everywhere)
 
-    def words(self, hall_coordinates: Array, order: Wording) -> list[Word]:
+    def words(
+        self, hall_coordinates: Array, order: Wording, at: Array | None = None
+    ) -> list[Word]:
         """Words of the generators that realise Hall coordinates, one a segment.
 
         Args:
@@ -65,11 +71,29 @@ class Steering:
             order: `backward` runs brackets first, `forward` generators first,
                 `shortest` lets the sweeps of a single pair into its bracket's and is
                 the shorter of the two elsewhere.
+            at: Configurations that the segments start from, shape (segments, n), for
+                rectangles that leave the smallest error there; None takes those that
+                are printed.
         """
         if order == "shortest":
             return self._short_words(hall_coordinates)
+        scales = None
+        if self.rectangles is not None and at is not None:
+            scales = self.rectangles.scales(hall_coordinates, at)
+        if scales is None:
+            return self._named(self._spelled(hall_coordinates, order))
+        elements = self.hall.elements
+        spelled = self._spelled(hall_coordinates / weights(elements, scales), order)
+        return self._named(
+            [
+                (letters, [s[i - 1] * t for i, t in zip(letters, times, strict=True)])
+                for (letters, times), s in zip(spelled, scales.tolist(), strict=True)
+            ]
+        )
+
+    def _spelled(self, hall_coordinates: Array, order: Order) -> list[Spelling]:
         elements, vanishing = self.hall.elements, self.hall.vanishing
-        return self._named(spellings(elements, hall_coordinates, order, vanishing))
+        return spellings(elements, hall_coordinates, order, vanishing)
 
     def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
         names = self.hall.generators
@@ -116,7 +140,8 @@ def steering(system: StratifiedSystem, trees: Sequence[Tree]) -> Steering:
     """
     generators = tuple(dict.fromkeys(leaf for tree in trees for leaf in leaves(tree)))
     hall = hall_fields(system, generators, max(len(leaves(tree)) for tree in trees))
-    return Steering(hall, tuple(_index(tree, hall.names) for tree in trees))
+    selected = tuple(_index(tree, hall.names) for tree in trees)
+    return Steering(hall, selected, rectangles(system, hall))
 
 
 def _index(tree: Tree, basis: Sequence[str]) -> int:

@@ -132,17 +132,17 @@ def _given(algebra: LieAlgebra, j: int, amounts: Array) -> Array:
     """The logarithms of an element's words for some amounts, shape (segments, s)."""
     scale = np.abs(amounts) ** (1 / algebra.degrees[j])
     powers = scale[:, None] ** np.array(algebra.degrees)
-    unit = _logarithm(algebra, algebra.basis[j])
+    unit = logarithm_of_word(algebra, algebra.basis[j])
     return np.asarray(np.sign(amounts)[:, None] * powers * unit)
 
 
 @cache
-def _logarithm(algebra: LieAlgebra, element: Element) -> Array:
+def logarithm_of_word(algebra: LieAlgebra, element: Element) -> Array:
     """The logarithm of an element's word with durations of one, shape (s,)."""
     if not isinstance(element, Bracket):
         return np.asarray(np.eye(len(algebra.basis))[algebra.index[element]])
-    left = _logarithm(algebra, element.left)
-    right = _logarithm(algebra, element.right)
+    left = logarithm_of_word(algebra, element.left)
+    right = logarithm_of_word(algebra, element.right)
     join = algebra.campbell_baker_hausdorff
     return join(join(left, right), join(-left, -right))
 

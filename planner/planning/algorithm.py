@@ -237,7 +237,7 @@ def assemble(
         nominal: Configurations between segments, ends included, (segments + 1, n).
         execution: How to carry them out.
     """
-    ordered = execution.flows(extended, hall_coordinates, nominal[0], nominal[-1])
+    ordered = execution.flows(extended, hall_coordinates, nominal)
     return Plan(
         system=extended.system,
         elements=extended.elements,

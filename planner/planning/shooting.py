@@ -191,7 +191,7 @@ def _shot(
     samples = sample(line(here, target), extended.system, 1, NODES)
     inputs = fictitious_inputs(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)
-    (word,) = extended.steering.words(coordinates, orders[0])
+    (word,) = extended.steering.words(coordinates, orders[0], here[None])
     flows = extended.grouper.flows(word, tuple(range(len(word.fields))))
     return _Shot(inputs, coordinates, play(extended.system, flows, here)[-1])
 
