@@ -8,7 +8,7 @@ import pytest
 
 from models.description.card import GroupCard
 from models.library import load, shipped_robots
-from models.motion.walkers import equations
+from models.motion.robot_equations import equations
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
 from planner.planning.playback import rollout
