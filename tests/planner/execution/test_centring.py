@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 
 from planner.errors import RangeError
+from planner.execution import centring
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import ellipse, line
 from planner.planning.playback import rollout
-from planner.systems.flows import contact_switches, merged, visits
+from planner.systems.flows import Flow, contact_switches, merged, visits
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, PAPER, chained, hexapod
@@ -236,3 +237,43 @@ def test_switches_of_centred_plans_are_those_of_their_flows(robot):
     assert (
         contact_switches(robot.system, centred.flows) == centred.contact_switches == 326
     )
+
+
+def one_leg():
+    """Two fields under load that sweep the leg apart, and its swing in the air."""
+    return StratifiedSystem(
+        "x y p",
+        {
+            "12": {"push": [1, 0, 1], "pull": [0, 1, -2]},
+            "1": {"swing": [0, 0, 1], "slide": [1, 1, 0]},
+            "2": {"drag": [2, 1, 0]},
+        },
+        "12",
+    )
+
+
+def centred_leg(*segments, goal=None):
+    shape = ShapeCoordinates(one_leg())
+    given = [[Flow(shape.system.stratum_of[f], f, t) for f, t in s] for s in segments]
+    end = None if goal is None else np.array([0, 0, goal])
+    found = centring.centred(shape, given, np.zeros(3), end, ("12", "12"))
+    return [[(flow.field, flow.duration) for flow in flows] for flows in found]
+
+
+def test_it_is_the_reach_of_a_sweep_that_is_centred_and_not_its_net():
+    """The leg goes 0.4 forward and 0.6 back, from 0.4 to -0.2 of where it starts."""
+    (flows,) = centred_leg([("push", 0.4), ("pull", 0.3)])
+    assert flows[0] == ("swing", pytest.approx(-0.1, abs=ROUNDING))
+    assert flows[1:] == [("push", 0.4), ("pull", 0.3)]
+
+
+def test_a_leg_is_set_in_the_last_stay_in_the_air_before_it_is_loaded():
+    """Set earlier, it would be held there for longer than it need be."""
+    first, second, third = centred_leg(
+        [("push", 0.2), ("slide", 1.0)],
+        [("drag", 1.0)],
+        [("slide", 1.0), ("push", 0.4)],
+    )
+    names = [[field for field, _ in flows] for flows in (first, second, third)]
+    assert names == [["swing", "push", "slide"], ["drag"], ["swing", "slide", "push"]]
+    assert third[0][1] == pytest.approx(-0.3, abs=ROUNDING)

@@ -13,10 +13,14 @@ from models.morphology.shipped import QUADRUPED
 from models.motion.robot_equations import equations
 from planner.errors import StratumError
 from planner.execution.execution import Execution
+from planner.execution.stepping import stepped
 from planner.extension.extended import extend
 from planner.planning.algorithm import follow_path
 from planner.planning.paths import line
 from planner.planning.playback import rollout
+from planner.systems.flows import Flow
+from planner.systems.shape import ShapeCoordinates
+from planner.systems.strata import StratifiedSystem
 
 GOAL = np.array([0.02, 0.01, 0.3, *np.zeros(8)])
 
@@ -143,3 +147,18 @@ def test_a_range_beside_zero_leaves_no_room_for_sweeps_around_it(
     narrow = limits(quadruped) | {"phi_1": (0.0, 0.5)}
     with pytest.raises(StratumError, match="phi_1 around zero, not inside"):
         planned(quadruped, described, extended, limits=narrow)
+
+
+@pytest.mark.parametrize("span", [(-0.1, 0.4), (-0.4, 0.1)], ids=["back", "front"])
+def test_the_nearer_end_of_a_range_bounds_sweeps_around_zero(span):
+    """A way of 0.5 around zero in a range of 0.1 to one side takes three parts."""
+    strata = {"1": {"push": [1, 0.5]}, "0": {"swing": [0, 1]}}
+    shape = ShapeCoordinates(StratifiedSystem("x p", strata, "1"))
+    (flows,) = stepped(
+        shape, [[Flow("1", "push", 1.0)]], np.zeros(2), None, {"p": span}, None
+    )
+    assert [flow.duration for flow in flows if flow.field == "push"] == (
+        pytest.approx([1 / 3] * 3)
+    )
+    angle = shape.trajectory(1, flows, 0.0)
+    assert np.abs(angle).max() == pytest.approx(0.5 / 3 / 2, abs=1e-12)
