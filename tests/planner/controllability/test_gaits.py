@@ -254,6 +254,19 @@ def test_closure_counts_fields_and_not_their_values_at_a_point():
     assert (len(algebra.fields), algebra.complete) == (3, True)
 
 
+@pytest.mark.parametrize(
+    ("largest", "max_depth", "depth"), [(150, 4, 4), (4, 6, 3), (3, 6, 2), (1, 6, 1)]
+)
+def test_closure_that_is_cut_short_tells_the_last_degree_it_has_in_full(
+    monkeypatch, largest, max_depth, depth
+):
+    """Every degree of x^9 d/dy adds one field to the two generators."""
+    monkeypatch.setattr(closure, "LARGEST", largest)
+    system = flat_power(9)
+    algebra = involutive_closure(system.fields, system.state, [1, 0], max_depth)
+    assert (algebra.depth, algebra.complete) == (depth, False)
+
+
 def test_depth_below_one_is_refused():
     with pytest.raises(ValueError, match="depth is 0; at least 1"):
         involutive_closure(heisenberg().fields, heisenberg().state, [0, 0, 0], 0)

@@ -172,6 +172,18 @@ def test_velocity_off_the_bottom_stratum_is_refused():
         extended.fictitious_inputs(np.zeros(7), np.array([1.0, 0, 0, 0, 0, 1, 0]))
 
 
+@pytest.mark.parametrize("size", [1e-3, 1.0, 50.0])
+def test_a_millionth_of_a_velocity_may_leave_the_bottom_stratum(size):
+    extended = extend(hexapod(heights=True), LIFTED)
+    along, up = np.eye(7)[0], np.eye(7)[5]
+    found = extended.fictitious_inputs(np.zeros(7), size * (along + 0.9e-6 * up))
+    assert extended.columns(np.zeros(7)) @ found == pytest.approx(
+        size * along, abs=1e-12
+    )
+    with pytest.raises(PlannerError, match="moves height_1 at .* by .*e-0"):
+        extended.fictitious_inputs(np.zeros(7), size * (along + 1.1e-6 * up))
+
+
 def crane(**fields):
     """Two coordinates and a height; the load swings with the foot up."""
     state = sp.symbols("x y h")

@@ -49,6 +49,13 @@ def test_divisions_are_uniform_but_for_corners():
     assert grid(bent, 1).tolist() == [0, 1]
 
 
+@pytest.mark.parametrize("corner", [0.38, 0.45, 0.55, 0.62])
+def test_a_corner_draws_the_division_nearest_to_it(corner):
+    bent = waypoints([[0, 0], [corner, 0], [corner, 1 - corner]])
+    # of 0.25, 0.5 and 0.75 the middle one
+    assert grid(bent, 4) == pytest.approx([0, 0.25, corner, 0.75, 1])
+
+
 @pytest.mark.parametrize(
     "corners", [[0.3, 0.31, 0.32], [0.01, 0.02, 0.03], [0.2, 0.98, 0.99], [0.5, 0.6]]
 )
