@@ -41,6 +41,19 @@ def test_quadruped_can_lift_front_legs_at_rest_and_hind_ones_elsewhere():
     assert all(best > asked for _, best in found.values())
 
 
+def test_the_best_share_is_that_of_any_legs_at_zero_or_at_an_end_of_their_range():
+    robot = load("quadruped")
+    places = [np.array([low, 0.0, high]) for low, high in robot.swing_range.values()]
+    swing = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, 4)
+    stance = Kinematics(robot).stance(swing)
+    for stratum, (rest, best) in StaticStability(robot).at_rest_and_best().items():
+        on = robot.planted(stratum)
+        loads = static_loads(stance.feet[:, on], stance.center_of_mass).min(axis=1)
+        assert best == pytest.approx(loads.max(), abs=1e-9)
+        # statics gives none where a foot would have to pull
+        assert max(rest, 0) == pytest.approx(loads[len(loads) // 2], abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -133,6 +133,22 @@ def test_pose_and_slip_agree_with_a_general_integrator(
     assert found.slip[0] == pytest.approx(state[3:], abs=2e-5)
 
 
+def test_a_swing_of_loaded_and_raised_groups_at_once_moves_the_body(ideal, kinematics):
+    """On S1 the group in the air may swing along, and moves nothing."""
+
+    def end(direction):
+        scheduler = Scheduler(LIMITS, LegState((0.0, 0.0), "1"))
+        scheduler.flow(Flow("1", "g1_1", 0.2), direction)
+        schedule = scheduler.finish()
+        return predict(schedule, np.array([schedule.stop - 1]), ideal, kinematics)
+
+    alone, together = end((1.0, 0.0)), end((1.0, -1.0))
+    # the clock of the motion runs on both groups' angles, and rounds apart
+    assert np.abs(alone.pose).max() > 1e-3
+    assert together.pose == pytest.approx(alone.pose, abs=1e-12)
+    assert together.slip == pytest.approx(alone.slip, abs=1e-6)
+
+
 def test_a_start_pose_moves_the_whole_prediction(schedule, ideal, kinematics):
     rows, start = np.arange(0, schedule.stop, 50), np.array([0.3, -0.2, 1.1])
     there = predict(schedule, rows, ideal, kinematics, start).pose

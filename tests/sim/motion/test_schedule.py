@@ -88,6 +88,18 @@ def test_phases_follow_each_other_without_gaps():
     ]  # fmt: skip
 
 
+def test_a_group_that_lifts_or_lands_is_no_support_while_it_does():
+    found = [(p.kind, p.moving, p.stratum) for p in WALK.phases if p.kind != "swing"]
+    assert found == [
+        ("hold", (), "12"),
+        ("lift", (1,), "1"),
+        ("land", (1,), "1"),
+        ("lift", (0,), "2"),
+        ("land", (0,), "2"),
+    ]
+    assert WALK.end.stratum == "12"
+
+
 def test_a_schedule_can_continue_where_another_ended():
     scheduler = Scheduler(LIMITS, WALK.end, step=WALK.stop, segment=3)
     scheduler.flow(Flow("1", "g1_1", 0.2), UNIT[0])

@@ -66,6 +66,28 @@ def test_a_diverging_simulation_stops_with_time_and_warning(hexapod, scenario, c
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.physics
+def test_after_a_divergence_the_steps_are_those_that_were_made(hexapod, scenario):
+    """The engine stops in the step that goes bad, which a bare loop finds alike."""
+    wild = scenario(timestep=0.01, servo_stiffness=1e6, servo_damping=0.0)
+    model = load(build(hexapod, wild))
+    engine, data = Engine(model), mujoco.MjData(model)
+    still, pushed = (np.full((n, 12), angle) for n, angle in ((3, 0.0), (400, 0.4)))
+    engine.advance(still)
+    with pytest.raises(SimulationError, match="diverged") as stop:
+        engine.advance(pushed)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    made = 0
+    for row in (*still, *pushed):
+        data.ctrl[:] = row
+        mujoco.mj_step(model, data)
+        made += 1
+        if data.warning.number.any():
+            break
+    assert engine.steps == made > 3
+    assert f"t = {(made - 1) * 0.01:.4f} s" in str(stop.value)
+
+
 def test_a_command_that_is_not_finite_is_stopped_before_the_engine(model):
     ctrl = np.zeros((10, model.nu))
     ctrl[4, 3] = np.nan
