@@ -7,16 +7,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from models.description.numbers import check_model
 from models.errors import ModelError
 
 ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
-FINITE = (  # what the compiler lets pass; the last one is derived from all the others
-    "body_mass", "body_inertia", "body_pos", "body_quat", "body_ipos", "body_iquat",
-    "jnt_axis", "jnt_pos", "jnt_range", "dof_armature", "dof_damping",
-    "geom_pos", "geom_quat", "geom_size", "geom_friction", "geom_solref",
-    "actuator_gainprm", "actuator_biasprm", "actuator_gear", "actuator_ctrlrange",
-    "key_qpos", "key_ctrl", "body_invweight0",
-)  # fmt: skip
 
 
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
@@ -25,33 +19,21 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     Raises:
         ModelError: If the compiler refuses, or a number in the model is not finite.
     """
+    silence_the_engine()
     try:
         model = spec.compile()
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"MJCF does not compile: {source}; {reason}") from error
-    _check_finite(model, source)
+    check_model(model, source)
     return model
 
 
-def _check_finite(model: mujoco.MjModel, source: str) -> None:
-    for name in FINITE:
-        bad = np.argwhere(~np.isfinite(getattr(model, name)))
-        if len(bad):
-            raise ModelError(
-                f"{name} of {_owner(model, name, int(bad[0, 0]))} is not finite: "
-                f"{source}; give it a number"
-            )
-
-
-def _owner(model: mujoco.MjModel, array: str, row: int) -> str:
-    """The element that a row of one of the model's arrays belongs to."""
-    kind = array.partition("_")[0]
-    if kind == "dof":
-        row = int(model.dof_jntid[row])
-    kind = {"dof": "joint", "jnt": "joint"}.get(kind, kind)
-    name = getattr(model, kind)(row).name
-    return f"{kind} {name!r}" if name else f"{kind} {row}"
+def silence_the_engine() -> None:
+    """What the engine warns of is raised as an error; no need to print and log it."""
+    log = mujoco.MjLogConfig.get()
+    log.logto_file = log.logto_console = False
+    log.set()
 
 
 def read_spec(path: Path) -> mujoco.MjSpec:
@@ -60,9 +42,10 @@ def read_spec(path: Path) -> mujoco.MjSpec:
     Raises:
         ModelError: If the file is not MJCF.
     """
+    silence_the_engine()
     try:
         return mujoco.MjSpec.from_file(str(path))
-    except (ValueError, RuntimeError) as error:
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
 

@@ -1,0 +1,122 @@
+"""Numbers of a model that are none: NaN and infinity, in its text and once compiled.
+
+The compiler accepts most of them, and takes a default for some without saying so; a
+robot of such a mass walks into nowhere.
+"""
+
+from __future__ import annotations
+
+import html
+import math
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from models.errors import ModelError
+
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
+ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
+TEXTS = ("name", "class", "childclass", "model", "prefix", "dclass")  # may say "nan"
+SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
+KINDS = {"dof": "jnt", "tex": "tex", "cam": "cam"}
+WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
+
+
+def check_text(path: Path) -> None:
+    """Refuse an MJCF file that writes a number that is not finite.
+
+    Raises:
+        ModelError: With the element, the attribute and the line.
+    """
+    text = path.read_bytes().decode("utf-8", errors="replace")
+    for line, element, attribute, value in _bad_attributes(text):
+        raise ModelError(
+            f"{attribute} of {element} is {value!r}, which is not finite: "
+            f"{path}, line {line}; give it a number"
+        )
+
+
+def _bad_attributes(text: str) -> Iterator[tuple[int, str, str, str]]:
+    text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
+    for tag in TAG.finditer(text):
+        said = [
+            (name, html.unescape(value[1:-1]))
+            for name, value in ATTRIBUTE.findall(tag[2])
+        ]
+        own = dict(said).get("name")
+        element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
+        for name, value in said:
+            if name not in TEXTS and _is_bad(value):
+                yield text.count("\n", 0, tag.start()) + 1, element, name, value
+
+
+def _is_bad(value: str) -> bool:
+    """Whether a text is made of numbers, not all of them finite."""
+    try:
+        numbers = [float(word) for word in value.split()]
+    except ValueError:
+        return False
+    return not all(map(math.isfinite, numbers))
+
+
+def check_model(model: mujoco.MjModel, source: str) -> None:
+    """Refuse a compiled model with a number that is not finite.
+
+    Raises:
+        ModelError: With the array and the element that it belongs to.
+    """
+    for name in _float_arrays():
+        array = getattr(model, name)
+        if array.size and not np.isfinite(array).all():
+            row = int(np.argwhere(~np.isfinite(array))[0, 0])
+            _refuse(f"{name} of {_owner(model, name, row)}", source)
+    for section in SECTIONS:
+        for name, value in _floats(getattr(model, section)):
+            if not np.isfinite(value).all():
+                _refuse(f"{section}.{name}", source)
+
+
+def _refuse(what: str, source: str) -> None:
+    raise ModelError(f"{what} is not finite: {source}; give it a number")
+
+
+@cache
+def _float_arrays() -> tuple[str, ...]:
+    """Names of the arrays of floats that any compiled model has."""
+    empty = mujoco.MjSpec().compile()
+    names = (name for name in dir(empty) if not name.startswith("_"))
+    return tuple(name for name in names if _is_float(getattr(empty, name)))
+
+
+def _is_float(value: object) -> bool:
+    return isinstance(value, np.ndarray) and value.dtype.kind == "f"
+
+
+def _floats(section: object, prefix: str = "") -> Iterator[tuple[str, object]]:
+    """Numbers and arrays of floats in a section, and in the sections inside it."""
+    for name in dir(section):
+        value = getattr(section, name)
+        if name.startswith("_") or callable(value):
+            continue
+        if isinstance(value, float) or _is_float(value):
+            yield prefix + name, value
+        elif type(value).__module__.startswith("mujoco"):
+            yield from _floats(value, f"{prefix}{name}.")
+
+
+def _owner(model: mujoco.MjModel, array: str, row: int) -> str:
+    """The element that a row of one of the model's arrays belongs to."""
+    kind = array.partition("_")[0]
+    if kind == "dof":
+        kind, row = "jnt", int(model.dof_jntid[row])
+    count = getattr(model, f"n{kind}", None)
+    word = WORDS.get(kind, kind)
+    if count is None or row >= count or not hasattr(model, kind):
+        return f"the {word}s"
+    name = getattr(model, kind)(row).name
+    return f"{word} {name!r}" if name else f"{word} {row}"

@@ -1,0 +1,1 @@
+"""Whether a user's model may be read: how large it is, what it opens, its numbers."""

@@ -1,0 +1,65 @@
+"""The files that a model opens: which there are, and which lie outside its own folder.
+
+Its own folder is the one that its MJCF is in. A model from elsewhere may name any file
+of this machine as a mesh or texture, and a run copies what a model is made of.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from models.errors import ModelError
+
+
+def included(path: Path) -> list[Path]:
+    """An MJCF file and the files that it includes or attaches, and may be more."""
+    try:
+        named = mujoco.mju_getXMLDependencies(str(path))
+    except mujoco.FatalError as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
+    return [Path(name) for name in named if Path(name).is_file()]
+
+
+def elements(
+    spec: mujoco.MjSpec, model: mujoco.MjModel
+) -> Iterator[tuple[Any, str, Path | None]]:
+    """Elements that may have a file, their folder, and where the compiler found it."""
+    for mesh in spec.meshes:
+        yield mesh, mesh.compiler.meshdir, _found(model, "mesh", mesh.name)
+    for field in spec.hfields:
+        yield field, field.compiler.meshdir, _found(model, "hfield", field.name)
+    for skin in spec.skins:
+        yield skin, skin.compiler.meshdir, _found(model, "skin", skin.name)
+    for texture in spec.textures:
+        yield texture, texture.compiler.texturedir, _found(model, "tex", texture.name)
+
+
+def assets(spec: mujoco.MjSpec, model: mujoco.MjModel) -> set[Path]:
+    """Meshes, height fields, skins and textures of a model, used or not."""
+    paths = set()
+    for element, folder, found in elements(spec, model):
+        base = Path(spec.modelfiledir) / folder
+        if element.file:
+            paths.add(found or base / element.file)
+        paths |= {base / file for file in getattr(element, "cubefiles", ()) if file}
+    return paths
+
+
+def outside(paths: set[Path], folder: Path) -> list[Path]:
+    """Those of some files that are not in a folder, links followed; in order."""
+    own = folder.resolve()
+    return sorted(path for path in paths if not path.resolve().is_relative_to(own))
+
+
+def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
+    """The file that an element was compiled from; None if the compiler dropped it."""
+    places = getattr(model, f"{kind}_pathadr")
+    for i, place in enumerate(places):
+        if place >= 0 and getattr(model, kind)(i).name == name:
+            return Path(model.paths[place:].split(b"\0", 1)[0].decode())
+    return None

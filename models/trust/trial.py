@@ -1,0 +1,67 @@
+"""A user's model tried out, in a process that has little time and memory.
+
+Run as a program by `trust.inspection`, with the MJCF file and the limits as arguments;
+its last line of output is JSON: the files that the model opens, or what is wrong with
+it. A model that a few words make huge ends this process and no other.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+from pathlib import Path
+
+from models.description.compiled import compile_model, read_spec
+from models.description.numbers import check_text
+from models.errors import ModelError
+from models.trust.files import assets, included
+
+TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
+
+
+def examine(path: Path) -> list[Path]:
+    """The files that a model opens, itself included, once it has been compiled.
+
+    Args:
+        path: Its MJCF.
+
+    Raises:
+        ModelError: If it cannot be used.
+    """
+    texts = included(path)
+    for text in texts:
+        if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
+            check_text(text)
+    spec = read_spec(path)
+    named = assets(spec, compile_model(spec, str(path)))
+    for file in sorted(named):
+        if not file.is_file():
+            raise ModelError(
+                f"a file is missing: {file}, which {path} names; put it there, or "
+                "correct meshdir or texturedir"
+            )
+    return sorted({path, *texts, *named})
+
+
+def report(path: Path) -> dict[str, object]:
+    """What there is to say of a model: `files`, or `wrong`, or `large`."""
+    try:
+        return {"files": [str(file) for file in examine(path)]}
+    except ModelError as error:
+        large = any(sign in str(error) for sign in TOO_LARGE)
+        return {"large": True} if large else {"wrong": str(error)}
+    except MemoryError:
+        return {"large": True}
+
+
+def main(path: str, seconds: str, memory: str) -> None:
+    """Try a model within limits, and print what came of it."""
+    resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
+    resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    print("", json.dumps(report(Path(path))), sep="\n", flush=True)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
