@@ -19,7 +19,9 @@ from .description.compiled import (
     compile_model as compile_model,
     free_joint as free_joint,
     root_body as root_body,
+    silence_the_engine as silence_the_engine,
 )
+from .description.files import elements_with_files as elements_with_files
 from .description.robot import (
     FOLDER as FOLDER,
     Robot as Robot,

@@ -8,7 +8,8 @@ from models.checks.parts import check_parts
 from models.checks.posture import check_posture
 from models.description.card_file import parse_card, read_text
 from models.description.compiled import read_spec
-from models.description.replicas import check_replicas
+from models.description.files import Opened
+from models.description.inspection import inspect
 from models.description.robot import FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 
@@ -20,19 +21,25 @@ def shipped_robots() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
-def load(name: str) -> Robot:
+def load(name: str, *, allow_external: bool = False) -> Robot:
     """A shipped robot by name, or a user's own by the path of its MJCF file.
 
     The card is the TOML file beside it, or its custom text `card`. A file with neither
     is given the card of the shipped robot whose model name it carries.
 
+    Args:
+        name: Name or path.
+        allow_external: Whether a user's own may open files outside its folder.
+
     Raises:
         UnknownRobotError: If there is no such robot or file.
-        ModelError: If file or card cannot be used.
+        ModelError: If file or card cannot be used, or the model is too large or opens
+            what it may not.
     """
     path = _find(name)
+    opened = None if path.parent == FOLDER else _inspected(path, allow_external)
     text, source = _card(path)
-    robot = Robot(path.stem, path, text, parse_card(text, source))
+    robot = Robot(path.stem, path, text, parse_card(text, source), opened)
     check_parts(robot)
     check_posture(robot)
     return robot
@@ -57,9 +64,13 @@ def _find(name: str) -> Path:
     return path
 
 
+def _inspected(path: Path, allow_external: bool) -> Opened:
+    card = path.with_suffix(".toml")
+    return inspect(path, (card,) if card.is_file() else (), allow_external)
+
+
 def _card(path: Path) -> tuple[str, str]:
     """Text of a robot's card, and where it stands."""
-    check_replicas(path)
     beside, spec = path.with_suffix(".toml"), read_spec(path)
     inside = [text.data for text in spec.texts if text.name == EMBEDDED]
     if inside and beside.is_file():

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from models import Robot
 from sim.evaluation.evaluation import Evaluation, Summary, trajectory
 from sim.evaluation.phases import table
 from sim.folder import Pieces, RunFolder, claim
@@ -74,6 +75,7 @@ def run(
     scenario: Scenario,
     folder: RunFolder,
     *,
+    robot: Robot | None = None,
     look: str | None = None,
     progress: Progress = silent,
 ) -> Summary:
@@ -82,6 +84,7 @@ def run(
     Args:
         scenario: What to walk.
         folder: Empty folder of this run.
+        robot: The scenario's robot, if it is loaded already.
         look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
         progress: Told the stage and how much of it is done.
 
@@ -96,7 +99,7 @@ def run(
         RenderError: If a film is wanted and cannot be made.
     """
     writer = Writer(folder)
-    simulation = simulate(scenario, progress=progress, witness=writer)
+    simulation = simulate(scenario, robot=robot, progress=progress, witness=writer)
     writer.evaluated(simulation.evaluation)
     simulation.timing["render"] = 0.0
     writer.summarised(simulation.summary)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
+from models import Robot
 from planner import Plan
 from sim.evaluation.comparison import describe
 from sim.evaluation.evaluation import Evaluation, Summary, evaluate, summarise
@@ -91,6 +92,7 @@ class Witness(Protocol):
 def simulate(
     scenario: Scenario,
     *,
+    robot: Robot | None = None,
     progress: Progress = silent,
     witness: Witness | None = None,
 ) -> Simulation:
@@ -98,6 +100,7 @@ def simulate(
 
     Args:
         scenario: What to walk.
+        robot: The scenario's robot, if it is loaded already.
         progress: Told the stage and how much of it is done.
         witness: Shown what there is before and after the walk.
 
@@ -109,7 +112,7 @@ def simulate(
     """
     timing: dict[str, float] = {}
     with _timed(timing, "compile"):
-        setup = prepare(scenario)
+        setup = prepare(scenario, robot)
     with _timed(timing, "plan"):
         prepared = _planned(setup)
     if witness is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import mujoco
@@ -21,7 +22,8 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
     """
     silence_the_engine()
     try:
-        model = spec.compile()
+        with warnings.catch_warnings(action="ignore"):  # hints on style, many lines
+            model = spec.compile()
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"MJCF does not compile: {source}; {reason}") from error

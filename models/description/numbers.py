@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -23,7 +24,6 @@ TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 TEXTS = ("name", "class", "childclass", "model", "prefix", "dclass")  # may say "nan"
 SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
-KINDS = {"dof": "jnt", "tex": "tex", "cam": "cam"}
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 
@@ -97,7 +97,7 @@ def _is_float(value: object) -> bool:
     return isinstance(value, np.ndarray) and value.dtype.kind == "f"
 
 
-def _floats(section: object, prefix: str = "") -> Iterator[tuple[str, object]]:
+def _floats(section: object, prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Numbers and arrays of floats in a section, and in the sections inside it."""
     for name in dir(section):
         value = getattr(section, name)

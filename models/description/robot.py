@@ -24,6 +24,7 @@ from models.description.compiled import (
     read_spec,
     root_body,
 )
+from models.description.files import Opened
 
 START = ("start", "home")  # names of the keyframe to start from
 FOLDER = Path(str(files("models.robots")))
@@ -37,6 +38,17 @@ class Robot:
     path: Path  # MJCF file
     card_text: str  # TOML
     card: Card
+    opened: Opened | None = None  # files of a user's own
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Files that a user's model consists of."""
+        return () if self.opened is None else self.opened.files
+
+    @property
+    def external(self) -> tuple[Path, ...]:
+        """Files that a user's model opens outside its own folder."""
+        return () if self.opened is None else self.opened.external
 
     def __str__(self) -> str:
         return self.name

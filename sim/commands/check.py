@@ -7,6 +7,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from sim.commands.trusted import add_trust_argument, robot_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SYSTEM|ROBOT",
         help="a shipped system or robot, a TOML or Python file, or MJCF with a card",
     )
+    add_trust_argument(parser)
     parser.add_argument(
         "--gait", metavar="STRATUM", nargs="+", help="strata in order, the first again"
     )
@@ -49,7 +51,7 @@ def execute(options: argparse.Namespace) -> None:
     from planner import MAX_DEPTH, gait_controllability
     from sim.commands.problems import coordinates, refused
 
-    system, gait, start, static_stability = _subject(options.system, options.set)
+    system, gait, start, static_stability = _subject(options)
     if options.gait:
         gait = _gait(system, options.gait)
     with refused(options.system):
@@ -90,19 +92,20 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
 
 
 def _subject(
-    source: str, settings: Sequence[str]
+    options: argparse.Namespace,
 ) -> tuple[StratifiedSystem, Sequence[str], Array | None, Loads]:
     """The system behind a word, its gait, where to look at it, and a robot's loads."""
     from sim.commands.problems import find, is_system
 
+    source, settings = options.system, options.set
     if not source.endswith(".xml") and is_system(source, _robots(), "robot"):
         problem = find(source, settings)
         return problem.system, problem.gait, problem.states[0], {}
     if settings:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
-    from models import StaticStability, equations, load
+    from models import StaticStability, equations
 
-    robot = load(source)
+    robot = robot_of(options, source)
     static_stability = StaticStability(robot).at_rest_and_best()
     return equations(robot).system, robot.card.gait, None, static_stability
 

@@ -6,6 +6,8 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
+from sim.commands.trusted import add_trust_argument, robot_of
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -19,6 +21,7 @@ PLACES = (-1.0, 0.0, 1.0)  # of the span at which twists are shown
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument("robot", metavar="ROBOT", help="a shipped robot, or a FILE.xml")
+    add_trust_argument(parser)
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -34,7 +37,8 @@ def execute(options: argparse.Namespace) -> None:
     from sim.scenarios.file import load_scenario, parse_override
 
     overrides = dict(parse_override(text) for text in options.set)
-    setup = prepare(load_scenario("line", overrides | {"robot": options.robot}))
+    scenario = load_scenario("line", overrides | {"robot": options.robot})
+    setup = prepare(scenario, robot_of(options, scenario.robot))
     found = fields(setup)
     if options.json:
         print(json.dumps(found, indent=1))

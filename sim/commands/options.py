@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.commands.trusted import add_trust_argument
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ def add_scenario_arguments(
         "scenario", metavar=metavar, help=f"a shipped {what}, or a file"
     )
     parser.add_argument("--robot", metavar="NAME|FILE.xml", help="robot to walk")
+    add_trust_argument(parser)
     parser.add_argument("--fields", help="fields to steer with, lifted or paper")
     parser.add_argument("--segments", type=int, metavar="N", help="pieces of the path")
     parser.add_argument(

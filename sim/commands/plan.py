@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.commands import system_plan
 from sim.commands.options import add_scenario_arguments, scenario_of
+from sim.commands.trusted import robot_of
 
 if TYPE_CHECKING:
     from planner import Flow
@@ -40,7 +41,7 @@ def execute(options: argparse.Namespace) -> None:
     from sim.preparation.setup import prepare
 
     began = time.perf_counter()
-    setup = prepare(scenario)
+    setup = prepare(scenario, robot_of(options, scenario.robot))
     compiled = time.perf_counter()
     setup = within_bounds(routed(setup))
     flows = _replanned(setup) if scenario.replan else plan_open_loop(setup).flows

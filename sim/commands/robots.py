@@ -6,6 +6,8 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
+from sim.commands.trusted import add_trust_argument, robot_of
+
 if TYPE_CHECKING:
     from models import Card
 
@@ -20,12 +22,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         help="a shipped robot, or your FILE.xml with its card (docs/robots.md)",
     )
+    add_trust_argument(parser)
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print names and descriptions, or everything about one robot."""
     if options.robot is not None:
-        _show(options.robot, as_json=options.json)
+        _show(options)
         return
     from models import load, shipped_robots
 
@@ -39,13 +42,14 @@ def execute(options: argparse.Namespace) -> None:
         print(f"{name:20}{len(card.legs)} legs  {card.description}")
 
 
-def _show(robot: str, as_json: bool) -> None:
+def _show(options: argparse.Namespace) -> None:
     from sim.preparation.robot_facts import describe, facts
     from sim.preparation.setup import prepare
     from sim.scenarios.file import load_scenario
 
-    found = facts(prepare(load_scenario("line", {"robot": robot})))
-    print(json.dumps(found, indent=1) if as_json else describe(found))
+    scenario = load_scenario("line", {"robot": options.robot})
+    found = facts(prepare(scenario, robot_of(options, scenario.robot)))
+    print(json.dumps(found, indent=1) if options.json else describe(found))
 
 
 def _facts(name: str, card: Card) -> dict[str, object]:

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from sim.commands.options import add_scenario_arguments, folder_of, scenario_of
+from sim.commands.trusted import robot_of
 from sim.errors import RenderError, one_line
 
 if TYPE_CHECKING:
@@ -37,17 +38,16 @@ def execute(options: argparse.Namespace) -> None:
     """Walk the scenario and print how it went."""
     scenario = scenario_of(options)
 
-    from models import load  # the slow part; a refused scenario does not wait
     from sim.folder import claim
     from sim.progress import bar
     from sim.run_folder import run
 
-    load(scenario.robot)
+    robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
     look = options.look if _can_film(options.video) else None
     folder = claim(folder_of(options), scenario.name)
     try:
         with bar(quiet=options.json) as progress:
-            summary = run(scenario, folder, look=look, progress=progress)
+            summary = run(scenario, folder, robot=robot, look=look, progress=progress)
     finally:
         folder.discard_if_empty()
     print(json.dumps(summary) if options.json else _report(summary, folder))

@@ -18,8 +18,9 @@ def _quasi_static(setup: Setup) -> TwistModel:
 
 def _identified(setup: Setup) -> TwistModel:
     """Measured in the open, where no wall is in the way of an experiment."""
-    scenario = replace(setup.scenario, obstacles=())
-    return identify(prepare(scenario) if setup.scenario.obstacles else setup)
+    if not setup.scenario.obstacles:
+        return identify(setup)
+    return identify(prepare(replace(setup.scenario, obstacles=()), setup.robot))
 
 
 MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {

@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
+from models import silence_the_engine
 from planner import Array
 from sim.errors import SimulationError
 
@@ -106,10 +107,3 @@ class Engine:
         return SimulationError(
             what, f"t = {time:.4f} s", "try a smaller timestep or softer servos"
         )
-
-
-def silence_the_engine() -> None:
-    """Warnings are raised here as errors; no need to print and log them too."""
-    log = mujoco.MjLogConfig.get()
-    log.logto_file = log.logto_console = False
-    log.set()

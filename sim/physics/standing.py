@@ -11,9 +11,16 @@ from collections.abc import Iterable, Iterator
 import mujoco
 import numpy as np
 
-from models import UPRIGHT, Kinematics, Lifting, ModelError, Robot, free_joint
+from models import (
+    UPRIGHT,
+    Kinematics,
+    Lifting,
+    ModelError,
+    Robot,
+    free_joint,
+    silence_the_engine,
+)
 from sim.errors import UsageError
-from sim.physics.engine import silence_the_engine
 from sim.world.sensors import contact_sensor
 from sim.world.walls import PREFIX
 

@@ -6,13 +6,11 @@ that a model written to another folder finds its own copies.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import mujoco
 
-from models import ModelError, Robot
+from models import ModelError, Robot, elements_with_files
 
 FOLDER = "assets"  # beside model.xml
 
@@ -32,7 +30,7 @@ def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
         ModelError: If a file cannot be read.
     """
     named: dict[Path, str] = {}
-    for element, folder, found in list(_elements(spec, robot.model)):
+    for element, folder, found in list(elements_with_files(spec, robot.model)):
         base = Path(spec.modelfiledir) / folder
         if element.file:
             element.file = _rename(named, found or base / element.file)
@@ -46,41 +44,6 @@ def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
     content = {name: _read(path, robot) for path, name in named.items()}
     spec.assets = content
     return content
-
-
-def sources(robot: Robot) -> set[Path]:
-    """Where a robot's files are."""
-    spec = robot.read()
-    paths = set()
-    for element, folder, found in _elements(spec, robot.model):
-        base = Path(spec.modelfiledir) / folder
-        if element.file:
-            paths.add(found or base / element.file)
-        paths |= {base / file for file in getattr(element, "cubefiles", ()) if file}
-    return paths
-
-
-def _elements(
-    spec: mujoco.MjSpec, model: mujoco.MjModel
-) -> Iterator[tuple[Any, str, Path | None]]:
-    """Elements that may have a file, their folder, and where the compiler found it."""
-    for mesh in spec.meshes:
-        yield mesh, mesh.compiler.meshdir, _found(model, "mesh", mesh.name)
-    for field in spec.hfields:
-        yield field, field.compiler.meshdir, _found(model, "hfield", field.name)
-    for skin in spec.skins:
-        yield skin, skin.compiler.meshdir, _found(model, "skin", skin.name)
-    for texture in spec.textures:
-        yield texture, texture.compiler.texturedir, _found(model, "tex", texture.name)
-
-
-def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
-    """The file that an element was compiled from; None if the compiler dropped it."""
-    places = getattr(model, f"{kind}_pathadr")
-    for i, place in enumerate(places):
-        if place >= 0 and getattr(model, kind)(i).name == name:
-            return Path(model.paths[place:].split(b"\0", 1)[0].decode())
-    return None
 
 
 def _rename(named: dict[Path, str], path: Path) -> str:

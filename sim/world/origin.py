@@ -9,10 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import mujoco
-
 from models import FOLDER, Robot, has_card_inside
-from sim.world.assets import sources
 
 COPY = "robot"  # folder in the run folder
 
@@ -29,9 +26,7 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
     if robot.path.parent == FOLDER:
         return robot.name, {}
     mjcf = robot.path.resolve()
-    named = map(Path, mujoco.mju_getXMLDependencies(str(mjcf)))
-    included = {path for path in named if path.is_file()}  # of assets a guess
-    used = {path.resolve() for path in included | sources(robot)}
+    used = {path.resolve() for path in (mjcf, *robot.files)}
     above = os.path.commonpath([path.parent for path in used])
     copies = {
         Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()

@@ -2,7 +2,6 @@
 
 import pytest
 
-from models.description.replicas import most_copies
 from models.description.robot import FOLDER
 from models.errors import ModelError
 from models.library import load
@@ -212,15 +211,6 @@ def test_an_unusable_robot_is_refused_by_its_reason(robot, edits, message):
     assert "\n" not in str(refusal.value)
 
 
-def test_a_file_that_copies_itself_without_end_is_refused_at_once(tmp_path):
-    path = tmp_path / "many.xml"
-    inner = '<replicate count="300"><body><geom size="1"/></body></replicate>'
-    outer = f'<replicate offset="1 0 0" count="300">{inner}</replicate>'
-    path.write_text(f"<mujoco><worldbody>{outer}</worldbody></mujoco>")
-    with pytest.raises(ModelError, match="replicates an element 90000 times: .*many"):
-        load(str(path))
-
-
 @pytest.mark.parametrize(
     "edits",
     [
@@ -260,10 +250,3 @@ def test_a_robot_without_a_card_is_told_where_one_may_be(tmp_path):
     path.write_text(BODY.replace('model="hexapod"', 'model="mine"'))
     with pytest.raises(ModelError, match="bare.toml is missing; .*custom text 'card'"):
         load(str(path))
-
-
-def test_copies_beside_each_other_do_not_multiply():
-    beside = '<replicate count="6"><body/></replicate>' * 9
-    assert (
-        most_copies(f"<replicate offset='1 0 0' count = '5'>{beside}</replicate>") == 30
-    )

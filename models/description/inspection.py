@@ -14,17 +14,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+from models.description.files import Opened, outside
 from models.errors import ModelError
-from models.trust.files import outside
 
 SECONDS = 30
 MEMORY = 4 * 10**9  # bytes
 ROOT = Path(__file__).resolve().parents[2]
-TRIAL = "models.trust.trial"
+TRIAL = "models.description.trial"
 SHOWN = 3  # files that a message names
 
 
-def inspect(path: Path, others: tuple[Path, ...], allow_external: bool) -> list[Path]:
+def inspect(path: Path, others: tuple[Path, ...], allow_external: bool) -> Opened:
     """Make sure that a model may be read; costs the start of a process.
 
     Args:
@@ -33,14 +33,14 @@ def inspect(path: Path, others: tuple[Path, ...], allow_external: bool) -> list[
         allow_external: Whether it may open files that are not in its own folder.
 
     Returns:
-        The files that it opens outside its own folder, if it may.
+        The files that it opens.
 
     Raises:
         ModelError: If it is too large, cannot be compiled, has numbers that are not
             finite, or opens files that it may not.
     """
-    files = {Path(file) for file in _tried(path)} - {path}
-    taken = outside(files | set(others), path.parent)
+    files = {Path(file) for file in _tried(path)}
+    taken = outside((files | set(others)) - {path}, path.parent)
     if taken and not allow_external:
         named = ", ".join(map(str, taken[:SHOWN]))
         more = f" and {len(taken) - SHOWN} more" if len(taken) > SHOWN else ""
@@ -48,7 +48,7 @@ def inspect(path: Path, others: tuple[Path, ...], allow_external: bool) -> list[
             f"it opens files outside its own folder: {path}; {named}{more}; move them "
             "there, or give --allow-external if you trust it"
         )
-    return taken
+    return Opened(tuple(sorted(files | {path})), tuple(taken))
 
 
 def _tried(path: Path) -> list[str]:

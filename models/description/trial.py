@@ -1,8 +1,8 @@
 """A user's model tried out, in a process that has little time and memory.
 
-Run as a program by `trust.inspection`, with the MJCF file and the limits as arguments;
-its last line of output is JSON: the files that the model opens, or what is wrong with
-it. A model that a few words make huge ends this process and no other.
+Run as a program by `description.inspection`, with the MJCF file and the limits as
+arguments; its last line of output is JSON: the files that the model opens, or what is
+wrong with it. A model that a few words make huge ends this process and no other.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ import sys
 from pathlib import Path
 
 from models.description.compiled import compile_model, read_spec
+from models.description.files import assets, included
 from models.description.numbers import check_text
 from models.errors import ModelError
-from models.trust.files import assets, included
 
 TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
 
@@ -33,8 +33,8 @@ def examine(path: Path) -> list[Path]:
     for text in texts:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
-    spec = read_spec(path)
-    named = assets(spec, compile_model(spec, str(path)))
+    model = compile_model(read_spec(path), str(path))
+    named = assets(read_spec(path), model)  # compiling may drop some from a spec
     for file in sorted(named):
         if not file.is_file():
             raise ModelError(

@@ -7,6 +7,7 @@ of this machine as a mesh or texture, and a run copies what a model is made of.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +16,32 @@ import mujoco
 from models.errors import ModelError
 
 
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """The files that make a model."""
+
+    files: tuple[Path, ...]  # all of them, the MJCF included
+    external: tuple[Path, ...]  # those outside its own folder
+
+
 def included(path: Path) -> list[Path]:
-    """An MJCF file and the files that it includes or attaches, and may be more."""
+    """An MJCF file and the files that it includes or attaches, and may be more.
+
+    Raises:
+        ModelError: If it cannot be read, or names what is not a file.
+    """
     try:
         named = mujoco.mju_getXMLDependencies(str(path))
     except mujoco.FatalError as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
+    for other in map(Path, named):
+        if other.exists() and not other.is_file():  # a pipe would be waited for
+            raise ModelError(f"not a file: {other}, which {path} names; correct it")
     return [Path(name) for name in named if Path(name).is_file()]
 
 
-def elements(
+def elements_with_files(
     spec: mujoco.MjSpec, model: mujoco.MjModel
 ) -> Iterator[tuple[Any, str, Path | None]]:
     """Elements that may have a file, their folder, and where the compiler found it."""
@@ -42,7 +58,7 @@ def elements(
 def assets(spec: mujoco.MjSpec, model: mujoco.MjModel) -> set[Path]:
     """Meshes, height fields, skins and textures of a model, used or not."""
     paths = set()
-    for element, folder, found in elements(spec, model):
+    for element, folder, found in elements_with_files(spec, model):
         base = Path(spec.modelfiledir) / folder
         if element.file:
             paths.add(found or base / element.file)

@@ -1,0 +1,39 @@
+"""`--allow-external`: a robot's model may open files outside its own folder."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from models import Robot
+
+
+def add_trust_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option to a command that loads robots."""
+    parser.add_argument(
+        "--allow-external",
+        action="store_true",
+        help="let a robot's MJCF open files outside its own folder",
+    )
+
+
+def robot_of(options: argparse.Namespace, name: str) -> Robot:
+    """Load a robot, and say what it took from outside its folder.
+
+    Raises:
+        UnknownRobotError: If there is no such robot or file.
+        ModelError: If file or card cannot be used.
+    """
+    from models import load
+
+    robot = load(name, allow_external=options.allow_external)
+    if robot.external:
+        taken = ", ".join(map(str, robot.external))
+        print(
+            f"stratawalk: notice: taken from outside the folder of {robot.path}: "
+            f"{taken}",
+            file=sys.stderr,
+        )
+    return robot

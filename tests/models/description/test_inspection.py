@@ -1,0 +1,176 @@
+"""Models from strangers: what they may open, how large they may be, what they say."""
+
+import os
+import re
+import time
+
+import pytest
+
+from models.description.robot import FOLDER
+from models.errors import ModelError
+from models.library import load
+
+HEXAPOD, CARD, SCENE = (
+    (FOLDER / name).read_text() for name in ("hexapod.xml", "hexapod.toml", "scene.xml")
+)
+BEGIN = HEXAPOD.index(">") + 1  # behind <mujoco ...>
+LIMIT = 35  # seconds in which a bomb is refused
+WORLD = '<worldbody><geom size="1"/></worldbody>'
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """Write the shipped hexapod with something more in its MJCF; its path."""
+    own = tmp_path / "own"
+    own.mkdir()
+
+    def write(more=""):
+        text = re.sub("<mujoco[^>]*>", lambda head: head[0] + more, HEXAPOD, count=1)
+        (own / "mine.xml").write_text(text)
+        (own / "mine.toml").write_text(CARD)
+        (own / "scene.xml").write_text(SCENE)
+        return own / "mine.xml"
+
+    return write
+
+
+def mesh(path):
+    """A pyramid as an OBJ file."""
+    path.write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+    )
+
+
+OUTSIDE = {
+    "a texture that is not drawn": (
+        '<compiler discardvisual="true"/>'
+        '<asset><texture type="2d" name="t" file="{secret}"/></asset>'
+    ),
+    "a mesh by its full path": '<asset><mesh name="m" file="{out}/m.obj"/></asset>',
+    "a mesh above": '<asset><mesh name="m" file="../out/m.obj"/></asset>',
+    "a folder of meshes": (
+        '<compiler meshdir="../out"/><asset><mesh name="m" file="m.obj"/></asset>'
+    ),
+    "a mesh behind a link": '<asset><mesh name="m" file="link.obj"/></asset>',
+    "an include": '<include file="../out/more.xml"/>',
+    "an include of another suffix": '<include file="../out/more.txt"/>',
+    "an include in an include": '<include file="inner.xml"/>',
+    "an include spelt otherwise": '<include file="&#46;./out/more.xml"/>',
+    "an attached model": '<asset><model name="a" file="../out/more.xml"/></asset>',
+    "a flexible mesh": (
+        '<worldbody><flexcomp name="f" type="mesh" file="../out/m.obj" dim="2"/>'
+        "</worldbody>"
+    ),
+    "a height field": (
+        '<asset><hfield name="h" file="../out/h.png" size="1 1 1 1"/></asset>'
+    ),
+    "a side of a box": (
+        '<compiler discardvisual="true"/><asset><texture type="cube" name="t" '
+        'fileup="../out/h.png"/></asset>'
+    ),
+}
+
+
+@pytest.fixture
+def elsewhere(tmp_path):
+    """A folder that no model is to read."""
+    out = tmp_path / "out"
+    out.mkdir()
+    mesh(out / "m.obj")
+    (out / "secret").write_text("a word that nobody else is to know")
+    for name in ("more.xml", "more.txt"):
+        (out / name).write_text("<mujoco><worldbody><site/></worldbody></mujoco>")
+    import imageio.v3 as iio
+    import numpy as np
+
+    iio.imwrite(out / "h.png", np.eye(8, dtype=np.uint8))
+    return out
+
+
+@pytest.mark.parametrize("more", OUTSIDE.values(), ids=OUTSIDE)
+def test_a_model_opens_nothing_outside_its_folder_unless_it_may(robot, elsewhere, more):
+    path = robot(more.format(out=elsewhere, secret=elsewhere / "secret"))
+    (path.parent / "link.obj").symlink_to(elsewhere / "m.obj")
+    (path.parent / "inner.xml").write_text(
+        '<mujoco><include file="../out/more.xml"/></mujoco>'
+    )
+    with pytest.raises(ModelError, match="opens files outside its own folder: .*mine"):
+        load(str(path))
+    (taken,) = load(str(path), allow_external=True).external
+    assert taken.resolve().is_relative_to(elsewhere)
+
+
+def test_a_card_behind_a_link_is_outside_too(robot, elsewhere):
+    path = robot()
+    path.with_suffix(".toml").rename(elsewhere / "card.toml")
+    path.with_suffix(".toml").symlink_to(elsewhere / "card.toml")
+    with pytest.raises(ModelError, match="outside its own folder: .*mine.toml"):
+        load(str(path))
+    assert load(str(path), allow_external=True).legs == (1, 2, 3, 4, 5, 6)
+
+
+def test_a_folder_behind_a_link_is_the_models_own(robot, tmp_path):
+    path = robot('<asset><mesh name="m" file="m.obj"/></asset>')
+    mesh(path.parent / "m.obj")
+    (tmp_path / "link").symlink_to(path.parent)
+    assert load(str(tmp_path / "link" / path.name)).external == ()
+
+
+GEOM = '<geom size="1" pos="0 0 9"/></replicate>'
+MANY = f'<worldbody><replicate count="300000">{GEOM}</worldbody>'
+BOMBS = {
+    "many copies": MANY,
+    "a count in disguise": (
+        f'<worldbody><replicate sep=">" count="&#51;00000">{GEOM}</worldbody>'
+    ),
+    "copies of copies": (
+        '<worldbody><replicate count="+600"><!-- </replicate> -->'
+        f'<replicate count="600">{GEOM}</replicate></worldbody>'
+    ),
+    "copies elsewhere": '<include file="many.txt"/>',
+    "a height field": (
+        '<asset><hfield name="h" nrow="40000" ncol="40000" size="1 1 1 1"/></asset>'
+    ),
+    "a texture": (
+        '<asset><texture name="t" type="2d" builtin="checker" width="90000" '
+        'height="90000"/></asset>'
+    ),
+    "a flexible block": (
+        '<worldbody><flexcomp name="f" type="grid" count="500 500 500" '
+        'spacing=".1 .1 .1" dim="3" mass="1"/></worldbody>'
+    ),
+    "keyframes": '<size nkey="300000000"/>',
+}
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("more", BOMBS.values(), ids=BOMBS)
+def test_a_model_that_grows_without_end_is_refused_in_time(robot, more):
+    path = robot(more)
+    (path.parent / "many.txt").write_text(f"<mujoco>{MANY}</mujoco>")
+    began = time.monotonic()
+    with pytest.raises(ModelError, match="too large: .*more than 30 s or 4 GB"):
+        load(str(path))
+    assert time.monotonic() - began < LIMIT
+
+
+def test_memory_is_limited(robot):
+    """One bomb that is over at once, for every day."""
+    with pytest.raises(ModelError, match="too large: .*more than 30 s or 4 GB"):
+        load(str(robot(BOMBS["a texture"])))
+
+
+def test_a_pipe_is_not_waited_for(robot):
+    path = robot('<asset><mesh name="m" file="m.obj"/></asset>')
+    os.mkfifo(path.parent / "m.obj")
+    with pytest.raises(ModelError, match="not a file: .*m.obj"):
+        load(str(path))
+
+
+def test_a_file_that_is_missing_is_named(robot):
+    path = robot(
+        '<compiler discardvisual="true"/>'
+        '<asset><texture type="2d" name="t" file="gone.png"/></asset>'
+    )
+    with pytest.raises(ModelError, match="a file is missing: .*gone.png, which"):
+        load(str(path))
