@@ -24,6 +24,7 @@ TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 TEXTS = ("name", "class", "childclass", "model", "prefix", "dclass")  # may say "nan"
 SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
+DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 
@@ -87,10 +88,17 @@ def _refuse(what: str, source: str) -> None:
 
 @cache
 def _float_arrays() -> tuple[str, ...]:
-    """Names of the arrays of floats that any compiled model has."""
+    """Names of a model's arrays of floats, those last that follow from others."""
     empty = mujoco.MjSpec().compile()
     names = (name for name in dir(empty) if not name.startswith("_"))
-    return tuple(name for name in names if _is_float(getattr(empty, name)))
+    floats = [name for name in names if _is_float(getattr(empty, name))]
+    return tuple(sorted(floats, key=_remoteness))
+
+
+def _remoteness(array: str) -> tuple[bool, bool]:
+    """How far an array is from what somebody wrote; the body's come before others'."""
+    derived = bool(DERIVED.search(array))
+    return derived, derived and not array.startswith("body_")
 
 
 def _is_float(value: object) -> bool:

@@ -1,0 +1,72 @@
+"""Numbers that are none are refused wherever a model has them, with the element."""
+
+import mujoco
+import pytest
+
+from models.description.compiled import compile_model
+from models.description.numbers import check_text
+from models.errors import ModelError
+
+MODEL = """<mujoco>
+  <option {option}/>
+  <default><joint {default}/></default>
+  <!-- mass="nan" -->
+  <worldbody>
+    <camera name="nan" {camera}/>
+    <body name="b"><joint name="j" {joint}/><geom name="g" size="1" {geom}/></body>
+  </worldbody>
+  <keyframe><key name="k" {key}/></keyframe>
+</mujoco>
+"""
+PLACES = {
+    "gravity": ("option", 'gravity="0 0 nan"', "<option> is '0 0 nan'.*line 2"),
+    "wind": ("option", 'wind="nan 0 0"', "wind of <option>"),
+    "viscosity": ("option", 'viscosity="inf"', "viscosity of <option>"),
+    "tolerance": ("option", 'tolerance="nan"', "tolerance of <option>"),
+    "margin": ("geom", 'margin="nan"', "margin of <geom> 'g'.*line 7"),
+    "mass": ("geom", "mass='NaN'", "mass of <geom> 'g'"),
+    "solimp": ("geom", 'solimp="0.9 nan"', "solimp of <geom> 'g'"),
+    "stiffness": ("joint", 'stiffness="inf"', "stiffness of <joint> 'j'"),
+    "frictionloss": ("default", 'frictionloss="nan"', "frictionloss of <joint>"),
+    "springref": ("joint", 'springref="1e999"', "springref of <joint> 'j'"),
+    "camera": ("camera", 'fovy="nan"', "fovy of <camera> 'nan'"),
+    "keyframe": ("key", 'time="-inf"', "time of <key> 'k'"),
+    "in disguise": ("geom", 'mass="&#110;an"', "mass of <geom> 'g'"),
+}
+
+
+def text(**said):
+    blank = dict.fromkeys(("option", "default", "camera", "joint", "geom", "key"), "")
+    return MODEL.format(**blank | said)
+
+
+@pytest.mark.parametrize(("part", "said", "message"), PLACES.values(), ids=PLACES)
+def test_text_with_a_number_that_is_none_is_refused(tmp_path, part, said, message):
+    path = tmp_path / "mine.xml"
+    path.write_text(text(**{part: said}))
+    with pytest.raises(ModelError, match=message) as refusal:
+        check_text(path)
+    assert "mine.xml" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+def test_text_of_numbers_passes(tmp_path):
+    path = tmp_path / "mine.xml"
+    path.write_text(text(geom='mass="1e300" user="1 2"'))
+    check_text(path)
+
+
+ARRAYS = {
+    "a place": ("geom", "pos", "geom_pos of geom 'g' is not finite"),
+    "gravity": ("option", "gravity", "opt.gravity is not finite"),
+    "colour": ("geom", "rgba", "geom_rgba of geom 'g' is not finite"),
+}
+
+
+@pytest.mark.parametrize(("part", "name", "message"), ARRAYS.values(), ids=ARRAYS)
+def test_a_compiled_model_is_scanned_whole(part, name, message):
+    spec = mujoco.MjSpec.from_string(text())
+    element = spec.option if part == "option" else spec.geom("g")
+    getattr(element, name)[0] = float("nan")
+    with pytest.raises(ModelError, match=message):
+        compile_model(spec, "here")
