@@ -132,7 +132,7 @@ class _Span:
 
     def _take_in(self, name: str, field: VectorField) -> None:
         values = self._evaluation(field)  # (POINTS, n)
-        sound = np.asarray(np.isfinite(values).all(axis=1))
+        sound = np.all(np.isfinite(values), axis=1)
         if not sound[0]:
             raise SingularConfigurationError(name, self._evaluation.points[0])
         if not sound[self._sound].all():

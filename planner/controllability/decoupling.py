@@ -85,8 +85,7 @@ def _corrected(
             velocities = columns.values(x)  # (n, 1 + lifts)
             speeds = level_set.gradients(x).T @ velocities
             amounts = np.linalg.lstsq(speeds[:, 1:], speeds[:, 0], rcond=None)[0]
-            held: Array = velocities[:, 0] - velocities[:, 1:] @ amounts
-            return held
+            return velocities[:, 0] - velocities[:, 1:] @ amounts
 
         return NumericField(value)
     L = sp.Matrix.hstack(*lifting)  # (n, lifts)

@@ -35,7 +35,7 @@ def reposition_legs(
     Returns:
         Leg and place of each move in time order; None if there is no such sequence.
     """
-    ways = [_ways(np.asarray(place)) for place in places]
+    ways = [_ways(place) for place in places]
     cost = np.full([len(place) for place in places], np.inf)
     cost[tuple(goal)] = 0.0
     nearer = _nearer(cost, ways, steady)
@@ -55,7 +55,7 @@ def _ways(place: Array) -> Array:
     """Cost of a move between two places of a leg, shape (P, P); none stays."""
     way = LIFT + np.abs(place[:, None] - place)
     np.fill_diagonal(way, np.inf)
-    return np.asarray(way)
+    return way
 
 
 def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:

@@ -192,7 +192,7 @@ def _explained(
 ) -> Choice:
     reasons = [
         f"{candidate.name}: degree {candidate.degree}, {candidate.switches} contact "
-        f"events, adds {_addition(candidate.beyond(_spans(chosen[:k], x)), system)}"
+        f"switches, adds {_addition(candidate.beyond(_spans(chosen[:k], x)), system)}"
         for k, candidate in enumerate(chosen)
     ]
     matrices = np.stack([candidate.columns for candidate in chosen], axis=-1)

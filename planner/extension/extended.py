@@ -107,9 +107,7 @@ class ExtendedSystem:
             raise RankError(x[worst], needed, self.system.missing(reached, x[worst]))
         scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
         parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
-        inputs: Array = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[
-            ..., 0
-        ]
+        inputs = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
         return inputs if sizes is None else inputs / sizes
 
     def _sizes(self, matrix: Array, x: Array) -> Array:
@@ -121,7 +119,7 @@ class ExtendedSystem:
             for columns in (matrix, near)
         ]
         flat = [each.reshape(-1, each.shape[-1]) for each in lengths]
-        sizes: Array = np.concatenate(flat).max(axis=0)
+        sizes = np.concatenate(flat).max(axis=0)
         return np.where(sizes > 0.0, sizes, 1.0)
 
     def orientations(self, x: Array) -> Array:
@@ -132,8 +130,7 @@ class ExtendedSystem:
         matrix = self.columns(x)[..., self._moving, :]
         if matrix.shape[-1] != matrix.shape[-2]:
             return np.ones(x.shape[:-1])
-        signs: Array = np.linalg.slogdet(matrix)[0]
-        return signs
+        return np.linalg.slogdet(matrix)[0]
 
     def _require_reached(
         self, matrix: Array, inputs: Array, velocity: Array, x: Array

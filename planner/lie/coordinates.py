@@ -88,7 +88,7 @@ def integrate(
         before = h[..., j, None]
         if rate is None:
             return before if before.any() else None
-        path: Array = before + rate @ integral
+        path = before + rate @ integral
         h[..., j] = path[..., -1]
         return path
 

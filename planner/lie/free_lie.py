@@ -216,10 +216,10 @@ class LieAlgebra:
 def _commutator(element: Element, generators: int) -> Array:
     """Coefficients of an element's words, shape (generators**degree,)."""
     if not isinstance(element, Bracket):
-        return np.asarray(np.eye(generators, dtype=int)[element - 1])
+        return np.eye(generators, dtype=int)[element - 1]
     a = _commutator(element.left, generators)
     b = _commutator(element.right, generators)
-    return np.asarray(np.kron(a, b) - np.kron(b, a))
+    return np.kron(a, b) - np.kron(b, a)
 
 
 @cache

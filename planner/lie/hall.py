@@ -1,13 +1,13 @@
 """Philip Hall basis of the free Lie algebra, the elements B_1, B_2, ... of eq. (6).
 
-Elements are formal: no vector fields and no numbers here. A generator is its number,
-counted from 1 as in g_1, ..., g_m; everything else is a `Bracket` of two elements.
+Elements are formal expressions. A generator is its number, counted from 1 as in g_1,
+..., g_m; every other element is a `Bracket` of two elements.
 
-The conventions are those of Lafferriere and Sussmann, the paper's [3]:
+The conventions are those of Lafferriere and Sussmann, reference [3] of the paper:
     * Elements are ordered by degree, generators by number, brackets of one degree by
       their left and then by their right element.
-    * [a, b] belongs to the basis if a comes before b and, where b = [c, d], c does not
-      come after a.
+    * [a, b] belongs to the basis if a comes before b and, if b is a bracket [c, d], c
+      does not come after a.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ class Bracket:
 
 
 Element = int | Bracket
-"""A generator's number, or a bracket of elements."""
+"""The number of a generator, or a bracket of elements."""
 
 Place = tuple[Any, ...]
 
 
 @cache
 def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
-    """All Hall elements up to a degree, in order.
+    """The elements B_i of eq. (6): all Hall elements up to a degree, in order.
 
     Args:
         generators: Number m of generators, at least 1.
@@ -57,7 +57,7 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
 
 
 def _brackets(layers: list[list[Element]], total: int) -> Iterator[Bracket]:
-    """Hall elements of one degree from the layers of all lower degrees."""
+    """Hall elements of one degree, from those of all lower degrees."""
     for low in range(1, total // 2 + 1):
         for left in layers[low - 1]:
             for right in layers[total - low - 1]:
@@ -66,7 +66,7 @@ def _brackets(layers: list[list[Element]], total: int) -> Iterator[Bracket]:
 
 
 def is_hall_pair(left: Element, right: Element) -> bool:
-    """Whether the bracket of two Hall elements is a Hall element."""
+    """Whether the bracket of two Hall elements is itself a Hall element."""
     if place(left) >= place(right):
         return False
     return not isinstance(right, Bracket) or place(right.left) <= place(left)
@@ -74,7 +74,7 @@ def is_hall_pair(left: Element, right: Element) -> bool:
 
 @cache
 def place(element: Element) -> Place:
-    """A key that sorts elements in the order of the basis."""
+    """A key by which elements sort in the order of the basis."""
     if isinstance(element, Bracket):
         return (degree(element), place(element.left), place(element.right))
     return (1, element)
@@ -82,7 +82,7 @@ def place(element: Element) -> Place:
 
 @cache
 def degree(element: Element) -> int:
-    """The number of generators in an element, each counted as often as it occurs."""
+    """Number of generators in an element, each counted as often as it occurs."""
     if isinstance(element, Bracket):
         return degree(element.left) + degree(element.right)
     return 1

@@ -1,10 +1,11 @@
-"""Short words for one pair of fields that do not commute: sweeps and bracket in one.
+"""Short words for two fields X and Y with a single bracket.
 
-The printed words run a bracket's rectangle and then the sweeps of its fields. Let into
-one another they are shorter: the sweeps are what the rectangle does not take back. The
-words Y^(hY-q) X^p Y^q X^(hX-p) reach coordinates hX, hY and p q, the words
-X^(hX+p) Y^q X^-p Y^(hY-q) reach hX, hY and p q + hX hY; the shortest has one of few p,
-and up to brackets of degree 3 no word of any length is shorter.
+The word of the paper follows the four sides of a rectangle, for the bracket, and then X
+and Y themselves. A word is shorter if sides of the rectangle are not taken back where
+they serve as the flows along X and Y. Two families of words do so. The words
+Y^(hY-q) X^p Y^q X^(hX-p) reach the backward coordinates hX, hY and p q; the words
+X^(hX+p) Y^q X^-p Y^(hY-q) reach hX, hY and p q + hX hY. For few values of p can a word
+be the shortest, and up to brackets of degree 3 no word of any other form is shorter.
 """
 
 from __future__ import annotations
@@ -19,12 +20,12 @@ def short_durations(first: Array, second: Array, bracket: Array) -> Array:
     """Durations of the shortest word of five flows X, Y, X, Y, X.
 
     Args:
-        first: Backward coordinates of the earlier field X, shape (segments,).
-        second: Those of the later field Y, shape (segments,).
-        bracket: Those of [X,Y], shape (segments,).
+        first: Backward coordinates of X, the left field of the bracket, (segments,).
+        second: Backward coordinates of Y, the right field, shape (segments,).
+        bracket: Backward coordinates of [X,Y], shape (segments,).
 
     Returns:
-        Shape (segments, 5); at least one of the outer flows has no duration.
+        Shape (segments, 5); the first or the last duration is zero.
     """
     p, q = _rectangles(bracket, first, second)
     starting_with_second = np.stack([0 * p, second - q, p, q, first - p], axis=-1)
@@ -32,15 +33,14 @@ def short_durations(first: Array, second: Array, bracket: Array) -> Array:
     starting_with_first = np.stack([first + p, q, -p, second - q, 0 * p], axis=-1)
     words = np.concatenate([starting_with_second, starting_with_first])
     shortest = np.abs(words).sum(axis=-1).argmin(axis=0)
-    durations: Array = words[shortest, np.arange(len(first))]
-    return durations
+    return words[shortest, np.arange(len(first))]
 
 
 def _rectangles(area: Array, width: Array, height: Array) -> tuple[Array, Array]:
     """Candidate sides p, q with p q = area, shape (candidates, segments).
 
-    The length |p| + |p - width| + |q| + |q - height| is least at a square or where one
-    side makes a flow vanish.
+    The length |p| + |p - width| + |q| + |q - height| is least for a square, or where a
+    side makes one of the flows vanish.
     """
     area = np.where(np.abs(area) < NEGLIGIBLE, 0.0, area)
     root = np.sqrt(np.abs(area))

@@ -1,8 +1,8 @@
-"""The tensor algebra on m letters, truncated: noncommutative power series.
+"""The truncated tensor algebra on m letters: noncommutative power series, eq. (2).
 
-Formal flows such as S(t) of eq. (6) live here, and so do exponentials and logarithms.
-Products are in time order: the left factor runs first, as in eq. (2). Entries may be
-floats, or exact numbers (`fractions.Fraction`) in arrays of dtype object.
+Formal flows such as S(t) of eq. (6), and their exponentials and logarithms, are
+elements of it. Products are in time order: the left factor runs first, as in eq. (2).
+Entries are floats, or exact numbers (`fractions.Fraction`) in arrays of dtype object.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from planner.numerics.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Tensor:
-    """A series up to words of length k, or many of them at once.
+    """A series up to words of length k, or an array of such series.
 
     Attributes:
         levels: For each length n = 0, ..., k the coefficients of words of n letters,
@@ -40,12 +40,12 @@ class Tensor:
         )
 
     def divided_by(self, number: int) -> Tensor:
-        """The series over a whole number, exact if its entries are."""
+        """The series divided by an integer, exact if its entries are."""
         return Tensor(tuple(level / number for level in self.levels))
 
     @property
     def unit(self) -> Tensor:
-        """The series 1 with entries of the same kind."""
+        """The series 1, with entries of the same type."""
         zeros = [level * 0 for level in self.levels]
         return Tensor((zeros[0] + 1, *zeros[1:]))
 

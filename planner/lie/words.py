@@ -1,12 +1,10 @@
-"""Words: flows of real inputs that realise Hall coordinates at any degree (Sec. 2.1).
+"""Words: flows of real inputs that realise Hall coordinates (Sec. 2.1, eq. 20).
 
-A bracket's flow is approximated by the commutator word of its parts. What the word does
-beyond that, in higher degrees, is taken off the coordinates that are still to be
-realised, so the whole word is exact wherever brackets beyond the basis vanish.
-
-A word lists generators, counted from 1, and signed durations in time order. Words for
-systems whose longer brackets do not vanish, and their repetition until the goal is met,
-are not made here.
+A word, as Lafferriere and Sussmann call it, lists generators, counted from 1, and
+signed durations in time order. The flow along a bracket is approximated by the
+commutator word of its parts. This word also moves along brackets of higher degree; that
+motion is subtracted from the coordinates that remain to be realised. The whole word is
+therefore exact, at any degree, wherever brackets beyond the basis vanish.
 """
 
 from __future__ import annotations
@@ -24,11 +22,11 @@ from planner.lie.hall import Bracket, Element
 from planner.numerics.arrays import Array
 
 Order = Literal["backward", "forward"]
-Spelling = tuple[tuple[int, ...], list[float]]  # generators, and durations for each
+Spelling = tuple[tuple[int, ...], list[float]]  # generators, and their durations
 Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
 T = TypeVar("T", int, Array)
 
-NEGLIGIBLE = 1e-12  # rounding of this size in degree k would move by its k-th root
+NEGLIGIBLE = 1e-12  # in degree k such a rounding error would move by its k-th root
 
 
 def word(
@@ -37,22 +35,22 @@ def word(
     order: Order = "backward",
     vanishing: Collection[Element] = (),
 ) -> list[tuple[int, float]]:
-    """Flows of generators that realise backward Hall coordinates.
+    """Flows of generators that realise backward Hall coordinates, eq. (20).
 
     Args:
         basis: Hall elements, s of them.
         hall_coordinates: Backward coordinates, shape (s,).
         order: `backward` runs the words of B_s, ..., B_1, `forward` those of B_1, ...,
             B_s; both end at the same point where brackets beyond the basis vanish.
-        vanishing: Elements whose fields are zero and need no flow.
+        vanishing: Elements whose fields are zero, so that they need no flow.
 
     Returns:
-        Generators, from 1, and signed durations in time order, no generator twice in
-        a row.
+        Generators, from 1, and signed durations in time order. Consecutive generators
+        differ.
 
     Raises:
-        ValueError: The coordinates are not finite or have another shape, or the order
-            has another name.
+        ValueError: The coordinates are not finite or misshapen, or the order is
+            unknown.
     """
     h = _shaped(1, lie_algebra(tuple(basis)).vector(hall_coordinates))
     (found,) = words(basis, h[None], order, vanishing)
@@ -65,7 +63,7 @@ def words(
     order: Order = "backward",
     vanishing: Collection[Element] = (),
 ) -> list[list[tuple[int, float]]]:
-    """Words of many segments at once, see `word`.
+    """Words of many segments at once, as `word` gives them.
 
     Args:
         basis: Hall elements, s of them.
@@ -83,7 +81,9 @@ def spellings(
     order: Order = "backward",
     vanishing: Collection[Element] = (),
 ) -> list[Spelling]:
-    """The same words with generators apart from durations: many share the former.
+    """Words of many segments, with the generators apart from the durations.
+
+    Many segments have the same generators.
 
     Args:
         basis: Hall elements, s of them.
@@ -97,7 +97,7 @@ def spellings(
         return _spelled(algebra, _amounts(algebra, h, vanishing))
     if order != "forward":
         raise ValueError(f"order is {order!r}; choose backward or forward")
-    # -f are the backward coordinates of the flow back, whose word is then run back.
+    # -f are the backward coordinates of the inverse flow; its word is inverted, too.
     way_back = _amounts(algebra, -forward(basis, h), vanishing)
     return _spelled(algebra, way_back, back=True)
 
@@ -105,17 +105,17 @@ def spellings(
 def _shaped(axes: int, h: Array) -> Array:
     if h.ndim != axes:
         raise ValueError(
-            f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give word "
-            "those of one segment, words those of many as rows"
+            f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give "
+            "word the coordinates of one segment, and words a row for each segment"
         )
     return h
 
 
 def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> Array:
-    """How much of each element its word has to give, shape (segments, s).
+    """Coordinate that the word of each element has to realise, shape (segments, s).
 
-    The words come off the right of the flow one by one, lower degrees first; what is
-    left keeps the backward coordinates `rest`.
+    The words are split off the right of the flow one by one, lower degrees first; the
+    remaining flow has the backward coordinates `rest`.
     """
     amounts, rest = np.zeros_like(h), h.copy()
     for j, element in enumerate(algebra.basis):
@@ -129,18 +129,18 @@ def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> A
 
 
 def _given(algebra: LieAlgebra, j: int, amounts: Array) -> Array:
-    """The logarithms of an element's words for some amounts, shape (segments, s)."""
+    """Logarithms of the words of an element for given amounts, (segments, s)."""
     scale = np.abs(amounts) ** (1 / algebra.degrees[j])
     powers = scale[:, None] ** np.array(algebra.degrees)
     unit = logarithm_of_word(algebra, algebra.basis[j])
-    return np.asarray(np.sign(amounts)[:, None] * powers * unit)
+    return np.sign(amounts)[:, None] * powers * unit
 
 
 @cache
 def logarithm_of_word(algebra: LieAlgebra, element: Element) -> Array:
-    """The logarithm of an element's word with durations of one, shape (s,)."""
+    """Logarithm of the word of an element with durations of one, shape (s,)."""
     if not isinstance(element, Bracket):
-        return np.asarray(np.eye(len(algebra.basis))[algebra.index[element]])
+        return np.eye(len(algebra.basis))[algebra.index[element]]
     left = logarithm_of_word(algebra, element.left)
     right = logarithm_of_word(algebra, element.right)
     join = algebra.campbell_baker_hausdorff
@@ -157,7 +157,7 @@ def _letters(element: Element) -> Letters:
 
 
 def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Spelling]:
-    """The words for amounts of all elements, the last element's first, or run back.
+    """Words for amounts of all elements, the last element first; or their inverses.
 
     Segments whose amounts have the same signs share their generators.
     """
@@ -180,10 +180,10 @@ def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Sp
 def _pattern(
     algebra: LieAlgebra, signs: tuple[int, ...], back: bool
 ) -> tuple[tuple[int, ...], Array]:
-    """The words for amounts of given signs: generators, and durations as sums.
+    """Generators of the words for amounts of given signs, and coefficients.
 
-    Durations are sums of the amounts' sizes, each to the power of its degree's inverse,
-    with coefficients of shape (flows, s).
+    With the coefficients, of shape (flows, s), durations are sums of the sizes of the
+    amounts, each to the power of one over its degree.
     """
     letters: list[tuple[int, Array]] = []
     units = np.eye(len(signs), dtype=int)
@@ -202,12 +202,12 @@ def _pattern(
 
 
 def _inverse(letters: Sequence[tuple[int, T]]) -> list[tuple[int, T]]:
-    """The same flows run back."""
+    """The inverse word: the same flows in reverse."""
     return [(generator, -amount) for generator, amount in reversed(letters)]
 
 
 def joined(generators: Iterable[int], durations: Iterable[float]) -> Spelling:
-    """Drop letters that have vanished, and join those of one generator they parted."""
+    """Drop flows of negligible duration, and join the neighbours of one generator."""
     letters: list[int] = []
     together: list[float] = []
     for generator, duration in zip(generators, durations, strict=True):

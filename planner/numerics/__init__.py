@@ -1,1 +1,1 @@
-"""Arrays, polynomials by their values at nodes, and subspaces."""
+"""Arrays, polynomials by their values at nodes, and linear subspaces."""

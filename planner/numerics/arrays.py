@@ -1,4 +1,4 @@
-"""The one array type of this project, and how much of a value is rounding."""
+"""The array type of this project, and the bound of rounding errors."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-"""Numbers, truth values or indices; docstrings give shape and unit."""
+"""Numbers, truth values or indices. Docstrings give the shape and the unit."""
 
 ROUNDING = 1e-12
-"""Part of a value's terms below which the value is zero."""
+"""A value is zero if it is below this part of the terms that it is a sum of."""

@@ -1,7 +1,7 @@
-"""Polynomials by their values at Chebyshev nodes: derivative, integral, exact flows.
+"""Polynomials by their values at Chebyshev nodes: derivatives, integrals, flows.
 
-Nodes include both ends of [0, 1]. Used to differentiate paths, to integrate Hall
-coordinates and to follow vector fields to the last digits.
+Nodes include both ends of [0, 1]. They serve to differentiate paths, to integrate Hall
+coordinates and to compute flows of vector fields, eq. (2), to machine precision.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from numpy.polynomial import chebyshev
 from planner.errors import ConvergenceError, point
 from planner.numerics.arrays import Array
 
-NODES = 24  # of a flow's step; the tail of its Chebyshev series tells if they suffice
-SWEEPS = 40  # Picard sweeps; a triangular field needs as many as it has levels
-TOLERANCE = 1e-13  # relative, of the last sweep's change and of the series' tail
-HALVINGS = 12  # of a flow's step before it is given up
+NODES = 24  # of a step; the tail of its Chebyshev series shows whether they suffice
+ITERATIONS = 40  # of Picard; a triangular field needs as many as it has levels
+TOLERANCE = 1e-13  # relative, of the last iteration's change and of the series' tail
+HALVINGS = 12  # of a step before the flow is refused
 
 
 @dataclass(frozen=True, eq=False)
 class Collocation:
-    """Matrices that act on values at nodes in [0, 1].
+    """Matrices that act on the values of a polynomial at nodes in [0, 1].
 
     Attributes:
         nodes: Chebyshev points of the second kind, ascending, shape (k,).
-        derivative: Values of a polynomial to values of its derivative, shape (k, k).
-        integral: Values to values of the integral from 0, shape (k, k).
-        coefficients: Values to Chebyshev coefficients, shape (k, k).
+        derivative: Maps values to values of the derivative, shape (k, k).
+        integral: Maps values to values of the integral from 0, shape (k, k).
+        coefficients: Maps values to Chebyshev coefficients, shape (k, k).
     """
 
     nodes: Array
@@ -41,7 +41,14 @@ class Collocation:
 
 @cache
 def collocation(size: int) -> Collocation:
-    """Nodes and matrices for polynomials of degree below `size`, at least 2."""
+    """Nodes and matrices for polynomials of degree below `size`.
+
+    Args:
+        size: Number of nodes, at least 2.
+
+    Raises:
+        ValueError: There are fewer.
+    """
     if size < 2:
         raise ValueError(f"collocation needs at least 2 nodes, got {size}")
     cosines = -np.cos(np.pi * np.arange(size) / (size - 1))
@@ -57,20 +64,21 @@ def collocation(size: int) -> Collocation:
 
 
 def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
-    """The end of a flow along a field, to the last digits, shape (n,).
+    """The end of a flow along a field, to machine precision, shape (n,).
 
-    Picard's iteration on the nodes: exact after a few sweeps where each coordinate's
-    rate depends on coordinates before it alone, and convergent for short steps
-    elsewhere, so the duration is halved until it converges.
+    Picard's iteration on the nodes is exact after a few iterations if the rate of each
+    coordinate depends on the coordinates before it only. For other fields it converges
+    for short steps, so the duration is halved until it does.
 
     Args:
-        field: Maps states of shape (k, n) to velocities of the same shape; not finite
-            where it is singular.
+        field: Maps states of shape (k, n) to velocities of the same shape, which are
+            not finite where the field is singular.
         x: Start, shape (n,).
-        duration: Time to flow; negative flows back.
+        duration: Signed duration of the flow.
 
     Raises:
-        ConvergenceError: The flow escapes, or is too rough for `HALVINGS` halvings.
+        ConvergenceError: The flow escapes to infinity, or `HALVINGS` halvings do not
+            suffice.
     """
     with np.errstate(all="ignore"):
         end = _follow(field, np.asarray(x, dtype=float), duration, HALVINGS)
@@ -97,7 +105,7 @@ def _follow(
 def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array | None:
     rule = collocation(NODES)
     path = np.broadcast_to(x, (NODES, x.size))
-    for _ in range(SWEEPS):
+    for _ in range(ITERATIONS):
         before, velocity = path, field(path)
         path = x + duration * (rule.integral @ velocity)
         scale = 1.0 + np.abs(path).max()
@@ -105,6 +113,5 @@ def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array
             return None
         if np.abs(path - before).max() <= TOLERANCE * scale:
             tail = np.abs(rule.coefficients[-2:] @ velocity).max() * abs(duration)
-            end: Array = path[-1]
-            return end if tail <= 10 * TOLERANCE * scale else None
+            return path[-1] if tail <= 10 * TOLERANCE * scale else None
     return None

@@ -1,4 +1,4 @@
-"""Subspaces as columns of a matrix: span, complement, and words for directions."""
+"""Subspaces as columns of a matrix: bases, complements, and directions as text."""
 
 from __future__ import annotations
 
@@ -8,18 +8,17 @@ import numpy as np
 
 from planner.numerics.arrays import ROUNDING, Array
 
-SPANNED = 1e-8  # relative size of a singular value that counts
+SPANNED = 1e-8  # relative singular values above it count towards the rank
 
 
 def column_space(columns: Array) -> Array:
-    """Orthonormal columns that span the same space; each column counts alike."""
+    """Orthonormal columns of the same span; columns are scaled to length one first."""
     left, singular = _decomposed(columns)
-    spanned: Array = left[:, singular > SPANNED]
-    return spanned
+    return left[:, singular > SPANNED]
 
 
 def nearly_dependent(columns: Array) -> bool:
-    """Whether some column is so near the others' span that its part is in doubt."""
+    """Whether the rank is in doubt, because a column is nearly in the others' span."""
     _, singular = _decomposed(columns)
     return bool(((singular > ROUNDING) & (singular <= SPANNED)).any())
 
@@ -32,15 +31,14 @@ def _decomposed(columns: Array) -> tuple[Array, Array]:
 
 
 def rank(columns: Array) -> int:
-    """Dimension of the space that columns span."""
+    """Dimension of the space that columns span, each scaled to length one."""
     return int(column_space(columns).shape[1])
 
 
 def null_space(rows: Array) -> Array:
     """Orthonormal columns orthogonal to all rows."""
     _, singular, right = np.linalg.svd(rows)
-    orthogonal: Array = right[int((singular > SPANNED).sum()) :].T
-    return orthogonal
+    return right[int((singular > SPANNED).sum()) :].T
 
 
 def sparse_basis(columns: Array) -> Array:
@@ -60,7 +58,7 @@ def sparse_basis(columns: Array) -> Array:
 
 
 def directions_beyond(columns: Array, names: Iterable[object]) -> tuple[str, ...]:
-    """Directions orthogonal to all columns, in words."""
+    """Directions orthogonal to all columns, as text."""
     names = tuple(names)
     directions = sparse_basis(null_space(column_space(columns).T))
     return tuple(in_words(direction, names) for direction in directions.T)

@@ -94,14 +94,12 @@ class Plan:
     @property
     def start(self) -> Array:
         """Configuration that the plan starts from, shape (n,)."""
-        start: Array = self.nominal[0]
-        return start
+        return self.nominal[0]
 
     @property
     def goal(self) -> Array:
         """Configuration that the path ends in, shape (n,)."""
-        goal: Array = self.nominal[-1]
-        return goal
+        return self.nominal[-1]
 
     @property
     def contact_switches(self) -> int:

@@ -28,8 +28,7 @@ class Path:
 
     def __call__(self, s: float) -> Array:
         """The configuration at one parameter, shape (n,)."""
-        configuration: Array = self.at(np.array([s], dtype=float))[0]
-        return configuration
+        return self.at(np.array([s], dtype=float))[0]
 
 
 def line(start: ArrayLike, goal: ArrayLike) -> Path:
@@ -59,8 +58,7 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
         k = np.clip(np.searchsorted(where, s, side="right") - 1, 0, len(where) - 2)
         part = (s - where[k]) / (where[k + 1] - where[k])
         part = part[:, None]
-        between: Array = (1 - part) * knots[k] + part * knots[k + 1]
-        return between
+        return (1 - part) * knots[k] + part * knots[k + 1]
 
     return Path(at, tuple(float(s) for s in where[1:-1]))
 

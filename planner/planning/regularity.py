@@ -66,8 +66,7 @@ def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
     noise = ROUNDING * np.abs(rule.derivative).sum(axis=1).max() * np.abs(samples).max()
     size = np.abs(given).sum(axis=-1).max(axis=1, keepdims=True) + noise
     missed = np.abs(given.sum(axis=-1) - between @ velocity)
-    parts: Array = (missed / np.where(size > 0.0, size, 1.0)).max(axis=-1)
-    return parts
+    return (missed / np.where(size > 0.0, size, 1.0)).max(axis=-1)
 
 
 def _steepest(inputs: Array) -> int:

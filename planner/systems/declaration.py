@@ -1,4 +1,4 @@
-"""What a caller writes for a stratified system, checked and brought to one form."""
+"""Check what describes a stratified system, and bring it to one form."""
 
 from __future__ import annotations
 
@@ -21,15 +21,16 @@ from planner.systems.fields import (
 from planner.systems.formulas import RESERVED, read_formula
 from planner.systems.level_sets import LevelSet
 
-LARGEST = 1e100  # size of a number; products of three still fit a float
+LARGEST = 1e100  # magnitude of a number; a product of three still fits a float
 NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 def checked_state(state: Iterable[Any]) -> Symbols:
-    """Symbols of a state from symbols, names, or one text of names.
+    """Symbols of a state from symbols, from names, or from one string of names.
 
     Raises:
-        ValueError: There are none, or one is no name or comes twice.
+        ValueError: The state is empty, a coordinate has no valid name, or a name is
+            used twice.
     """
     if isinstance(state, str):
         state = state.replace(",", " ").split()
@@ -55,7 +56,7 @@ def checked_strata(
     """Fields of each stratum as immutable columns, or as numeric fields.
 
     Raises:
-        ValueError: A field is misshapen, misnamed or not over the state.
+        ValueError: A field is misshapen or misnamed, or uses symbols beside the state.
     """
     if not strata or not any(strata.values()):
         raise ValueError(
@@ -93,9 +94,9 @@ def _field(what: str, value: Any, state: Symbols) -> VectorField:
 
 
 def _require_differentiable(what: str, field: NumericField, size: int) -> None:
-    """Check derivatives, given or by differences, against finer differences."""
+    """Compare derivatives, given or by differences, with finer differences."""
     for x in sample_configurations(size):
-        direction = np.cos(np.arange(size) + x)  # any direction will do
+        direction = np.cos(np.arange(size) + x)  # any direction serves
         given = field.derivative(x, direction)
         found = central_difference(field, x, direction, STEP / 4)
         if np.isfinite(found).all() and not np.allclose(given, found, 1e-6, 1e-6):
@@ -107,7 +108,7 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
 
 
 def _expression(what: str, value: Any, state: Symbols) -> sp.Expr:
-    """A number or expression as it is, a text as the formula it writes."""
+    """A number or expression unchanged, a string as the formula that it writes."""
     try:
         text = isinstance(value, str)
         expression = (
@@ -141,11 +142,11 @@ def _is_real(number: sp.Expr) -> bool:
 def checked_level_sets(
     level_sets: Mapping[str, Any], strata: Mapping[str, Any], state: Symbols
 ) -> dict[str, tuple[sp.Expr, ...]]:
-    """Expressions that vanish on each stratum, from one or several, texts included.
+    """Expressions that vanish on each stratum, given as one or several or as strings.
 
     Raises:
-        ValueError: A stratum is unknown, or its expressions are not over the state or
-            depend on one another.
+        ValueError: A stratum is unknown, or its expressions use symbols beside the
+            state or depend on one another.
     """
     checked = {}
     for stratum, functions in level_sets.items():

@@ -1,8 +1,8 @@
-"""Elements of an extended system by name: fields, and brackets of them.
+"""Elements of an extended system by name: fields and brackets of fields, eq. (19).
 
-An element is written `g1_1`, `[g1_1,g2_2]` or, with generators counted from 1 over all
-fields in order of declaration, `1` and `[1,2]`. Here names become trees and trees
-become names, columns and degrees.
+An element is written as `g1_1` or `[g1_1,g2_2]`. Generators may also be written as
+numbers, `1` and `[1,2]`, which count all fields of the system in order of declaration,
+from 1. In code an element is a tree of names.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from planner.errors import unknown
 from planner.systems.fields import VectorField, lie_bracket
 from planner.systems.strata import StratifiedSystem
 
-Tree = Any  # a field's name, or a pair of trees
+Tree = Any  # the name of a field, or a pair of trees
 
-MOST_BRACKETS = 20  # in one element; the Hall basis up to it has 200 000 elements
+MOST_BRACKETS = 20  # in one element; two generators have 200 000 elements up to there
 TOKEN = re.compile(r"\s*([\[\],]|\w+)")
 
 
 def parse(text: str, system: StratifiedSystem) -> Tree:
-    """The tree of field names behind an element's name.
+    """The tree of field names that an element's name stands for.
 
     Raises:
-        ValueError: The text is no element, or names a field the system does not have.
+        ValueError: The text is not an element, or the system lacks one of its fields.
     """
     tree = parse_names(text)
     names = list(system.fields)
@@ -45,7 +45,7 @@ def parse(text: str, system: StratifiedSystem) -> Tree:
 
 
 def parse_names(text: str) -> Tree:
-    """The tree behind a bracket expression, leaves as written."""
+    """The tree that a bracket expression stands for, with the leaves as written."""
     tokens = TOKEN.findall(text)
     if "".join(tokens) != re.sub(r"\s", "", text):
         raise ValueError(f"element {text!r} is neither a field nor a bracket [a,b]")
@@ -79,26 +79,26 @@ def _expect(tokens: Iterator[str], mark: str, text: str) -> None:
 
 
 def name_of(tree: Tree) -> str:
-    """The element's name, without spaces."""
+    """The name of an element, without spaces."""
     if isinstance(tree, str):
         return tree
     return f"[{name_of(tree[0])},{name_of(tree[1])}]"
 
 
 def relabel(tree: Tree, label: Callable[[str], str]) -> Tree:
-    """The same tree with other leaves."""
+    """The same tree with the leaves renamed."""
     if isinstance(tree, str):
         return label(tree)
     return (relabel(tree[0], label), relabel(tree[1], label))
 
 
 def leaves(tree: Tree) -> tuple[str, ...]:
-    """Leaves from left to right; their number is the element's degree."""
+    """Leaves from left to right; their number is the degree of the element."""
     return (tree,) if isinstance(tree, str) else leaves(tree[0]) + leaves(tree[1])
 
 
 def column(tree: Tree, system: StratifiedSystem) -> VectorField:
-    """The element as a vector field."""
+    """The vector field of an element."""
     if isinstance(tree, str):
         return system.fields[tree]
     left, right = (column(branch, system) for branch in tree)

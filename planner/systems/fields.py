@@ -1,7 +1,7 @@
-"""Vector fields on the configuration space: brackets, and fast evaluation of many.
+"""Vector fields on the configuration space: brackets and fast evaluation, eq. (1).
 
-A field is a sympy column over the state's symbols, or a `NumericField` where only a
-Python function is at hand. Nothing here knows strata, inputs or plans.
+A field is a column of sympy expressions in the symbols of the state, or a
+`NumericField` where it is known as a Python function only.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from planner.numerics.arrays import Array
 Symbols = tuple[sp.Symbol, ...]
 VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
 
-STEP = 0.02  # of central differences; their sixth-order extrapolation errs by its power
-SAMPLES = 12  # an analytic field that vanishes at so many random points is zero
+STEP = 0.02  # of central differences; the error of the extrapolation is of sixth order
+SAMPLES = 12  # random points; an analytic field that vanishes at all of them is zero
 
 KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
-"""Derivatives of `sign`: zero but for where it jumps, and has none."""
+"""Derivative of `sign`: zero, except at the jump, where there is none."""
 
 
 def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
     """The Lie bracket [f, g] = (dg/dx) f - (df/dx) g of symbolic fields, Sec. 2.
 
     Args:
-        f: First field, a column of as many expressions as there are symbols.
+        f: First field, a column with one expression for each symbol.
         g: Second field, likewise.
         x: Symbols of the state.
 
     Raises:
-        ValueError: A field's shape does not match the state.
+        ValueError: The shape of a field does not match the state.
     """
     f, g = (_column(field, len(x)) for field in (f, g))
     change, back = _derivative(g, f, x), _derivative(f, g, x)
@@ -46,7 +46,7 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
 def _derivative(
     field: sp.Matrix, direction: sp.Matrix, x: Sequence[sp.Symbol]
 ) -> list[sp.Expr]:
-    """Derivative of a field along another, entry by entry."""
+    """Derivative of a field along a direction, entry by entry."""
     moving = [(s, speed) for s, speed in zip(x, direction, strict=True) if speed != 0]
     return [
         sp.Add(*(entry.diff(s) * speed for s, speed in moving if entry.has(s)))
@@ -55,7 +55,7 @@ def _derivative(
 
 
 def _column(field: sp.Matrix, size: int) -> sp.Matrix:
-    if not isinstance(field, sp.MatrixBase):  # which would run texts to read them
+    if not isinstance(field, sp.MatrixBase):  # sympy.Matrix would run strings as code
         strictly = np.vectorize(lambda e: sp.sympify(e, strict=True), otypes=[object])
         field = strictly(np.atleast_1d(np.asarray(field, dtype=object)))
     column = sp.Matrix(field)
@@ -68,15 +68,15 @@ def _column(field: sp.Matrix, size: int) -> sp.Matrix:
 
 @dataclass(frozen=True, slots=True)
 class NumericField:
-    """A field known as a function only.
+    """A field that is known as a Python function only.
 
     Attributes:
         value: Maps one configuration, shape (n,), to a velocity, shape (n,).
-        jacobian: Maps one configuration to the derivative, shape (n, n); without it
-            derivatives are taken by extrapolated central differences.
-        terms: Maps one configuration to the size of the terms that the velocity is a
-            sum of; without it they are as large as the velocity.
-        calls: Number of calls of given functions behind one velocity.
+        jacobian: Maps one configuration to the derivative of the field, shape (n, n).
+            If it is not given, derivatives are extrapolated central differences.
+        terms: Maps one configuration to the size of the terms whose sum is the
+            velocity. If it is not given, they count as large as the velocity.
+        calls: Number of calls of the caller's functions that one velocity takes.
     """
 
     value: Callable[[Array], ArrayLike]
@@ -95,7 +95,7 @@ class NumericField:
         return velocity
 
     def weight(self, x: Array) -> float:
-        """Size of the terms whose rounding the velocity carries."""
+        """Size of the terms whose rounding errors the velocity contains."""
         return self.terms(x) if self.terms else float(np.linalg.norm(self(x)))
 
     def derivative(self, x: Array, direction: Array) -> Array:
@@ -108,7 +108,16 @@ class NumericField:
 def central_difference(
     function: Callable[[Array], Array], x: Array, direction: Array, step: float = STEP
 ) -> Array:
-    """Derivative along a direction, by extrapolated central differences."""
+    """Derivative of a function along a direction, by central differences.
+
+    Differences of three step sizes are extrapolated to an error of sixth order.
+
+    Args:
+        function: Maps a configuration, shape (n,), to a vector.
+        x: Configuration, shape (n,).
+        direction: Direction of any length, shape (n,).
+        step: Largest of the step sizes.
+    """
     size = float(np.linalg.norm(direction))
     if size == 0.0:
         return np.zeros_like(function(x))
@@ -118,12 +127,11 @@ def central_difference(
         return (function(x + h * along) - function(x - h * along)) / (2 * h)
 
     coarse, middle, fine = (quotient(step / 2**k) for k in range(3))
-    derivative: Array = size * (64 * fine - 20 * middle + coarse) / 45
-    return derivative
+    return size * (64 * fine - 20 * middle + coarse) / 45
 
 
 def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
-    """The Lie bracket of numeric fields, by differentiation along one another."""
+    """The Lie bracket of numeric fields, by differences along one another."""
 
     def value(x: Array) -> Array:
         return g.derivative(x, f(x)) - f.derivative(x, g(x))
@@ -136,14 +144,14 @@ def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
 
 
 def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
-    """The Lie bracket of two fields of either kind; numeric if one of them is."""
+    """The Lie bracket of fields of either kind; numeric if one of them is."""
     if isinstance(f, NumericField) or isinstance(g, NumericField):
         return numeric_bracket(as_numeric(f, state), as_numeric(g, state))
     return bracket(f, g, state)
 
 
 def as_numeric(field: VectorField, state: Symbols) -> NumericField:
-    """The field as a function, with the exact derivative where it is symbolic."""
+    """A field as a function, with its exact derivative where it is symbolic."""
     if isinstance(field, NumericField):
         return field
     value = compile_fields([field], state)
@@ -155,11 +163,11 @@ def as_numeric(field: VectorField, state: Symbols) -> NumericField:
 
 @dataclass(frozen=True, slots=True)
 class CompiledFields:
-    """Several fields, evaluated together at many configurations at once."""
+    """Several fields, evaluated together at any number of configurations."""
 
     names: tuple[str, ...]
-    constant: Array  # (n, p), entries that do not depend on the configuration
-    varying: tuple[tuple[int, int], ...]  # entries that do
+    constant: Array  # (n, p), the entries that do not depend on the configuration
+    varying: tuple[tuple[int, int], ...]  # places of the entries that do
     function: Callable[..., Sequence[Array]]
     numeric: tuple[tuple[int, NumericField], ...]
 
@@ -167,7 +175,7 @@ class CompiledFields:
         """The fields as columns, shape (..., n, p), at configurations (..., n).
 
         Raises:
-            SingularConfigurationError: A field has no finite value somewhere.
+            SingularConfigurationError: A field has no finite value at one of them.
         """
         x = np.asarray(x, dtype=float)
         columns = self.values(x)
@@ -177,12 +185,11 @@ class CompiledFields:
         return columns
 
     def velocity(self, x: Array) -> Array:
-        """The first field at configurations (..., n), same shape, without the check."""
-        first: Array = self.values(x)[..., 0]
-        return first
+        """The first field at configurations (..., n), same shape; not always finite."""
+        return self.values(x)[..., 0]
 
     def values(self, x: Array) -> Array:
-        """The same without the check: not finite where a field is singular."""
+        """The fields as columns, not finite where a field is singular."""
         columns = np.empty((*x.shape[:-1], *self.constant.shape))
         columns[...] = self.constant
         if self.varying:
@@ -198,7 +205,7 @@ class CompiledFields:
 def compile_fields(
     fields: Sequence[VectorField], state: Symbols, names: Sequence[str] = ()
 ) -> CompiledFields:
-    """Turn fields into one numeric function, shared subexpressions computed once.
+    """Turn fields into one numeric function that evaluates common terms once.
 
     Args:
         fields: Fields that become the columns, in order.
@@ -232,7 +239,7 @@ def compile_fields(
 
 
 def sample_configurations(size: int, count: int = SAMPLES) -> Array:
-    """Fixed random configurations, shape (count, size), the later half positive."""
+    """Fixed random configurations, shape (count, size), the second half positive."""
     points = np.random.default_rng(0).uniform(-1.0, 1.0, (count, size))
     points[count // 2 :] = np.abs(points[count // 2 :]) + 0.1
     return points

@@ -1,8 +1,7 @@
 """Sequences of flows along the fields of strata, eqs. (2) and (12).
 
 A sequence of flows is in time order. Every flow names the stratum that it runs on, so
-the lift-offs and touchdowns of eq. (12) are implied wherever the stratum changes; the
-route through the graph of strata, `StratifiedSystem.route`, says which feet they move.
+the lift-offs and touchdowns of eq. (12) are implied wherever the stratum changes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Formulas as text, read without running code and written to the last digit."""
+"""Formulas as strings: read without running code, written with all digits."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FUNCTIONS: Mapping[str, Callable[..., sp.Expr]] = {
     "sign": sp.sign,
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
-RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # no coordinate can be told from them
+RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # names that coordinates cannot have
 BINARY: Mapping[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -41,8 +41,8 @@ UNARY: Mapping[type, Callable[[Any], Any]] = {
     ast.UAdd: operator.pos,
 }
 LONGEST = 10_000  # characters of one formula
-MOST_BITS = 1024  # of a whole number, or of either part of a fraction
-SHOWN = 60  # characters of a formula that a message repeats
+MOST_BITS = 1024  # of an integer, or of the parts of a fraction
+SHOWN = 60  # characters of a formula in a message
 
 
 def read_formula(
@@ -50,15 +50,17 @@ def read_formula(
     names: Iterable[sp.Symbol],
     values: Mapping[str, float] | None = None,
 ) -> sp.Expr:
-    """The expression that a text or number stands for.
+    """The expression that a formula stands for.
 
     Args:
-        text: Formula in the given names, numbers, `+ - * / **` and common functions.
-        names: Symbols it may use.
-        values: Numbers it may use by name.
+        text: A number, or a formula of names, numbers, `+ - * / **` and the functions
+            in `FUNCTIONS`.
+        names: Symbols that the formula may use.
+        values: Numbers that the formula may use by name.
 
     Raises:
-        ValueError: It is no such formula; the message says what is in the way.
+        ValueError: The text is not such a formula, is too long, or has a number that
+            is too large.
     """
     if isinstance(text, (int, float)):
         return sp.sympify(text)
@@ -77,7 +79,7 @@ def _short(text: str) -> str:
 
 
 def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:
-    """A power whose numbers, which sympy multiplies out, stay of a sensible size."""
+    """A power, unless sympy would multiply it out to a number of enormous length."""
     if exponent.is_Rational:
         parts = [n for r in base.atoms(sp.Rational) for n in (r.p, r.q)]
         bits = max((int(n).bit_length() for n in parts), default=0)
@@ -112,12 +114,12 @@ def _expression(node: ast.expr, names: Mapping[str, sp.Expr], text: str) -> sp.E
 
 
 class _Writer(StrPrinter):  # type: ignore[misc]
-    """Prints numbers with all their digits."""
+    """Prints floats with all their digits."""
 
     def _print_Float(self, number: sp.Float) -> str:  # noqa: N802
         return repr(float(number))
 
 
 def write_formula(expression: sp.Expr) -> str:
-    """The text that `read` turns into the same expression."""
+    """The string that `read_formula` turns into the same expression."""
     return str(_Writer().doprint(expression))

@@ -1,16 +1,15 @@
-"""Regroup flows by stratum with the fewest contact switches (Sec. 5.2).
+"""Regroup flows by stratum, with the fewest contact switches (Sec. 5.2).
 
-Flows are interchanged only if their fields commute. Each segment may be run in several
-ways, such as in backward or in forward Hall coordinates; the choice that switches least
-over the whole plan is taken. Durations play no part here.
+Two flows are interchanged only if their fields commute. Where a segment may follow one
+of several words, such as those of backward and of forward Hall coordinates, the words
+are chosen that switch contacts least over the whole plan. Durations do not matter.
 """
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import chain, groupby
 
 from planner.systems.flows import Flow, Word
@@ -18,17 +17,17 @@ from planner.systems.strata import StratifiedSystem
 
 Commute = Callable[[str, str], bool]
 Pattern = tuple[str, ...]  # the fields of a word
-Joint = tuple[str, str, tuple[int, ...]]  # stratum, field, places of the joined flows
+Joined = tuple[str, str, tuple[int, ...]]  # stratum, field, places of flows in one
 
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """One order of a pattern's flows.
+    """One order of the flows of a pattern.
 
     Attributes:
-        order: Indices of the flows in the order to run them.
-        end: Stratum of the last flow; the one before the pattern if it is empty.
-        switches: Contact events from the stratum before to the last one.
+        order: Indices of the flows in time order.
+        end: Stratum of the last flow; the stratum before the pattern if it is empty.
+        switches: Contact switches from the stratum before the pattern to `end`.
     """
 
     order: tuple[int, ...]
@@ -38,11 +37,11 @@ class Arrangement:
 
 @dataclass(frozen=True, eq=False)
 class Grouper:
-    """Finds and remembers the best arrangements of words by their patterns.
+    """Finds the best arrangements of patterns, and keeps them for later plans.
 
     Attributes:
-        system: System whose graph of strata prices a change of stratum.
-        commute: Whether two fields' flows may be interchanged.
+        system: System whose graph of strata says what a change of stratum costs.
+        commute: Whether the flows of two fields may be interchanged.
     """
 
     system: StratifiedSystem
@@ -50,21 +49,15 @@ class Grouper:
     _known: dict[tuple[Pattern, str], tuple[Arrangement, ...]] = field(
         default_factory=dict, init=False, repr=False
     )
-    _joints: dict[tuple[Pattern, tuple[int, ...]], tuple[Joint, ...]] = field(
+    _joined: dict[tuple[Pattern, tuple[int, ...]], tuple[Joined, ...]] = field(
         default_factory=dict, init=False, repr=False
     )
 
-    @cached_property
-    def price(self) -> Mapping[tuple[str, str], int]:
-        """Contact events between any two strata that the graph joins."""
-        walks = self.system.walks
-        return {(a, b): self.system.switches(a, b) for a in walks for b in walks[a]}
-
     def arrangements(self, pattern: Pattern, start: str) -> tuple[Arrangement, ...]:
-        """The cheapest arrangement for each stratum that is worth ending in.
+        """The arrangement with fewest contact switches for each stratum to end in.
 
-        Staying on until nothing more can run never costs; a stratum left out is reached
-        as cheaply by going on to it.
+        It never costs a switch to stay on a stratum until no further flow can run
+        there. A stratum that is left out is reached as cheaply from those listed.
         """
         key = (pattern, start)
         if key not in self._known:
@@ -72,7 +65,7 @@ class Grouper:
         return self._known[key]
 
     def _search(self, pattern: Pattern, start: str) -> tuple[Arrangement, ...]:
-        """One search for each stratum to end in; the cheapest arrangement first."""
+        """Search once for each stratum to end in; the cheapest arrangement first."""
         if not pattern:
             return (Arrangement((), start, 0),)
         strata = [self.system.stratum_of[name] for name in pattern]
@@ -87,13 +80,15 @@ class Grouper:
     def _cheapest(
         self, strata: Sequence[str], after: Sequence[int], start: str, end: str
     ) -> tuple[int, tuple[int, ...], str] | None:
-        """A* over the flows done and the stratum; staying on never costs.
+        """Search by A* over pairs of the set of flows done and the stratum.
 
         Returns:
-            Switches, the flows in order and the end; None where the end is not last.
+            Contact switches, the flows in time order and the stratum to end in; None if
+            no arrangement ends there.
         """
         queue: list[tuple[int, tuple[int, ...], int, int, str]] = [(0, (), 0, 0, start)]
         settled: set[tuple[int, str]] = set()
+        counts = self.system.switch_counts
         while queue:
             _, order, switches, done, here = heapq.heappop(queue)
             if len(order) == len(strata):
@@ -104,60 +99,64 @@ class Grouper:
             for there in _open(strata, done):
                 run, then = _run(strata, after, done, there)
                 rest = _open(strata, then)
-                early = rest and end not in rest  # nothing would be left to end with
-                if run and (here, there) in self.price and not early:
-                    spent = switches + self.price[here, there]
+                early = rest and end not in rest  # no flow would be left to end with
+                if run and (here, there) in counts and not early:
+                    spent = switches + counts[here, there]
                     least = spent + self._least(there, rest, end)
                     heapq.heappush(queue, (least, order + run, spent, then, there))
         return None
 
     def _least(self, here: str, rest: Collection[str], end: str) -> int:
-        """Contact events that a walk through the strata left, to the end, must have.
+        """A lower bound on the contact switches through remaining strata to the end.
 
-        A contact that is not always as it is here changes, and twice to be so at last.
+        A contact that differs from its present state on some remaining stratum switches
+        once, and twice if at the end it is in its present state again.
         """
         contacts = self.system.contacts
         changing = frozenset[str]().union(*(contacts[here] ^ contacts[s] for s in rest))
         return 2 * len(changing) - len(contacts[here] ^ contacts[end])
 
     def _prerequisites(self, pattern: Pattern) -> tuple[int, ...]:
-        """For each flow the bit mask of earlier flows it must not overtake."""
+        """For each flow the bit mask of the earlier flows that must precede it."""
         return tuple(
             sum(1 << i for i in range(j) if not self.interchange(pattern[i], name))
             for j, name in enumerate(pattern)
         )
 
     def interchange(self, a: str, b: str) -> bool:
-        """Whether flows along two fields may trade places."""
+        """Whether flows along two fields may be interchanged."""
         return a == b or self.commute(a, b)
 
     def flows(self, word: Word, order: tuple[int, ...]) -> list[Flow]:
-        """A word as flows in a given order, those of one field and visit joined."""
+        """The flows of a word in a given order, joined where fields allow it."""
         key = (word.fields, order)
-        if key not in self._joints:
-            self._joints[key] = self._joined(*key)
+        if key not in self._joined:
+            self._joined[key] = self._join(*key)
         flows = [
-            Flow(stratum, name, sum([word.durations[k] for k in joint]))
-            for stratum, name, joint in self._joints[key]
+            Flow(stratum, name, sum([word.durations[k] for k in places]))
+            for stratum, name, places in self._joined[key]
         ]
         return [flow for flow in flows if flow.duration]
 
-    def _joined(self, pattern: Pattern, order: tuple[int, ...]) -> tuple[Joint, ...]:
-        """Which of a pattern's flows become one, in a given order."""
-        joints: list[list[int]] = []
+    def _join(self, pattern: Pattern, order: tuple[int, ...]) -> tuple[Joined, ...]:
+        """Which flows of a pattern become one flow, in a given order."""
+        joined: list[list[int]] = []
         for k in order:
-            fields = [pattern[joint[0]] for joint in joints]
+            fields = [pattern[places[0]] for places in joined]
             i = self._partner(fields, pattern[k])
             if i is None:
-                joints.append([k])
+                joined.append([k])
             else:
-                joints[i].append(k)
-        names = [pattern[joint[0]] for joint in joints]
+                joined[i].append(k)
+        names = [pattern[places[0]] for places in joined]
         strata = [self.system.stratum_of[name] for name in names]
-        return tuple(zip(strata, names, map(tuple, joints), strict=True))
+        return tuple(zip(strata, names, map(tuple, joined), strict=True))
 
     def _partner(self, fields: Sequence[str], name: str) -> int | None:
-        """An earlier flow of the field, if only commuting ones of its visit follow."""
+        """The last flow along the field, if the flows since then let it be joined.
+
+        They must be on the same stratum and commute with it.
+        """
         stratum_of = self.system.stratum_of
         for i, other in reversed(list(enumerate(fields))):
             if other == name:
@@ -168,14 +167,14 @@ class Grouper:
 
 
 def _open(strata: Sequence[str], done: int) -> dict[str, None]:
-    """Strata with flows still to run, in order of appearance."""
+    """Strata on which flows remain, in order of appearance."""
     return dict.fromkeys(s for j, s in enumerate(strata) if not done >> j & 1)
 
 
 def _run(
     strata: Sequence[str], after: Sequence[int], done: int, stratum: str
 ) -> tuple[tuple[int, ...], int]:
-    """Everything that can run on one stratum now, and the mask of what is done then."""
+    """All flows that can run on a stratum now, and the mask of flows then done."""
     run: list[int] = []
     for j, where in enumerate(strata):  # one pass: prerequisites come earlier
         if where == stratum and not done >> j & 1 and after[j] & ~done == 0:
@@ -187,12 +186,12 @@ def _run(
 def _late(
     strata: Sequence[str], after: Sequence[int], order: Sequence[int]
 ) -> tuple[int, ...]:
-    """The same visits with every flow as late as it can be, the paper's order."""
+    """The same visits with every flow as late as possible, as the paper orders them."""
     walk = [stratum for stratum, _ in groupby(strata[i] for i in order)]
     waiting = set(order)
     late: list[int] = []
     for stratum in reversed(walk):
-        for j in sorted(waiting, reverse=True):  # one pass: what follows comes later
+        for j in sorted(waiting, reverse=True):  # one pass: successors come later
             free = not any(after[k] >> j & 1 for k in waiting if k != j)
             if strata[j] == stratum and free:
                 late.append(j)
@@ -203,16 +202,21 @@ def _late(
 def regroup(
     grouper: Grouper, segments: Sequence[Sequence[Word]], start: str, goal: str
 ) -> list[list[Flow]]:
-    """Choose one way to run each segment and its order, with the fewest switches.
+    """Choose a word for each segment and the order of its flows (Sec. 5.2).
+
+    Dynamic programming over the segments finds the fewest contact switches.
 
     Args:
-        grouper: What commutes, and what a change of stratum costs.
-        segments: For each segment the ways to run it, each a word.
-        start: Stratum at rest before the first flow.
-        goal: Stratum at rest after the last one.
+        grouper: Which flows commute, and what a change of stratum costs.
+        segments: For each segment the words to choose from.
+        start: Stratum before the first flow.
+        goal: Stratum after the last flow.
 
     Returns:
         For each segment its flows in time order.
+
+    Raises:
+        StratumError: The graph of strata does not join the strata of the words.
     """
     system = grouper.system
     best: dict[str, int] = {start: 0}  # fewest switches on the way to each stratum
@@ -243,7 +247,7 @@ def regroup(
 def _refuse(
     system: StratifiedSystem, starts: Iterable[str], patterns: Iterable[Pattern]
 ) -> None:
-    """Name the strata that the graph does not join."""
+    """Raise the error that names two strata which the graph does not join."""
     for start in starts:
         for name in chain(*patterns):
-            system.route(start, system.stratum_of[name])
+            system.switches(start, system.stratum_of[name])

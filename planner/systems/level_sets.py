@@ -1,6 +1,7 @@
-"""The set where given functions vanish, such as a stratum where feet have height zero.
+"""Level sets Phi_i = 0, such as strata on which feet have height zero (Def. 1).
 
-Answers which configurations lie on it and how fast a field leaves it (Sec. 5.1).
+A level set says which configurations lie on it, and how fast a field leaves it
+(Sec. 5.1).
 """
 
 from __future__ import annotations
@@ -24,15 +25,15 @@ from planner.systems.fields import (
 )
 from planner.systems.rounding import TRUSTED, WeighedValues
 
-SWEEPS = 30  # of Newton's method, which needs far fewer where it converges
+ITERATIONS = 30  # of Newton's method; far fewer suffice where it converges
 
 
 @dataclass(frozen=True, eq=False)
 class LevelSet:
-    """Common zeros of functions of the state.
+    """The set of common zeros of functions of the state.
 
     Attributes:
-        functions: Expressions Phi_i, as many as the set's codimension.
+        functions: Expressions Phi_i, as many as the codimension of the set.
         state: Symbols of the state.
     """
 
@@ -41,18 +42,17 @@ class LevelSet:
 
     @cached_property
     def differential(self) -> sp.Matrix:
-        """Rows d Phi_i, shape (codimension, n)."""
+        """The differentials d Phi_i as rows, shape (codimension, n)."""
         return sp.Matrix(self.functions).jacobian(sp.Matrix(self.state))
 
     def leaves(self, field: VectorField) -> bool:
-        """Whether a field is not tangent to the set."""
+        """Whether a field is not tangent to the set (Sec. 5.1)."""
         return bool(self.rates(field).any())
 
     def rates(self, field: VectorField) -> Array:
         """Rates <d Phi_i, field> at `points`, shape (points, codimension).
 
-        What rounding leaves of a rate is zero; points where it is singular are passed
-        over.
+        A rate that is a mere rounding error is zero, and so is one that is singular.
         """
         if not isinstance(field, NumericField):
             formulas = self.differential * field
@@ -70,10 +70,11 @@ class LevelSet:
         """Random configurations on the set, shape (points, n), by Newton's method.
 
         Raises:
-            ValueError: None is found, or the functions depend on one another (Def. 1).
+            ValueError: No such configuration is found, or the functions are dependent
+                (Def. 1).
         """
         x = sample_configurations(len(self.state))
-        for _ in range(SWEEPS):
+        for _ in range(ITERATIONS):
             residual, slopes = self._linear(x)
             sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all((1, 2))
             step = np.linalg.pinv(slopes[sound]) @ residual[sound, :, None]
@@ -90,7 +91,7 @@ class LevelSet:
         return x[there]
 
     def _linear(self, x: Array) -> tuple[Array, Array]:
-        """Values, shape (points, codimension), and slopes (points, codimension, n)."""
+        """Values, shape (points, codimension), and differentials (..., n) at them."""
         evaluation = WeighedValues(self.state, x)
         slopes = evaluation(list(self.differential))
         return evaluation(self.functions), slopes.reshape(
@@ -117,6 +118,6 @@ class LevelSet:
 
 
 def _stack(matrix: sp.Matrix, state: Symbols) -> CompiledFields:
-    """Compile a matrix of expressions; its columns need not be fields."""
+    """Compile a matrix of expressions, column by column."""
     columns: Sequence[sp.Matrix] = [matrix.col(j) for j in range(matrix.cols)]
     return compile_fields(columns, state)

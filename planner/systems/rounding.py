@@ -1,10 +1,11 @@
-"""Values of fields in which rounding is told apart from what is merely small.
+"""Values of fields in which rounding errors are distinguished from small values.
 
-Beside every value goes its weight: the size of the terms that it is a sum of, carried
-through products and functions as errors are. A value below `ROUNDING` of its weight is
-what cancelling terms left over, and counts as zero; whatever the units, any other value
-counts. Many small formulas are evaluated once each; hot loops compile theirs instead,
-`systems.fields.compile_fields`.
+Every value is accompanied by its weight: the size of the terms that it is a sum of,
+propagated through products and functions in the way in which errors propagate. A value
+below `ROUNDING` times its weight is the rounding error of terms that cancel, and counts
+as zero. Any other value counts as different from zero, in whatever unit. This suits
+many formulas that are evaluated once each; formulas that are evaluated often are
+compiled by `systems.fields.compile_fields`.
 """
 
 from __future__ import annotations
@@ -23,21 +24,22 @@ from planner.systems.fields import (
     sample_configurations,
 )
 
-TRUSTED = 1e-9  # the same for functions, whose terms are not known
-FAR = 10.0  # times as far away fields are looked at, too, before they count as zero
-NUDGE = 1e-6  # of an argument, in its weight, to see how a function carries errors
+TRUSTED = 1e-9  # takes the place of ROUNDING for functions, whose terms are unknown
+FAR = 10.0  # formulas must vanish that many times as far away, too, to count as zero
+NUDGE = 1e-6  # change of an argument over its weight, by which slopes are estimated
 
 Weighed = tuple[Array, Array]  # values and their weights, broadcastable to (points,)
 
 
 class WeighedValues:
-    """Formulas at given configurations; what was evaluated once is remembered.
+    """Values of formulas at given configurations; terms are evaluated once.
 
-    Coordinates are taken to be known to `ROUNDING` of themselves, or of 1.
+    Coordinates are taken to be known to within `ROUNDING` times the larger of their
+    magnitude and 1.
     """
 
     def __init__(self, state: Symbols, points: Array) -> None:
-        """Prepare for formulas in a state's symbols, at points of shape (points, n)."""
+        """Take the symbols of a state and configurations of shape (points, n)."""
         self.points = points
         self._known: dict[sp.Basic, Weighed] = {
             symbol: (x, np.maximum(np.abs(x), 1.0))
@@ -46,9 +48,9 @@ class WeighedValues:
         self._state = state
 
     def __call__(self, column: VectorField) -> Array:
-        """A column of formulas, or a function's; shape (points, rows).
+        """The values of a field or column of formulas, shape (points, rows).
 
-        Not finite where it is singular.
+        They are not finite where the field is singular.
         """
         with np.errstate(all="ignore"):
             if isinstance(column, NumericField):
@@ -59,15 +61,13 @@ class WeighedValues:
     def _settled(self, entry: sp.Expr) -> Array:
         value, weight = self._weighed(entry)
         rounding = np.isfinite(value) & (np.abs(value) <= ROUNDING * weight)
-        settled: Array = np.where(rounding, 0.0, value)
-        return settled
+        return np.where(rounding, 0.0, value)
 
     def _function(self, field: NumericField) -> Array:
         values = np.array([field(x) for x in self.points])
         sizes = np.array([field.weight(x) for x in self.points])
         largest = np.where(np.isfinite(sizes), sizes, 0.0).max()
-        settled: Array = np.where(np.abs(values) <= TRUSTED * largest, 0.0, values)
-        return settled
+        return np.where(np.abs(values) <= TRUSTED * largest, 0.0, values)
 
     def _weighed(self, entry: sp.Expr) -> Weighed:
         if entry not in self._known:
@@ -88,18 +88,19 @@ class WeighedValues:
         return _carried(_function(entry.func, len(parts)), parts)
 
     def _whole(self, entry: sp.Expr) -> Weighed:
-        """A formula whose parts are not all formulas, such as one by cases."""
+        """A formula whose arguments are not all formulas, such as one by cases."""
         function = sp.lambdify(self._state, entry, modules="numpy")
         value = np.asarray(function(*self.points.T), dtype=float)
         return value, np.abs(value)
 
 
 def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]:
-    """Which fields are zero everywhere, decided at random configurations.
+    """Which fields are zero everywhere, judged at random configurations.
 
-    Analytic fields that vanish at random points vanish; no simplification is needed.
-    Points where a field is singular are passed over; one that is singular at all of
-    them does not count as zero. Functions are not called far away.
+    An analytic field that vanishes at random points vanishes everywhere, so that no
+    formula needs to be simplified. Points where a field is singular are passed over; a
+    field that is singular at all of them does not count as zero. Fields known as
+    functions are evaluated near the origin only.
     """
     near = sample_configurations(len(state))
     formulas = WeighedValues(state, np.vstack([near, FAR * near]))
@@ -130,7 +131,7 @@ def _product(parts: Sequence[Weighed]) -> Weighed:
 
 
 def _carried(function: Callable[..., Array], parts: Sequence[Weighed]) -> Weighed:
-    """A function's values; each argument's weight counts by the slope there."""
+    """Values of a function; the weight of each argument is multiplied by the slope."""
     arguments = [value for value, _ in parts]
     value = function(*arguments)
     weight = np.abs(value)
@@ -144,7 +145,7 @@ def _carried(function: Callable[..., Array], parts: Sequence[Weighed]) -> Weighe
 
 @cache
 def _function(function: type[sp.Expr], count: int) -> Callable[..., Array]:
-    """A function of formulas as one of arrays."""
+    """A function of expressions as a function of arrays."""
     if function is sp.Pow:
         return np.float_power
     arguments = [sp.Dummy(real=True) for _ in range(count)]

@@ -1,7 +1,7 @@
 """Shape coordinates: those that every field moves at a constant rate.
 
-Such are the angles of legs. Their course along a plan is a running sum, so ranges are
-checked and sweeps are centred without integrating anything.
+The angles of legs are shape coordinates. Their trajectory along a plan is a cumulative
+sum, so ranges are checked and strokes are centred without integration.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
 ShapeLimits = Mapping[str, tuple[float, float]]
-OVERSTEP = 1e-9  # by which a range may be overstepped: rounding
+OVERSTEP = 1e-9  # excess over a range that is taken for rounding
 
 
 @dataclass(frozen=True, eq=False)
 class ShapeCoordinates:
-    """Rates of a system's shape coordinates along its fields."""
+    """The shape coordinates of a system, and their rates along its fields."""
 
     system: StratifiedSystem
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names of the whole state."""
+        """Names of all coordinates of the state."""
         return tuple(map(str, self.system.state))
 
     @cached_property
     def rates(self) -> dict[str, Array]:
-        """For each field the rates of all coordinates, nan where not constant."""
+        """Rates of all coordinates along each field, nan where not constant."""
         size = self.system.dimension
         return {name: _rates(field, size) for name, field in self.system.fields.items()}
 
@@ -47,10 +47,10 @@ class ShapeCoordinates:
 
     @cached_property
     def free(self) -> dict[str, tuple[int, float]]:
-        """Fields that move one shape coordinate alone, one that nothing depends on.
+        """Fields that move a single shape coordinate on which no field depends.
 
-        The coordinate's index and rate for each. Their flows can go anywhere, and as
-        far as one likes, without moving the body.
+        For each of them the index and the rate of the coordinate. Such a field is the
+        recovery of a leg: its flows commute with all others and do not move the body.
         """
         used = set().union(
             *(_symbols(field) for field in self.system.fields.values()),
@@ -64,7 +64,7 @@ class ShapeCoordinates:
         if any(
             isinstance(field, NumericField) for field in self.system.fields.values()
         ):
-            inert = set()  # what a function depends on cannot be read off
+            inert = set()  # it is unknown what a Python function depends on
         moved = {name: np.flatnonzero(rates) for name, rates in self.rates.items()}
         return {
             name: (int(i[0]), float(self.rates[name][i[0]]))
@@ -73,15 +73,15 @@ class ShapeCoordinates:
         }
 
     def trajectory(self, coordinate: int, flows: Iterable[Flow], start: float) -> Array:
-        """Values of one shape coordinate before, between and after flows."""
+        """Values of a shape coordinate before the first flow and after each flow."""
         steps = [self.rates[flow.field][coordinate] * flow.duration for flow in flows]
         return np.cumsum([start, *steps])
 
     def require_limits(self, limits: ShapeLimits) -> None:
-        """Refuse limits that bound nothing.
+        """Check that limits name shape coordinates and leave them room.
 
         Raises:
-            ValueError: A limit names no shape coordinate, or is empty.
+            ValueError: A limit names no shape coordinate, or its range is empty.
         """
         for name, (low, high) in limits.items():
             self._index(name, low, high)
@@ -89,11 +89,12 @@ class ShapeCoordinates:
     def require_within(
         self, limits: ShapeLimits, flows: Iterable[Flow], start: Array
     ) -> None:
-        """Refuse flows that leave the range of a shape coordinate.
+        """Check that flows keep every shape coordinate within its range.
 
         Raises:
-            ValueError: A limit names no shape coordinate, or is empty.
-            RangeError: The flows leave it; it does not know how many segments would do.
+            ValueError: A limit names no shape coordinate, or its range is empty.
+            RangeError: The flows leave a range; the error suggests no number of
+                segments.
         """
         flows = tuple(flows)
         for name, (low, high) in limits.items():
@@ -114,7 +115,8 @@ class ShapeCoordinates:
         if (index := self.names.index(name)) not in self.coordinates:
             raise ValueError(
                 f"limit of {name}: some field moves it at a rate that varies, or that "
-                "only a function knows; limit coordinates of constant rates"
+                "is known as a function only; limit coordinates that all fields move "
+                "at constant rates"
             )
         return index
 

@@ -1,9 +1,10 @@
-"""Stratified systems as data: a state, strata with their fields, foot heights (Def. 1).
+"""Stratified systems: a state, strata with their fields, and level sets (Def. 1).
 
-A stratum's contacts are its level sets; where none are given they are read from its
-name, one character a contact and `0` for none, so that S12 is `"12"`. No two strata
-have the same. Two are neighbours in the graph of Figs. 2 and 3 when one's contacts
-contain the other's and no third stratum lies between. Planning happens elsewhere.
+The contacts of a stratum are its level sets. Where a system has no level sets, the
+contacts are read from the name of the stratum, one character a contact and `0` for
+none: S12 is `"12"`. No two strata have the same contacts. Two strata are neighbours in
+the graph of Figs. 2 and 3 if the contacts of one contain those of the other and no
+third stratum lies between them.
 """
 
 from __future__ import annotations
@@ -11,11 +12,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from heapq import heappop, heappush
-from itertools import count
 
 import numpy as np
 import sympy as sp
+from scipy.sparse.csgraph import dijkstra
 
 from planner.errors import StratumError, point, unknown
 from planner.numerics.arrays import Array
@@ -40,15 +40,16 @@ class StratifiedSystem:
 
     Attributes:
         state: Symbols of the configuration, n of them; names are accepted.
-        strata: For each stratum its fields by name: sympy columns of shape (n, 1), or
-            functions of a configuration. The order of all fields numbers the
-            generators, from 1.
-        bottom: Stratum in which plans start and end, S_B.
-        level_sets: For each stratum the expressions that are zero on it, such as the
-            heights of its feet. Strata without an entry are open.
+        strata: For each stratum its fields g_{I,j} by name: sympy columns of shape
+            (n, 1), or functions of a configuration. Generators are numbered from 1 in
+            the order of all fields.
+        bottom: The bottom stratum S_B, in which plans start and end.
+        level_sets: For each stratum the expressions Phi_i that vanish on it, such as
+            the heights of its feet. A stratum without an entry is open.
 
     Raises:
-        ValueError: Anything above is misshapen, unknown, or not tangent to its stratum.
+        ValueError: A part is misshapen or names something unknown, two strata have the
+            same contacts, or a field is not tangent to its stratum.
     """
 
     state: Symbols
@@ -77,26 +78,26 @@ class StratifiedSystem:
 
     @property
     def dimension(self) -> int:
-        """Size n of the state."""
+        """Number n of coordinates of the state."""
         return len(self.state)
 
     @cached_property
     def bottom_dimension(self) -> int:
-        """Dimension of the bottom stratum: n less the number of its level sets."""
+        """Dimension of the bottom stratum: n minus the number of its level sets."""
         return self.dimension - len(self.level_set(self.bottom).functions)
 
     @cached_property
     def fields(self) -> dict[str, VectorField]:
-        """Every field by name, in the order that numbers the generators."""
+        """All fields by name, in the order in which generators are numbered."""
         return {
             name: f for fields in self.strata.values() for name, f in fields.items()
         }
 
     def compiled(self, name: str) -> CompiledFields:
-        """A field as a numeric function, compiled when first asked for.
+        """A field as a numeric function, compiled at the first call.
 
         Raises:
-            ValueError: There is no such field.
+            ValueError: The system has no such field.
         """
         if name not in self._compiled:
             if name not in self.fields:
@@ -112,7 +113,7 @@ class StratifiedSystem:
 
     @cached_property
     def contacts(self) -> dict[str, frozenset[str]]:
-        """Contacts of each stratum: its level sets, or else its name's characters."""
+        """Contacts of each stratum: its level sets, or the characters of its name."""
         if self.level_sets:
             return {
                 s: frozenset(map(str, self.level_sets.get(s, ()))) for s in self.strata
@@ -120,29 +121,29 @@ class StratifiedSystem:
         return {s: frozenset(s) - {"0"} for s in self.strata}
 
     def level_set(self, stratum: str) -> LevelSet:
-        """The functions that vanish on a stratum; none where it is open."""
+        """The set where the functions of a stratum vanish; all of space if open."""
         return self._level_sets[stratum]
 
     @cached_property
     def _level_sets(self) -> dict[str, LevelSet]:
-        """One for each stratum, so that each is compiled once."""
+        """The level set of each stratum, kept so that it is compiled once."""
         given = self.level_sets
         return {s: LevelSet(given.get(s, ()), self.state) for s in self.strata}
 
     def missing(self, reached: Array, x: Array, stratum: str = "") -> tuple[str, ...]:
-        """Directions of a stratum's tangent space that are not reached, in words.
+        """Directions of a stratum's tangent space outside a given space, as text.
 
         Args:
-            reached: Orthonormal columns, shape (n, rank).
+            reached: Orthonormal columns that span the given space, shape (n, rank).
             x: Configuration on the stratum, shape (n,).
-            stratum: The stratum; the bottom one if empty.
+            stratum: Name of the stratum; the bottom stratum if empty.
         """
         gradients = self.level_set(stratum or self.bottom).gradients(x)
         return directions_beyond(np.hstack([reached, gradients]), self.state)
 
     @cached_property
     def edges(self) -> tuple[tuple[str, str], ...]:
-        """Neighbours (lower, higher) in the graph of strata, Figs. 2 and 3."""
+        """Pairs of neighbours (lower, higher) in the graph of strata, Figs. 2 and 3."""
         contacts = self.contacts
         return tuple(
             (low, high)
@@ -154,7 +155,7 @@ class StratifiedSystem:
 
     @cached_property
     def neighbours(self) -> dict[str, tuple[str, ...]]:
-        """Strata one step away in the graph, those with more contacts first."""
+        """Neighbours of each stratum in the graph, those with more contacts first."""
         near: dict[str, list[str]] = {s: [] for s in self.strata}
         for low, high in self.edges:
             near[low].append(high)
@@ -164,10 +165,8 @@ class StratifiedSystem:
             for s in near
         }
 
-    def route(self, start: str, goal: str) -> tuple[str, ...]:
-        """The walk of fewest contact events between strata, then of fewest steps.
-
-        Where walks are alike in both, feet land before others lift.
+    def switches(self, start: str, goal: str) -> int:
+        """Fewest lift-offs and touchdowns on a way from one stratum to another.
 
         Raises:
             StratumError: A stratum is unknown, or the graph does not join the two.
@@ -175,38 +174,32 @@ class StratifiedSystem:
         for name in (start, goal):
             if name not in self.strata:
                 raise StratumError(f"stratum {name!r} {unknown(name, self.strata)}")
-        if goal not in self.walks[start]:
+        if (start, goal) not in self.switch_counts:
             raise StratumError(
                 f"no chain of nested strata joins S{start} to S{goal}; "
                 "add the stratum that has the contacts of both"
             )
-        return self.walks[start][goal]
-
-    def switches(self, start: str, goal: str) -> int:
-        """Contact events, lifts plus landings, from one stratum to another."""
-        route = self.route(start, goal)
-        return sum(len(self.contacts[a] ^ self.contacts[b]) for a, b in steps(route))
+        return self.switch_counts[start, goal]
 
     @cached_property
-    def walks(self) -> dict[str, dict[str, tuple[str, ...]]]:
-        """Walks of fewest events from each stratum to those that the graph joins."""
-        return {s: self._walks(s) for s in self.strata}
+    def switch_counts(self) -> dict[tuple[str, str], int]:
+        """Fewest lift-offs and touchdowns between strata that the graph joins.
 
-    def _walks(self, start: str) -> dict[str, tuple[str, ...]]:
-        """Dijkstra's algorithm; among equal walks the one thought of first."""
-        walks: dict[str, tuple[str, ...]] = {}
-        thought_of = count()
-        alone: tuple[str, ...] = (start,)
-        queue = [(0, 1, next(thought_of), alone)]
-        while queue:
-            events, length, _, walk = heappop(queue)
-            here = walk[-1]
-            for there in self.neighbours[here] if here not in walks else ():
-                more = len(self.contacts[here] ^ self.contacts[there])
-                way = (events + more, length + 1, next(thought_of), (*walk, there))
-                heappush(queue, way)
-            walks.setdefault(here, walk)
-        return walks
+        On an edge of the graph, every contact that only one of its strata has is made
+        or broken once.
+        """
+        place = {name: i for i, name in enumerate(self.strata)}
+        graph = np.zeros((len(place), len(place)))
+        for low, high in self.edges:
+            broken = self.contacts[low] - self.contacts[high]
+            graph[place[low], place[high]] = len(broken)
+        fewest = dijkstra(graph, directed=False)
+        return {
+            (a, b): int(fewest[i, j])
+            for a, i in place.items()
+            for b, j in place.items()
+            if np.isfinite(fewest[i, j])
+        }
 
     def _require_distinct_contacts(self) -> None:
         for name in self.strata if len(self.strata) > 1 else ():
@@ -244,10 +237,10 @@ class Gait:
 
     Attributes:
         system: System whose strata it visits.
-        strata: Names in order; the first and the last are the same.
+        strata: Names of the strata in order; the first and the last are the same.
 
     Raises:
-        StratumError: The sequence is not a closed walk; the message says why.
+        StratumError: The sequence is not a closed walk in the graph.
     """
 
     system: StratifiedSystem
@@ -281,5 +274,5 @@ class Gait:
 
 
 def steps(walk: Sequence[str]) -> Iterable[tuple[str, str]]:
-    """Consecutive pairs of a walk."""
+    """Pairs of consecutive strata of a walk."""
     return zip(walk, walk[1:], strict=False)

@@ -37,7 +37,7 @@ def test_brackets_are_of_the_lowest_degree_that_spans():
 def test_field_that_adds_nothing_here_may_be_needed_in_brackets():
     choice = choose_elements(flat_power(2), [0, 0])
     assert choice.elements == ("g1", "g2", "[g1,[g1,g2]]")
-    assert "g2: degree 1, 0 contact events, adds nothing but brackets" in str(choice)
+    assert "g2: degree 1, 0 contact switches, adds nothing but brackets" in str(choice)
 
 
 def test_all_configurations_given_are_spanned():
@@ -48,8 +48,8 @@ def test_all_configurations_given_are_spanned():
 
 def test_choice_is_explained_element_by_element():
     choice = choose_elements(hexapod(heights=True), HOME)
-    assert choice.reasons[2].startswith("g1_2: degree 1, 2 contact events, adds ")
-    assert choice.reasons[4] == "[g12_1,g12_2]: degree 2, 0 contact events, adds y"
+    assert choice.reasons[2].startswith("g1_2: degree 1, 2 contact switches, adds ")
+    assert choice.reasons[4] == "[g12_1,g12_2]: degree 2, 0 contact switches, adds y"
     matrix = extend(hexapod(), PAPER).columns(np.zeros(5))
     lengths = np.linalg.norm(matrix, axis=0)
     assert choice.condition == pytest.approx(np.linalg.cond(matrix / lengths))
