@@ -42,9 +42,9 @@ from .morphology.mjcf import write_mjcf as write_mjcf
 from .morphology.shipped import (
     FEET as FEET,
     KAPPA as KAPPA,
+    MORPHOLOGIES as MORPHOLOGIES,
     PIVOT as PIVOT,
     PIVOTS as PIVOTS,
-    SHAPES as SHAPES,
 )
 from .motion.identified import (
     FailedField as FailedField,

@@ -1,14 +1,14 @@
 """Write the MJCF files of the shipped robots from their lengths."""
 
-from models import FOLDER, SHAPES, read_card, write_mjcf
+from models import FOLDER, MORPHOLOGIES, read_card, write_mjcf
 
 
 def main() -> None:
     """Write one MJCF file a shape, beside its card."""
-    for shape in SHAPES:
-        path = FOLDER / f"{shape.name}.xml"
+    for morphology in MORPHOLOGIES:
+        path = FOLDER / f"{morphology.name}.xml"
         groups = read_card(path.with_suffix(".toml")).groups.values()
-        path.write_text(write_mjcf(shape, [group.legs for group in groups]))
+        path.write_text(write_mjcf(morphology, [group.legs for group in groups]))
         print(f"wrote {path.name}")
 
 

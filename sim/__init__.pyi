@@ -5,11 +5,11 @@ from .errors import (
     StratawalkError as StratawalkError,
     UsageError as UsageError,
 )
-from .evaluation.attribution import error_sources as error_sources
-from .evaluation.evaluation import (
+from .evaluation.assessment import (
     Evaluation as Evaluation,
     evaluate as evaluate,
 )
+from .evaluation.attribution import error_sources as error_sources
 from .figures.style import (
     IDEAL as IDEAL,
     PHYSICS as PHYSICS,
@@ -27,7 +27,5 @@ from .simulation import (
     Simulation as Simulation,
     simulate as simulate,
 )
-from .walking.walker import (
-    Walk as Walk,
-    walk as walk,
-)
+from .walking.finished import Walk as Walk
+from .walking.walker import walk as walk

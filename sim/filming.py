@@ -8,12 +8,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from sim.errors import UsageError
-from sim.evaluation.evaluation import Evaluation, evaluate
+from sim.evaluation.assessment import Evaluation, evaluate
 from sim.pictures.direction import film_folder
 from sim.progress import Progress, silent
 from sim.run_folder import write
 from sim.simulation import Simulation
-from sim.walking.walker import Walk
+from sim.walking.finished import Walk
 
 
 def film(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from models import Robot
-from sim.evaluation.evaluation import Evaluation, Summary, trajectory
+from sim.evaluation.assessment import Evaluation, Summary, trajectory
 from sim.evaluation.phases import table
 from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH
@@ -18,7 +18,8 @@ from sim.progress import Progress, silent
 from sim.scenarios.file import dumps
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
-from sim.walking.walker import Walk, Walker
+from sim.walking.finished import Walk
+from sim.walking.walker import Walker
 from sim.world.origin import origin
 
 CARD = "model.toml"  # beside model.xml, as a robot's card is

@@ -11,8 +11,8 @@ from typing import Protocol
 
 from models import Robot
 from planner import Plan
+from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.comparison import describe
-from sim.evaluation.evaluation import Evaluation, Summary, evaluate, summarise
 from sim.experiments.creep import creep_floor
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop
@@ -21,7 +21,8 @@ from sim.preparation.effort import check_effort
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.scenarios.scenario import Scenario
-from sim.walking.walker import Walk, Walker, carry_out, expected_steps
+from sim.walking.finished import Walk
+from sim.walking.walker import Walker, carry_out, expected_steps
 
 
 @dataclass(frozen=True, eq=False)

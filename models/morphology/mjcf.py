@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Container, Sequence
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from models.morphology.morphology import Leg, Morphology
+from models.morphology.dimensions import Leg, Morphology
 
 INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
 COLOURS = (  # of the groups

@@ -7,7 +7,7 @@ from it; a test keeps them equal.
 from dataclasses import replace
 from math import sqrt
 
-from models.morphology.morphology import (
+from models.morphology.dimensions import (
     Leg,
     Morphology,
     legs_on_a_circle,
@@ -132,4 +132,4 @@ QUADRUPED = replace(
     swing_range=0.55,
 )
 
-SHAPES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD, QUADRUPED)
+MORPHOLOGIES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD, QUADRUPED)

@@ -75,7 +75,7 @@ def execute(options: argparse.Namespace) -> None:
         return
     print(describe(options.system, report))
     if static_stability:
-        print(describe_poise(static_stability))
+        print(describe_static_stability(static_stability))
 
 
 def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
@@ -140,7 +140,7 @@ def describe(name: str, report: Controllability) -> str:
     return "\n".join(lines)
 
 
-def describe_poise(static_stability: Loads) -> str:
+def describe_static_stability(static_stability: Loads) -> str:
     """How surely a robot stands on each stratum."""
     shares = (
         f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"

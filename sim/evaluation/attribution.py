@@ -12,7 +12,7 @@ import numpy as np
 from planner import Array
 from sim.motion.poses import compose, relative
 from sim.motion.prediction import Prediction
-from sim.walking.walker import Walk
+from sim.walking.finished import Walk
 
 
 def contributions(achieved: Array, predicted: Array) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from planner import Array
 from sim.motion.prediction import Prediction
 from sim.obstacles.clearance import surroundings
-from sim.walking.walker import Walk
+from sim.walking.finished import Walk
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from planner import Array
 from sim.motion.schedule import Phase
-from sim.walking.walker import Walk
+from sim.walking.finished import Walk
 
 COLUMNS = (
     "index", "segment", "start", "end", "kind", "stratum", "field", "amount", "group",

@@ -36,8 +36,8 @@ def creep_floor(setup: Setup, duration: float) -> float:
     last = min(round(1.0 / setup.limits.timestep), end)
     sensors = Sensors(setup.model, setup.robot)
     recorder = Recorder(Engine(setup.model), sensors, end)
-    looks = np.unique([held, end - last, end])
-    for _ in recorder.play(setup.commands(schedule), looks):
+    inspections = np.unique([held, end - last, end])
+    for _ in recorder.play(setup.commands(schedule), inspections):
         pass
     recording = recorder.finish()
     begin, before, after = (

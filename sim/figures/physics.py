@@ -11,7 +11,7 @@ from multiprocessing import get_context
 import numpy as np
 
 from planner import Array, Flow
-from sim.evaluation.evaluation import Evaluation, Summary, evaluate, summarise
+from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.passage import commanded
 from sim.motion.poses import rotate
 from sim.motion.schedule import Phase
@@ -19,7 +19,8 @@ from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
-from sim.walking.walker import Walk, Walker
+from sim.walking.finished import Walk
+from sim.walking.walker import Walker
 
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path

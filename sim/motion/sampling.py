@@ -1,8 +1,10 @@
-"""When a motion is looked at: at the end of every phase, and evenly on the way there.
+"""The steps of a motion after which its state is inspected.
 
-Least margins and clearances are taken over these moments, so they do not depend on
-how often states are written down. In between legs swing 0.02 rad: a smooth minimum is
-missed by at most a leg's length times half of 0.01 squared, five micrometres.
+Every phase is inspected at its end and at even distances before it. The least margins
+and clearances of a walk are taken over these inspections, so that they do not depend
+on how often states are recorded. The legs swing by at most 0.02 rad from one inspection
+to the next; a smooth minimum is therefore missed by at most the length of a leg times
+half of 0.01 squared, which is five micrometres.
 """
 
 from __future__ import annotations
@@ -12,17 +14,17 @@ import numpy as np
 from planner import Array
 from sim.motion.schedule import Phase, Schedule
 
-STEP = 0.02  # [rad] that the legs swing at most from one look to the next
-LIFTS = 4  # looks at a lift or a landing
+STEP = 0.02  # [rad] that the legs swing at most between inspections
+LIFTS = 4  # inspections of a lift-off or touchdown
 
 
-def looks(schedule: Schedule) -> Array:
-    """Numbers of steps, since the run began, after which to look, shape (L,)."""
-    found = [_looks(phase) for phase in schedule.phases]
+def inspections(schedule: Schedule) -> Array:
+    """Steps, counted from the start of the run, to inspect the state after, (L,)."""
+    found = [_of_phase(phase) for phase in schedule.phases]
     return 1 + np.concatenate(found) if found else np.zeros(0, dtype=int)
 
 
-def _looks(phase: Phase) -> Array:
+def _of_phase(phase: Phase) -> Array:
     samples = LIFTS
     if phase.kind == "swing":
         farthest = abs(phase.amount) * max(map(abs, phase.direction))

@@ -54,7 +54,7 @@ class Marks(NamedTuple):
     """Why moments are kept, shape (T,) each, bool."""
 
     sampled: Array  # as every n-th
-    looked: Array  # as asked for
+    inspected: Array  # as asked for
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Recorder:
         self._touches = Touches(engine.model)
         self._own_touches = Touches(engine.model, SELF_CONTACT)
         self._margin = LeastMargin()
-        self._looks = NONE
+        self._inspections = NONE
         self._state = engine.state
         self._touched: Array | None = None
         self._pending: list[Moments] = []
@@ -104,17 +104,17 @@ class Recorder:
         self._slip = np.zeros(sensors.feet)
         self._bounces = 0
 
-    def play(self, pieces: Iterable[Array], looks: Array = NONE) -> Iterator[int]:
+    def play(self, pieces: Iterable[Array], inspections: Array = NONE) -> Iterator[int]:
         """Apply one row of commands a step.
 
         Args:
             pieces: Commands, shape (n, nu) each, n at most `STRETCH`.
-            looks: Steps after which the state is kept, in ascending order.
+            inspections: Steps after which the state is kept, in ascending order.
 
         Yields:
             Steps made since the beginning, after each piece.
         """
-        self._looks = np.concatenate([self._looks, looks])
+        self._inspections = np.concatenate([self._inspections, inspections])
         for ctrl in pieces:
             before, state = self.engine.steps, self._state
             record = self.engine.advance(ctrl)
@@ -200,15 +200,15 @@ class Recorder:
             feet = carrying(walking.point, walking.contact, walking.center_of_mass)
             self._margin.see(walking.point, feet, walking.center_of_mass[:, :2])
         sampled = (step > 0) & (step % self._every == 0)
-        ahead = self._looks.searchsorted([step[0], step[-1] + 1])
-        looked = np.zeros(len(step), dtype=bool)
-        looked[self._looks[slice(*ahead)] - step[0]] = True
-        self._looks = self._looks[ahead[1] :]
+        ahead = self._inspections.searchsorted([step[0], step[-1] + 1])
+        inspected = np.zeros(len(step), dtype=bool)
+        inspected[self._inspections[slice(*ahead)] - step[0]] = True
+        self._inspections = self._inspections[ahead[1] :]
         if last:
-            sampled[-1] = looked[-1] = True
-        kept = sampled | looked
+            sampled[-1] = inspected[-1] = True
+        kept = sampled | inspected
         self._kept.append(states.at(kept))
-        self._marks.append(Marks(sampled[kept], looked[kept]))
+        self._marks.append(Marks(sampled[kept], inspected[kept]))
 
 
 def _joined(parts: list[T]) -> Iterator[Array]:

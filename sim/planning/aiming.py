@@ -79,7 +79,7 @@ def plan_towards(
     return plan_step(setup.extended, here, there, execution)
 
 
-def steer(setup: Setup, twists: TwistModel) -> Plan:
+def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     """A plan whose every segment is predicted to end on the nominal path.
 
     Follows backward coordinates throughout, or the shortest words: choosing the cheaper

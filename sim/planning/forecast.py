@@ -17,7 +17,7 @@ from models import TwistModel
 from planner import Array
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor
-from sim.motion.sampling import looks
+from sim.motion.sampling import inspections
 from sim.motion.schedule import Schedule, Scheduler
 from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
 from sim.preparation.laying import lay
@@ -39,7 +39,7 @@ class ForeseenStretch:
     @cached_property
     def rows(self) -> Array:
         """Steps at which to look: the end of every phase, and evenly on the way."""
-        return looks(self.schedule) - 1 - self.schedule.start
+        return inspections(self.schedule) - 1 - self.schedule.start
 
     def segment(self, rows: Array) -> Array:
         """Segment that decides what happens at each step, shape (T,).

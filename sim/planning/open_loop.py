@@ -11,7 +11,7 @@ from models import TwistModel
 from planner import Plan, Step, grid, require_segments
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import nearest_turn
-from sim.planning.aiming import plan_along, steer, steer_towards
+from sim.planning.aiming import plan_along, steer_along, steer_towards
 from sim.preparation.setup import Setup
 
 
@@ -25,7 +25,7 @@ def plan_open_loop(setup: Setup) -> Plan:
     twists = _steered_on(setup)
     if twists is None:
         return plan_along(setup, setup.nominal())
-    return steer(setup, twists)
+    return steer_along(setup, twists)
 
 
 def plan_segment(

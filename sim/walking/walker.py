@@ -7,8 +7,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -16,70 +14,18 @@ import numpy as np
 from models import Robot
 from planner import Array, Flow, Plan
 from sim.motion.poses import seen_from
-from sim.motion.sampling import looks
-from sim.motion.schedule import Phase, Schedule, Scheduler
+from sim.motion.sampling import inspections
+from sim.motion.schedule import Schedule, Scheduler
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
-from sim.physics.recording import Recorder, Recording
+from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_segment
 from sim.preparation.effort import check_effort
 from sim.preparation.laying import lay
-from sim.preparation.planned import scenario_of
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
-
-
-@dataclass(frozen=True)
-class Stretch:
-    """Commands laid in one go, and the pose from which they were predicted."""
-
-    schedule: Schedule
-    pose: Array  # in the start frame, (3,)
-
-
-@dataclass(frozen=True)
-class Walk:
-    """A finished walk."""
-
-    setup: Setup
-    stretches: tuple[Stretch, ...]
-    recording: Recording
-    origin: Array  # start pose in the world, (3,)
-    saturated_segments: int
-    seconds: dict[str, float]  # spent on planning again, and on simulating
-
-    @cached_property
-    def phases(self) -> tuple[Phase, ...]:
-        """All phases in time order."""
-        return tuple(p for stretch in self.stretches for p in stretch.schedule.phases)
-
-    @property
-    def duration(self) -> float:
-        """From the start of the walk to its end [s]."""
-        return (self.phases[-1].stop - self.starts) * self.setup.limits.timestep
-
-    @property
-    def starts(self) -> int:
-        """Number of steps of the first hold, after which the walk begins."""
-        return self.stretches[0].schedule.stop
-
-    def commands(self) -> Iterator[Array]:
-        """Commands carried out, made again from what was laid, shape (n, nu) each."""
-        return _commands(self.setup, self.stretches, self.steps)
-
-    @property
-    def steps(self) -> int:
-        """Number of commands carried out."""
-        return self.recording.steps
-
-
-def _commands(
-    setup: Setup, stretches: Iterable[Stretch], steps: int
-) -> Iterator[Array]:
-    for stretch in stretches:
-        schedule = stretch.schedule
-        done = min(schedule.stop, steps) - schedule.start
-        yield from setup.commands(schedule, done)
+from sim.walking.finished import Stretch, Walk, laid_commands
+from sim.walking.from_plan import scenario_of
 
 
 class Walker:
@@ -114,7 +60,7 @@ class Walker:
 
     def commands(self) -> Iterator[Array]:
         """Commands carried out so far, as those of a finished walk."""
-        return _commands(self.setup, self._stretches, self.steps)
+        return laid_commands(self.setup, self._stretches, self.steps)
 
     def stand(self) -> None:
         """Hold still on all feet; the walk starts when the first hold ends."""
@@ -167,7 +113,7 @@ class Walker:
         self._shape = schedule.end
         began, length = time.perf_counter(), schedule.stop - schedule.start
         pieces = self.setup.commands(schedule)
-        for steps in self._recorder.play(pieces, looks(schedule)):
+        for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from sim.evaluation.evaluation import evaluate, summarise
+from sim.evaluation.assessment import evaluate, summarise
 from sim.motion.poses import wrap
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
@@ -51,7 +51,7 @@ def test_slip_starts_with_the_walk(judged):
 def test_the_end_of_every_phase_is_recorded(judged):
     evaluation, _ = judged
     recording = evaluation.walk.recording
-    looked = recording.moments.step[recording.marks.looked]
+    looked = recording.moments.step[recording.marks.inspected]
     assert np.isin([phase.stop for phase in evaluation.walk.phases], looked).all()
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from sim.evaluation.evaluation import evaluate, summarise, trajectory
+from sim.evaluation.assessment import evaluate, summarise, trajectory
 from sim.experiments.creep import creep_floor
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare

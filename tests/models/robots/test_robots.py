@@ -12,7 +12,7 @@ from models.description.robot import FOLDER
 from models.errors import ModelError, UnknownRobotError
 from models.library import load, shipped_robots
 from models.morphology.mjcf import write_mjcf
-from models.morphology.shipped import SHAPES
+from models.morphology.shipped import MORPHOLOGIES
 
 
 @pytest.fixture(params=shipped_robots(), scope="module")
@@ -20,14 +20,14 @@ def robot(request):
     return load(request.param)
 
 
-@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
+@pytest.mark.parametrize("shape", MORPHOLOGIES, ids=lambda shape: shape.name)
 def test_files_are_written_from_the_morphology(shape):
     path = FOLDER / f"{shape.name}.xml"
     groups = read_card(path.with_suffix(".toml")).groups.values()
     assert path.read_text() == write_mjcf(shape, [group.legs for group in groups])
 
 
-@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
+@pytest.mark.parametrize("shape", MORPHOLOGIES, ids=lambda shape: shape.name)
 def test_feet_hips_and_mass_are_where_the_morphology_says(shape):
     robot = load(shape.name)
     stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))

@@ -78,7 +78,7 @@ def test_contacts_slip_and_states_are_those_of_the_whole_run(flags, cuts, every)
     wanted = {3, 7, last, *range(every, len(loaded), every)}
     assert moments.step.tolist() == sorted(wanted)
     assert np.array_equal(moments.qpos[:, 0], moments.step)
-    assert moments.step[recording.marks.looked].tolist() == sorted({3, 7, last})
+    assert moments.step[recording.marks.inspected].tolist() == sorted({3, 7, last})
     assert np.array_equal(moments.contact, contact[moments.step])
     slipped = np.cumsum(contact * [1.0, 2.0], axis=0) - contact * [1.0, 2.0]
     assert moments.slip == pytest.approx(DT * slipped[moments.step])

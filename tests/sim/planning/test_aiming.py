@@ -10,7 +10,7 @@ from planner.planning.playback import rollout
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, relative
-from sim.planning.aiming import segment_ends, steer
+from sim.planning.aiming import segment_ends, steer_along
 from sim.planning.open_loop import plan_open_loop, plan_segment
 from sim.preparation.laying import joined
 from sim.preparation.setup import prepare
@@ -36,7 +36,7 @@ def test_segments_too_few_to_meet_the_corners_are_refused(steer_on):
 
 def test_predicted_ends_of_segments_lie_on_the_nominal_path(turning):
     twists = twist_model(turning, "quasi_static")
-    ends = segment_ends(turning, steer(turning, twists), twists)
+    ends = segment_ends(turning, steer_along(turning, twists), twists)
     nominal = [turning.scenario.path(k / 10) for k in range(11)]
     # the rounds stop at 1e-7
     assert ends == pytest.approx(np.array(nominal), abs=1e-6)
@@ -95,7 +95,7 @@ def test_a_prediction_that_cannot_be_met_is_refused(turning):
         return np.zeros((len(swing), 3))
 
     with pytest.raises(ConvergenceError, match="segment 10 of 10 still misses its"):
-        steer(turning, stuck)
+        steer_along(turning, stuck)
 
 
 def test_steps_between_poses_compose():

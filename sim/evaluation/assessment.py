@@ -24,7 +24,7 @@ from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Prediction, Predictor
 from sim.motion.schedule import Phase
 from sim.motion.stability import BLOCK, carrying, stability_margin
-from sim.walking.walker import Walk
+from sim.walking.finished import Walk
 
 Summary = dict[str, Any]
 
@@ -67,7 +67,7 @@ class Evaluation:
 
         They depend on what was commanded alone, not on which rows are written.
         """
-        return self.walking & self.walk.recording.marks.looked
+        return self.walking & self.walk.recording.marks.inspected
 
 
 def evaluate(walk: Walk) -> Evaluation:

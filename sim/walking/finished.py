@@ -1,0 +1,66 @@
+"""A finished walk: what was laid, what was recorded, and where it started."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from planner import Array
+from sim.motion.schedule import Phase, Schedule
+from sim.physics.recording import Recording
+from sim.preparation.setup import Setup
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Commands laid in one go, and the pose from which they were predicted."""
+
+    schedule: Schedule
+    pose: Array  # in the start frame, (3,)
+
+
+@dataclass(frozen=True)
+class Walk:
+    """A finished walk."""
+
+    setup: Setup
+    stretches: tuple[Stretch, ...]
+    recording: Recording
+    origin: Array  # start pose in the world, (3,)
+    saturated_segments: int
+    seconds: dict[str, float]  # spent on planning again, and on simulating
+
+    @cached_property
+    def phases(self) -> tuple[Phase, ...]:
+        """All phases in time order."""
+        return tuple(p for stretch in self.stretches for p in stretch.schedule.phases)
+
+    @property
+    def duration(self) -> float:
+        """From the start of the walk to its end [s]."""
+        return (self.phases[-1].stop - self.starts) * self.setup.limits.timestep
+
+    @property
+    def starts(self) -> int:
+        """Number of steps of the first hold, after which the walk begins."""
+        return self.stretches[0].schedule.stop
+
+    def commands(self) -> Iterator[Array]:
+        """Commands carried out, made again from what was laid, shape (n, nu) each."""
+        return laid_commands(self.setup, self.stretches, self.steps)
+
+    @property
+    def steps(self) -> int:
+        """Number of commands carried out."""
+        return self.recording.steps
+
+
+def laid_commands(
+    setup: Setup, stretches: Iterable[Stretch], steps: int
+) -> Iterator[Array]:
+    """The commands of stretches, as many as there were steps, shape (n, nu) each."""
+    for stretch in stretches:
+        schedule = stretch.schedule
+        done = min(schedule.stop, steps) - schedule.start
+        yield from setup.commands(schedule, done)
