@@ -1,7 +1,12 @@
-"""Long work reports how far it is; a terminal shows a bar, a pipe shows nothing."""
+"""Long work reports how far it is; a terminal shows a bar, a pipe shows nothing.
+
+Neither does a terminal that cannot draw one, or whose user wants plain text: `TERM` is
+`dumb`, or `NO_COLOR` is set to anything at all (no-color.org).
+"""
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,14 +19,19 @@ def silent(stage: str, fraction: float) -> None:
     """Show nothing."""
 
 
+def _may_draw() -> bool:
+    plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return sys.stderr.isatty() and not plain
+
+
 @contextmanager
 def bar(quiet: bool = False) -> Iterator[Progress]:
-    """A bar for each stage on standard error, if that is a terminal.
+    """A bar for each stage on standard error, if that is a terminal that may draw it.
 
     Args:
         quiet: Show nothing even on a terminal.
     """
-    if quiet or not sys.stderr.isatty():
+    if quiet or not _may_draw():
         yield silent
         return
     from rich.console import Console

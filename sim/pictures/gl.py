@@ -48,7 +48,7 @@ def probe() -> str:
         raise RenderError(
             "pictures are switched off",
             f"MUJOCO_GL={wish}",
-            f"unset it, or set {BACKENDS[0]}",
+            f"unset MUJOCO_GL, or set it to {BACKENDS[0]}",
         )
     return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != wish)))
 

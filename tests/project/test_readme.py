@@ -9,7 +9,8 @@ import pytest
 
 from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS
-from sim.cli import COMMANDS, main, parser
+from sim.cli import main
+from sim.commands.parsing import COMMANDS, parser
 from sim.evaluation.comparison import HEADER, PREDICTIONS
 from sim.scenarios.file import load_scenario, shipped_scenarios
 from tests.pages import PAGES, README, ROOT, blocks, commands, name_of

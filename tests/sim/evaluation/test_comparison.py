@@ -95,6 +95,8 @@ class Terminal(io.StringIO):
 
 
 def test_bar_is_for_terminals_alone(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
     shown = {}
     for name, stream in {"pipe": io.StringIO(), "terminal": Terminal()}.items():
         monkeypatch.setattr(sys, "stderr", stream)

@@ -8,7 +8,8 @@ from matplotlib import rc_context
 from PIL import Image
 
 from planner.errors import PlannerError, RangeError
-from sim.cli import COMMANDS, main
+from sim.cli import main
+from sim.commands.parsing import COMMANDS
 from sim.figures import NAMES, corridor, diagonal, ellipse, line, stability
 from sim.figures.footprints import footprints
 from sim.figures.physics import SWAY, Job, perform, perform_all

@@ -1,0 +1,120 @@
+"""The command line of all commands, and its refusals: one line, with what was meant."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any, NoReturn
+
+from planner import did_you_mean
+from sim.errors import UsageError
+
+COMMANDS = (
+    "run",
+    "plan",
+    "check",
+    "identify",
+    "figures",
+    "robots",
+    "systems",
+    "scenarios",
+    "bench",
+    "doctor",
+    "completion",
+)
+DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
+EPILOG = "stratawalk help COMMAND explains a command."
+OPTIONS = ("-h", "--help", "--version")  # that need no command
+PLACE = "the command line"
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose refusals are like all others: one line, no usage block."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise instead of printing and exiting.
+
+        Raises:
+            UsageError: Always.
+        """
+        raise UsageError(message, PLACE, f"see {self.prog} --help")
+
+    def parse_known_args(  # type: ignore[override]
+        self,
+        args: Sequence[str] | None = None,
+        namespace: argparse.Namespace | None = None,
+    ) -> tuple[argparse.Namespace, list[str]]:
+        """Parse, and refuse options that this parser does not know.
+
+        Raises:
+            UsageError: If there are such options, or the words are not what is needed.
+        """
+        given, rest = super().parse_known_args(args, namespace)
+        for word in rest:
+            self._refuse(word)
+        return given, rest
+
+    def _refuse(self, word: str) -> None:
+        """Say which option was meant; words that are no options wait for others."""
+        if word.startswith("--"):
+            options = (o for action in self._actions for o in action.option_strings)
+            _refuse_option(word, self.prog, [o for o in options if o[:2] == "--"])
+
+
+class Version(argparse.Action):
+    """Print the version of the package that is installed, and end."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
+        """Print it; the package's metadata are read no earlier than this."""
+        from importlib.metadata import version
+
+        print(f"{parser.prog} {version('stratawalk')}")
+        parser.exit()
+
+
+def parser() -> Parser:
+    """The command line of every command."""
+    stratawalk = Parser(
+        "stratawalk", description=DESCRIPTION, epilog=EPILOG, allow_abbrev=False
+    )
+    stratawalk.add_argument(
+        "--version", action=Version, nargs=0, help="print the version and end"
+    )
+    commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
+    for name in COMMANDS:
+        module = import_module(f"sim.commands.{name}")
+        command = commands.add_parser(
+            name, help=module.HELP, description=module.HELP, allow_abbrev=False
+        )
+        module.add_arguments(command)
+        command.add_argument("--json", action="store_true", help="print JSON alone")
+        command.add_argument(
+            "--debug", action="store_true", help="show the traceback of an error"
+        )
+        command.set_defaults(execute=module.execute)
+    return stratawalk
+
+
+def as_meant(words: Sequence[str]) -> list[str]:
+    """A command line with its first guesses put right: nothing at all, and `help`.
+
+    Raises:
+        UsageError: If the first word is neither a command nor an option.
+    """
+    if not words:
+        return ["--help"]
+    first, *rest = words
+    if first == "help":
+        return as_meant([*rest[:1], "--help"])
+    if first.startswith("-") and first not in OPTIONS:
+        _refuse_option(first, "stratawalk", OPTIONS[1:])
+    if not first.startswith("-") and first not in COMMANDS:
+        near = did_you_mean(first, [*COMMANDS, "help"])
+        raise UsageError(f"unknown command {first!r}", PLACE, near)
+    return [first, *rest]
+
+
+def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:
+    option = word.partition("=")[0]
+    raise UsageError(f"unknown option {option}", where, did_you_mean(option, known))

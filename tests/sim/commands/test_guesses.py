@@ -1,0 +1,92 @@
+"""The command as people guess it, before they have read anything."""
+
+import re
+import subprocess
+
+import pytest
+
+from models.library import shipped_robots
+from sim.cli import main
+from sim.commands.parsing import COMMANDS
+from sim.scenarios.file import shipped_scenarios
+
+
+@pytest.mark.parametrize("words", [[], ["help"], ["--help"], ["-h"]], ids=" ".join)
+def test_asking_for_nothing_or_help_lists_the_commands(words, capsys):
+    assert main(words) == 0
+    said = capsys.readouterr()
+    listed = re.findall(r"^    (\w+)\b", said.out, re.MULTILINE)
+    assert tuple(listed) == COMMANDS
+    assert said.err == ""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_with_a_command_explains_it(command, capsys):
+    assert main(["help", command]) == 0
+    asked = capsys.readouterr().out
+    assert main([command, "--help"]) == 0
+    assert capsys.readouterr().out == asked
+
+
+@pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        (
+            ["rnu", "line"],
+            "unknown command 'rnu': the command line; did you mean 'run",
+        ),
+        (["hlep"], "unknown command 'hlep': the command line; did you mean 'help'"),
+        (
+            ["help", "rum"],
+            "unknown command 'rum': the command line; did you mean 'run",
+        ),
+        (["--verson"], "unknown option --verson: stratawalk; did you mean '--version'"),
+        (
+            ["plan", "line", "--robt=x"],
+            "unknown option --robt: stratawalk plan; did you mean '--robot'",
+        ),
+        (["--"], "unknown option --: stratawalk; there are --help, --version"),
+    ],
+    ids=str,
+)
+def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, capsys):
+    assert main(words) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"stratawalk: error: {meant}")
+
+
+@pytest.fixture
+def completed(tmp_path, capsys):
+    """What bash completes the last of some words to."""
+    assert main(["completion", "bash"]) == 0
+    script = tmp_path / "completion.sh"
+    script.write_text(capsys.readouterr().out)
+
+    def complete(*words):
+        line = " ".join(words)
+        program = (
+            f'source "{script}"; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; '
+            f'COMP_LINE="{line}"; _shtab_stratawalk; echo "${{COMPREPLY[@]}}"'
+        )
+        done = subprocess.run(
+            ["bash", "-c", program], capture_output=True, text=True, check=True
+        )
+        return done.stdout.split()
+
+    return complete
+
+
+def test_bash_completes_commands_options_and_what_is_shipped(completed):
+    assert completed("stratawalk", "pl") == ["plan"]
+    assert completed("stratawalk", "run", "--seg") == ["--segments"]
+    assert completed("stratawalk", "run", "li") == ["line"]
+    assert completed("stratawalk", "run", "line", "--robot", "qua") == ["quadruped"]
+    robots = completed("stratawalk", "identify", "hex")
+    assert robots == [name for name in shipped_robots() if name.startswith("hex")]
+    assert set(shipped_scenarios()) <= set(completed("stratawalk", "plan", "''"))
+
+
+@pytest.mark.parametrize("shell", ["zsh", "tcsh"])
+def test_other_shells_are_served(shell, capsys):
+    assert main(["completion", shell]) == 0
+    assert "stratawalk" in capsys.readouterr().out
