@@ -1,1 +1,1 @@
-"""Sec. 4 and eq. (13): what a gait can reach, and which fields may act together."""
+"""Sec. 4, eqs. (13) and (14): what a gait can reach, and which fields commute."""

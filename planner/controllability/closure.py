@@ -1,9 +1,9 @@
-"""Involutive closure: the Lie algebra that fields generate, degree by degree.
+"""Involutive closure: the Lie algebra that fields generate, degree by degree (Sec. 4).
 
-Left-normed brackets [g, B] of generators with what is known span each next degree. A
-degree that adds nothing, as fields and not merely at one point, ends the algebra: then
-its rank anywhere is final. A rank that stalls at one point says nothing. Fields are
-compared around the configuration that is asked about, itself included.
+Each degree is spanned by brackets [g, B] of generators with the fields of the degree
+before. If a degree adds no new field, the algebra is complete, and its rank at any
+configuration is final. That the rank at one configuration does not grow proves nothing;
+fields are therefore compared at configurations around the given one and at itself.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from planner.systems.elements import name_of
 from planner.systems.fields import NumericField, Symbols, VectorField, lie_bracket
 from planner.systems.rounding import WeighedValues
 
-LARGEST = 150  # fields, beyond which an algebra is not followed further
-OPERATIONS = 50_000  # in their formulas, likewise; some two seconds
-CALL = 10  # operations that a call of a function is worth
-INDEPENDENT = ROUNDING  # part of a field that must be new: less may be rounding
+LARGEST = 150  # number of fields at which the search ends
+OPERATIONS = 50_000  # in their formulas, at which the search ends: some two seconds
+CALL = 10  # operations that a call of a Python function counts as
+INDEPENDENT = ROUNDING  # part of a new field outside the span; less may be rounding
 POINTS = 80  # configurations at which fields are compared
-NEAREST = 1e-3  # half of them within 1 in each coordinate, the others down to this
+NEAREST = 1e-3  # half of them lie within 1 in each coordinate, the others down to this
 Named = tuple[str, VectorField]
 
 
 @dataclass(frozen=True, eq=False)
 class LieClosure:
-    """Fields that span a Lie algebra up to a depth.
+    """Fields that span the involutive closure of a distribution, up to a degree.
 
     Attributes:
         names: Names of the fields, generators first.
         fields: The fields, linearly independent over the reals.
-        columns: Their values at the configuration asked about, shape (n, fields).
-        depth: Highest degree that was looked at.
-        complete: Whether the next degree adds nothing.
+        columns: Their values at the given configuration, shape (n, fields).
+        depth: Highest degree of brackets that was formed.
+        complete: Whether the next degree adds no field.
     """
 
     names: tuple[str, ...]
@@ -56,20 +56,20 @@ def involutive_closure(
     max_depth: int,
     until: Callable[[LieClosure], bool] = lambda algebra: False,
 ) -> LieClosure:
-    """The Lie algebra of fields: complete, or as far as asked for.
+    """The involutive closure of fields, complete or up to a given degree.
 
-    It ends incomplete, below the depth asked for, where its fields or their formulas
-    become too many.
+    The search ends at a lower degree if there are too many fields or their formulas
+    become too long.
 
     Args:
         generators: Fields by name.
         state: Symbols of the state.
         at: Configuration around which they are compared, shape (n,).
         max_depth: Highest degree of brackets to form, at least 1.
-        until: Says after each degree whether the algebra found suffices.
+        until: Whether the algebra found so far suffices; called after each degree.
 
     Raises:
-        ValueError: The depth is below 1.
+        ValueError: The degree is below 1.
         SingularConfigurationError: A field is not finite at the configuration.
     """
     if max_depth < 1:
@@ -91,7 +91,7 @@ def involutive_closure(
 
 
 class _Span:
-    """Real span of fields, each a vector of its values around a configuration."""
+    """The span of fields, each a vector of its values around a configuration."""
 
     def __init__(self, state: Symbols, at: Array) -> None:
         spread = np.ones((POINTS, 1))
@@ -107,13 +107,13 @@ class _Span:
 
     @property
     def full(self) -> bool:
-        """Whether more fields would be too many, for us or for the points."""
+        """Whether there are too many fields, or more than the points distinguish."""
         told_apart = int(self._sound.sum()) * len(self._columns) // 2
         many = len(self._known) > min(LARGEST, told_apart)
         return many or self._operations > OPERATIONS
 
     def algebra(self, depth: int, complete: bool) -> LieClosure:
-        """What is known by now, of which the depth is not reached if it is full."""
+        """The algebra found so far; a degree that was cut short does not count."""
         names = tuple(name for name, _ in self._known)
         fields = tuple(field for _, field in self._known)
         if self.full:
@@ -121,7 +121,7 @@ class _Span:
         return LieClosure(names, fields, self._columns, depth, complete)
 
     def extend(self, fields: Iterable[Named]) -> list[Named]:
-        """Take in fields until they are too many; those that are new are returned."""
+        """Add fields until there are too many, and return the independent ones."""
         before = len(self._known)
         for name, field in fields:
             self._operations += _operations(field)
@@ -152,7 +152,7 @@ class _Span:
         if size == 0.0:
             return False
         rest = vector / size
-        for _ in range(2):  # once more against rounding
+        for _ in range(2):  # twice, against rounding
             rest = rest - self._directions @ (self._directions.T @ rest)
         left = np.linalg.norm(rest)
         if left > INDEPENDENT:

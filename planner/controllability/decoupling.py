@@ -1,8 +1,8 @@
-"""What lets fields of higher strata act on the bottom one (Sec. 5.1).
+"""Decoupling: when fields of higher strata may act on the bottom one, eqs. (13), (14).
 
-A field that leaves the bottom stratum is made tangent to it with the fields that lift
-feet; those lifts must commute with whatever happens while the feet are up (eq. 13), as
-Assumption 2 guarantees.
+A field that leaves the bottom stratum is made tangent to it by means of the lift
+fields, those that raise feet (Sec. 5.1). Lift fields must commute with the fields that
+are used while the feet are in the air, eq. (13); Assumption 2 guarantees that they do.
 """
 
 from __future__ import annotations
@@ -29,9 +29,15 @@ from planner.systems.strata import StratifiedSystem
 
 
 def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
-    """Fields of a stratum that take feet off the bottom stratum, the simplest first.
+    """Lift fields: those of a stratum that raise feet off the bottom stratum.
 
-    As many as move its level sets independently of one another.
+    Simple fields are preferred. The lift fields change the level sets of the bottom
+    stratum independently of one another.
+
+    Args:
+        system: System that has the fields.
+        stratum: Stratum on which they act.
+        bottom: Stratum that they leave; the bottom stratum of the system if empty.
     """
     level_set = system.level_set(bottom or system.bottom)
     if not level_set.functions:
@@ -57,11 +63,16 @@ def _size(field: VectorField) -> int:
 def tangent_field(
     system: StratifiedSystem, name: str, bottom: str = ""
 ) -> VectorField | None:
-    """A field made tangent to the bottom stratum, g - (f1/f2) lift in Sec. 5.1.
+    """A field made tangent to the bottom stratum, g_12 - (f_1 / f_2) g_11 in Sec. 5.1.
+
+    Args:
+        system: System that has the field.
+        name: Name of the field.
+        bottom: Stratum to be tangent to; the bottom stratum of the system if empty.
 
     Returns:
-        The field itself where it is tangent, None where no lift can hold it there or it
-        is itself the lift.
+        The field itself if it is tangent. None if it is a lift field, or if the lift
+        fields cannot make it tangent.
     """
     field = system.fields[name]
     level_set = system.level_set(bottom or system.bottom)
@@ -77,7 +88,7 @@ def tangent_field(
 def _corrected(
     field: VectorField, lifting: Sequence[VectorField], level_set: LevelSet
 ) -> VectorField:
-    """A field less what of the lifts moves the level set as it does."""
+    """A field minus the combination of lift fields that changes the level set alike."""
     if any(isinstance(f, NumericField) for f in (field, *lifting)):
         columns = compile_fields([field, *lifting], level_set.state)
 
@@ -97,19 +108,21 @@ def _corrected(
 def on_bottom(
     system: StratifiedSystem, trees: Sequence[Tree]
 ) -> tuple[StratifiedSystem, list[Tree]]:
-    """Make elements act on the bottom stratum, or say why they cannot.
+    """Make elements act on the bottom stratum as in eq. (14).
 
     Args:
         system: System whose fields the elements are made of.
         trees: Elements over field names.
 
     Returns:
-        The system, with a field `NAME_tangent` for every NAME that had to be corrected,
-        and the elements over these.
+        The system, with a field `NAME_tangent` for every field NAME that is corrected,
+        and the elements over these fields.
 
     Raises:
-        DecouplingError: A lift does not commute with a field used while a foot is up.
-        PlannerError: A field leaves the bottom stratum and nothing can hold it there.
+        DecouplingError: A lift field does not commute with a field that is used while
+            the foot is in the air, eq. (13).
+        PlannerError: A field leaves the bottom stratum, and no lift field can make it
+            tangent.
     """
     used = dict.fromkeys(leaf for tree in trees for leaf in leaves(tree))
     renamed: dict[str, str] = {}
@@ -118,7 +131,7 @@ def on_bottom(
         field = tangent_field(system, name)
         if field is None:
             raise PlannerError(
-                f"field {name} leaves S{system.bottom} and no lift of "
+                f"field {name} leaves S{system.bottom} and no lift field of "
                 f"S{system.stratum_of[name]} can hold it there (Sec. 5.1); leave it out"
             )
         if field is not system.fields[name]:
@@ -132,14 +145,14 @@ def on_bottom(
 
 
 def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
-    """Check eq. (13): lifting feet commutes with the fields used while they are up.
+    """Check eq. (13): lift fields commute with the fields used on the same stratum.
 
     Args:
         system: System that has the fields.
-        names: Fields used on strata above the bottom one.
+        names: Fields that are used on strata above the bottom stratum.
 
     Raises:
-        DecouplingError: A lift does not commute with a field; both are named.
+        DecouplingError: A lift field does not commute with a field; both are named.
     """
     fields = {name: system.fields[name] for name in names}
     for stratum in system.strata:
@@ -154,7 +167,7 @@ def coupled(
     raised: Mapping[str, VectorField],
     fields: Mapping[str, VectorField],
 ) -> list[tuple[str, str]]:
-    """Lifts and fields that do not commute, by name."""
+    """Pairs of a lift field and a field that do not commute, by name."""
     pairs = [(lift, name) for lift in raised for name in fields if lift != name]
     brackets = [
         lie_bracket(raised[lift], fields[name], system.state) for lift, name in pairs

@@ -1,10 +1,11 @@
 """Gait controllability (Sec. 4): does a gait reach all directions of its first stratum?
 
-Two tests at one configuration. The filtration is the paper's: distributions are closed
-stratum by stratum, added on the way up, and cut down to tangent spaces on the way down.
-It never brackets fields of different strata, so it is sufficient only. The closure
-brackets all fields of the gait's strata that are tangent to the first one, as the
-extended system of Def. 3 may.
+There are two tests at a configuration. The first is the filtration of the paper: the
+involutive closures of the strata are added when a foot lifts, and intersected with
+tangent spaces when a foot lands. It never brackets fields of different strata, so it is
+sufficient but not necessary. The second is the involutive closure of all fields of the
+gait's strata that are tangent to the first one, as the extended system of Def. 3 uses
+them.
 """
 
 from __future__ import annotations
@@ -28,28 +29,29 @@ from planner.numerics.subspaces import (
 from planner.systems.level_sets import LevelSet
 from planner.systems.strata import Gait, StratifiedSystem, steps
 
-OFF_STRATUM = 1e-9  # of the level sets at the configuration
+OFF_STRATUM = 1e-9  # by which a configuration may miss the level sets
 MAX_DEPTH = 12
 
 
 @dataclass(frozen=True)
 class Controllability:
-    """What the two tests found.
+    """The result of the two tests.
 
     Attributes:
-        gait: The gait in words.
-        at: Configuration that was looked at.
-        controllable: Whether some test reaches the whole tangent space.
-        conclusive: Whether nothing was left out that could change the answer: depth,
-            fields that hardly differ, or what lifts do where Assumption 2 fails.
+        gait: The gait as text.
+        at: Configuration of the test.
+        controllable: Whether one of the tests reaches the whole tangent space.
+        conclusive: Whether the answer is final. It is not if higher brackets, fields
+            that are nearly dependent, or lift fields to which Assumption 2 does not
+            apply could change it.
         rank: The larger of the two dimensions reached.
         dimension: Dimension of the gait's first stratum.
         filtration: Dimension that the filtration reaches.
         closure: Dimension that the closure reaches.
-        decided_by: `filtration`, `closure` or, if neither reaches it, `neither`.
+        decided_by: `filtration` or `closure`, whichever reaches it first, or `neither`.
         depth: Highest degree of brackets that was formed.
-        missing: Directions not reached, in words; empty if controllable.
-        advice: What to add; empty if controllable.
+        missing: Directions that are not reached, as text; empty if controllable.
+        advice: What would help; empty if controllable.
     """
 
     gait: str
@@ -86,13 +88,13 @@ def gait_controllability(
     at: Sequence[float],
     max_depth: int = MAX_DEPTH,
 ) -> Controllability:
-    """Both tests of a gait at a configuration.
+    """Whether a gait is controllable from a configuration (Sec. 4).
 
     Args:
         system: System that walks.
         gait: Strata in order, first and last the same (eq. 11).
         at: Configuration in the first stratum, shape (n,).
-        max_depth: Highest degree of brackets to form; fewer where a lower one decides.
+        max_depth: Highest degree of brackets to form, if no lower degree decides.
 
     Raises:
         StratumError: The gait is not a closed walk in the graph of strata.
@@ -157,7 +159,7 @@ def _configuration(
 def _algebras(
     system: StratifiedSystem, walk: Gait, x: Array, max_depth: int
 ) -> dict[str, LieClosure]:
-    """The involutive closure of each stratum's own fields."""
+    """The involutive closure of the fields of each stratum."""
 
     def closure(stratum: str) -> LieClosure:
         size = system.dimension - len(system.level_set(stratum).functions)
@@ -175,7 +177,7 @@ def _algebras(
 def _filtration(
     system: StratifiedSystem, walk: Gait, algebras: dict[str, LieClosure], x: Array
 ) -> Array:
-    """D_{n+1} of Sec. 4 in the numbering of eq. (11), as orthonormal columns."""
+    """The distribution D_{n+1} of Sec. 4, numbered as eq. (11) is, as columns."""
     space = column_space(algebras[walk.strata[0]].columns)
     for before, here in steps(walk.strata):
         if system.contacts[before] < system.contacts[here]:
@@ -187,7 +189,7 @@ def _filtration(
 def _closure(
     system: StratifiedSystem, strata: Sequence[str], x: Array, max_depth: int
 ) -> LieClosure:
-    """The algebra of all fields that are tangent to the first stratum, or made so."""
+    """The closure of all fields that can be made tangent to the first stratum."""
     home = strata[0]
     size = system.dimension - len(system.level_set(home).functions)
     fields = {
@@ -208,7 +210,7 @@ def _closure(
 def _unjudged(
     system: StratifiedSystem, strata: Sequence[str], union: LieClosure
 ) -> tuple[str, ...]:
-    """What the closure cannot judge, as advice: nothing left out under Assumption 2."""
+    """What the closure leaves open, as advice; nothing if Assumption 2 holds."""
     home, *others = dict.fromkeys(strata)
     advice = []
     if nearly_dependent(union.columns):
@@ -233,7 +235,7 @@ def _unjudged(
 
 
 def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
-    """The part of a space, given by orthonormal columns, on which all d Phi vanish."""
+    """The intersection of a space, as orthonormal columns, with a tangent space."""
     if not level_set.functions:
         return space
     slopes = column_space(level_set.gradients(x)).T @ space  # (codimension, rank)
@@ -248,7 +250,7 @@ def _advice(
     max_depth: int,
     missing: Sequence[str],
 ) -> tuple[str, ...]:
-    """What would help: a further stratum, more depth, or another field."""
+    """What would help: a further stratum, a higher degree, or another field."""
     reached = rank(union.columns)
     advice = []
     for stratum in system.strata:

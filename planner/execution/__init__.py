@@ -1,1 +1,1 @@
-"""Sec. 5.2: flows of a plan ordered by stratum, within the range of the legs."""
+"""Sec. 5.2: how plans are carried out: regrouping, centring, leg repositioning."""

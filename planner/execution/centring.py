@@ -1,9 +1,11 @@
-"""Centre every sweep under load on shape zero, by swings in the air that cost nothing.
+"""Centre every stroke on shape zero by means of recoveries.
 
-A field that moves one shape coordinate alone, on which no field depends, commutes with
-everything: a leg in the air may be put anywhere. A plan's own air swings are dropped;
-before each visit that sweeps a leg under load, the leg is put where the sweep will lie
-around zero. The body moves as before, the legs stay near the middle of their range.
+A stroke is the swing of a loaded leg, a recovery the swing of a leg in the air. A
+recovery moves one shape coordinate on which no field depends, so it commutes with all
+flows and does not move the body. The recoveries of a plan are therefore replaced by
+others: before each visit with a stroke, the leg is brought to where the stroke will be
+centred on zero. The body moves as before, and the legs stay near the middle of their
+range.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
-NEGLIGIBLE = 1e-12  # swings shorter than this are rounding
+NEGLIGIBLE = 1e-12  # a recovery shorter than this is a rounding error
 
 
 @dataclass(slots=True)

@@ -1,7 +1,7 @@
-"""How Hall coordinates are carried out: which words, in which order, how centred.
+"""How Hall coordinates are carried out: the words, their order, and centring.
 
-The last step of Sec. 5.2: flows of all segments, regrouped by stratum with the fewest
-contact switches, within the range of the legs.
+This is the last step of Sec. 5.2: the flows of all segments are regrouped by stratum,
+with the fewest contact switches, and kept within the range of the legs.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "shortest": (("shortest",),),
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
-"""Words to choose from in each segment, and again where limits refuse the plan."""
+"""Sets of words to choose from; the next set is tried if limits refuse the plan."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Execution:
-    """Choices that change the order of flows and the course of legs, not the goal.
+    """Choices that affect the order of flows and the trajectory of the legs only.
 
     Attributes:
-        stance: `paper` keeps the printed order, `centred` puts every sweep under load
-            around shape zero by swings in the air, `stepped` sets every leg anew
-            before each sweep.
-        coordinates: Hall coordinates that the flows follow; `fewest` takes for each
-            segment those that switch contacts least, `shortest` takes words that sweep
-            least.
+        stance: `paper` keeps the order of the paper. `centred` centres every stroke on
+            shape zero by recoveries. `stepped` repositions every leg before each
+            stroke.
+        coordinates: Hall coordinates that the flows follow. `fewest` takes for each
+            segment those with fewest contact switches, `shortest` takes the words of
+            least total duration.
         limits: Lowest and highest value of shape coordinates by name.
-        static_stability: Where the robot stands with a leg in the air, for `stepped`;
-            None where it always does.
-        finish: Whether centred flows end by bringing the legs to the goal's shape.
-        depart: Stratum at rest before the first flow; the bottom stratum if empty.
-        arrive: Stratum at rest after the last one; the bottom stratum if empty.
+        static_stability: Whether the robot is statically stable with a leg in the air,
+            for `stepped`; None if it always is.
+        finish: Whether the plan ends by bringing the legs to the shape of the goal.
+        depart: Stratum before the first flow; the bottom stratum if empty.
+        arrive: Stratum after the last flow; the bottom stratum if empty.
 
     Raises:
         ValueError: A choice is unknown.

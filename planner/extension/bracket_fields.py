@@ -1,7 +1,7 @@
-"""The Hall basis over fields of a system: which brackets vanish, which remain.
+"""Hall elements as vector fields: the brackets of a system's fields, eq. (19).
 
-Where formal elements meet vector fields. Brackets with a field that commutes with all
-others are left out before they are formed.
+Brackets that vanish as fields are left out where the algebra allows it. Brackets with a
+field that commutes with all others are not even formed.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from planner.systems.strata import StratifiedSystem
 
 @dataclass(frozen=True, eq=False)
 class HallFields:
-    """Hall elements over generators, as fields.
+    """The Hall basis over some of a system's fields, as fields.
 
     Attributes:
-        generators: Names of fields, in the order that makes the basis.
-        elements: Hall elements over them, less an ideal that vanishes as fields.
-        names: Their names.
-        fields: Their fields.
-        vanishing: Elements that are kept for their brackets but vanish as fields.
+        generators: Names of the fields, in the order in which the basis numbers them.
+        elements: Hall elements over them, except an ideal that vanishes as fields.
+        names: Names of the elements.
+        fields: Vector fields of the elements.
+        vanishing: Elements that vanish as fields but have brackets that do not.
         clashing: Pairs of generators that do not commute.
     """
 

@@ -1,7 +1,7 @@
-"""Choose the elements of an extended system, and say why (Def. 3).
+"""Choose the elements of an extended system, and give the reasons (Def. 3).
 
-In order: they must span the bottom stratum at given configurations, with brackets of
-the lowest degree, few contact switches, and far from linear dependence.
+The elements span the tangent space of the bottom stratum at given configurations. Low
+degree comes first, then few contact switches, then distance from linear dependence.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from planner.systems.fields import VectorField
 from planner.systems.rounding import WeighedValues
 from planner.systems.strata import StratifiedSystem, steps
 
-LEAST_ANGLE = 0.05  # sine of the angle to the span that a new element must have
+LEAST_ANGLE = 0.05  # sine of the angle between a new element and the span
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Elements and the reasons for them.
+    """Chosen elements, and the reasons for each.
 
     Attributes:
-        elements: Names for `extension.extended.extend`.
+        elements: Their names, as `extension.extended.extend` takes them.
         condition: Largest condition number of B(x) at the configurations.
         reasons: One sentence for each element.
     """
@@ -52,8 +52,8 @@ class _Candidate:
     Attributes:
         name: Its name.
         degree: Number of fields in it.
-        switches: Contact events of its word, from the bottom stratum and back.
-        columns: Its directions at the configurations, shape (k, n), of length one.
+        switches: Contact switches of its word, from the bottom stratum and back.
+        columns: Its directions at the configurations, unit vectors of shape (k, n).
     """
 
     name: str
@@ -62,7 +62,7 @@ class _Candidate:
     columns: Array
 
     def beyond(self, spans: Sequence[Array]) -> Array:
-        """What it adds to spans, shape (k, n); its length is the sine of an angle."""
+        """The component orthogonal to each span, shape (k, n)."""
         parts = [c - Q @ (Q.T @ c) for c, Q in zip(self.columns, spans, strict=True)]
         return np.array(parts)
 
@@ -70,9 +70,9 @@ class _Candidate:
 def choose_elements(
     system: StratifiedSystem, at: ArrayLike, max_degree: int = 4
 ) -> Choice:
-    """Elements that span the bottom stratum at some configurations.
+    """Elements that span the bottom stratum's tangent space at given configurations.
 
-    Brackets of the fields chosen first are tried before those of all fields.
+    Brackets of few fields are tried before brackets of all fields.
 
     Args:
         system: System to steer.
@@ -80,7 +80,7 @@ def choose_elements(
         max_degree: Highest degree of brackets to try.
 
     Raises:
-        RankError: Nothing up to that degree spans it.
+        RankError: No elements up to that degree span it.
         ValueError: The configurations are misshapen, or the degree is below 1.
         SingularConfigurationError: A field is not finite at one of them.
     """
@@ -111,7 +111,7 @@ def choose_elements(
 
 
 def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
-    """Fields that act on the bottom stratum as they are."""
+    """Fields that are tangent to the bottom stratum without correction."""
     usable: dict[str, VectorField] = {}
     for name, field in system.fields.items():
         try:
@@ -150,7 +150,7 @@ def _switches(system: StratifiedSystem, tree: Tree) -> int:
 
 
 def _letters(tree: Tree) -> tuple[str, ...]:
-    """Fields in the word of an element, signs left out."""
+    """Fields in the word of an element, without signs."""
     if isinstance(tree, str):
         return (tree,)
     left, right = _letters(tree[0]), _letters(tree[1])
@@ -158,7 +158,7 @@ def _letters(tree: Tree) -> tuple[str, ...]:
 
 
 def _spans(chosen: Sequence[_Candidate], x: Array) -> list[Array]:
-    """Orthonormal columns of what the chosen span at each configuration."""
+    """Orthonormal columns of the span of the chosen, at each configuration."""
     if not chosen:
         return [np.empty((x.shape[1], 0))] * len(x)
     columns = np.stack([candidate.columns for candidate in chosen], axis=-1)
@@ -171,7 +171,7 @@ def _enlarged(
     system: StratifiedSystem,
     x: Array,
 ) -> list[_Candidate]:
-    """Add candidates, the best first, until they span or none adds anything."""
+    """Add candidates, the best first, until they span or no candidate helps."""
     chosen = list(chosen)
     while True:
         spans = _spans(chosen, x)
@@ -203,7 +203,7 @@ def _explained(
 
 
 def _addition(added: Array, system: StratifiedSystem) -> str:
-    """The direction that an element adds where it adds most."""
+    """The direction that an element adds, where its contribution is largest."""
     most = added[np.linalg.norm(added, axis=1).argmax()]
     if not most.any():
         return "nothing but brackets"

@@ -1,8 +1,8 @@
-"""The stratified extended system on the bottom stratum (Def. 3, eq. 15), compiled once.
+"""The stratified extended system on the bottom stratum, eqs. (4), (5) and (15).
 
-Fields of all strata and brackets of them become the columns of one matrix B(x) with
-x' = B(x) v. It gives the fictitious inputs v of a path; `extension.steering` makes
-flows of them.
+Fields of all strata and brackets of them are the columns b_i of one matrix B(x), and
+x' = B(x) v (Def. 3). The fictitious inputs v that follow a path come from here;
+`extension.steering` turns them into flows.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ from planner.systems.rounding import vanishing
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
-CONDITION = 1e9  # of B(x) beyond which its rank counts as lost
-UNREACHED = 1e-6  # relative part of a velocity that the elements may fail to give
+CONDITION = 1e9  # number of B(x) beyond which the elements count as dependent
+UNREACHED = 1e-6  # relative part of a velocity that the elements may miss
 
 
 @dataclass(frozen=True, eq=False)
 class ExtendedSystem:
-    """x' = B(x) v with one column an element.
+    """The extended system x' = B(x) v of eq. (15), a column for each element.
 
     Attributes:
         system: The stratified system it is built from.
-        elements: Names of the elements, one a column, p of them.
-        columns: The elements, compiled: the matrix B(x).
-        steering: Hall coordinates and words of the elements' generators.
+        elements: Names of the elements, p of them.
+        columns: The matrix B(x), compiled.
+        steering: Hall coordinates and words over the generators of the elements.
     """
 
     system: StratifiedSystem
@@ -49,7 +49,7 @@ class ExtendedSystem:
     steering: Steering
 
     def fictitious_inputs(self, x: Array, velocity: Array) -> Array:
-        """Inputs v with B(x) v = velocity, eq. (5), of least norm if there are many.
+        """Inputs v with B(x) v = velocity, eq. (5), of least norm if not unique.
 
         Args:
             x: Configurations on the bottom stratum, shape (..., n).
@@ -60,7 +60,7 @@ class ExtendedSystem:
 
         Raises:
             SingularConfigurationError: A field is not finite at one of them.
-            RankError: The elements do not span the bottom stratum there.
+            RankError: The elements do not span the tangent space of the bottom stratum.
             PlannerError: A velocity leaves the bottom stratum.
         """
         matrix = self.columns(x)  # (..., n, p)
@@ -79,7 +79,7 @@ class ExtendedSystem:
 
     @cached_property
     def grouper(self) -> Grouper:
-        """Arrangements of flows by stratum, remembered from plan to plan."""
+        """Arrangements of flows by stratum, kept for later plans."""
         return Grouper(self.system, self.steering.hall.commute)
 
     @cached_property
@@ -92,7 +92,7 @@ class ExtendedSystem:
     def _least_norm(
         self, matrix: Array, velocity: Array, x: Array, sizes: Array | None = None
     ) -> Array:
-        """Inputs of least norm, in the sizes of the elements where these are given."""
+        """Inputs of least norm, relative to the sizes of the elements if given."""
         unit = matrix if sizes is None else matrix / sizes
         left, singular, right = np.linalg.svd(unit, full_matrices=False)
         needed = self.system.bottom_dimension
@@ -111,7 +111,7 @@ class ExtendedSystem:
         return inputs if sizes is None else inputs / sizes
 
     def _sizes(self, matrix: Array, x: Array) -> Array:
-        """Largest length of each element on a path and around its start, shape (p,)."""
+        """Largest length of each element on a path and near its start, shape (p,)."""
         around = x.reshape(-1, x.shape[-1])[0] + sample_configurations(x.shape[-1])
         near = self.columns.values(around)
         lengths = [
@@ -123,9 +123,9 @@ class ExtendedSystem:
         return np.where(sizes > 0.0, sizes, 1.0)
 
     def orientations(self, x: Array) -> Array:
-        """Signs of det B(x), shape (...), where B is square; ones where it is not.
+        """Signs of det B(x), shape (...), if B is square, and ones if it is not.
 
-        A path along which the sign changes leaves the elements' span, or its bounds.
+        Where the sign changes along a path, B(x) is singular in between.
         """
         matrix = self.columns(x)[..., self._moving, :]
         if matrix.shape[-1] != matrix.shape[-2]:
@@ -147,18 +147,21 @@ class ExtendedSystem:
 
 
 def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
-    """The extended system of chosen elements; the slow part of planning, done once.
+    """The extended system of chosen elements, eqs. (4) and (15).
+
+    Forming and compiling the brackets is the slow part of planning. Extend a system
+    once where it serves several plans.
 
     Args:
         system: System whose fields the elements are made of.
-        elements: Names as in `systems.elements`; brackets are Hall elements in the
-            order in which their fields first appear. A field that leaves the bottom
-            stratum is replaced by its tangent part, `controllability.decoupling`.
+        elements: Names as in `systems.elements`. Brackets are Hall elements over the
+            fields in the order in which these first appear. A field that leaves the
+            bottom stratum is replaced by its tangent part (Sec. 5.1).
 
     Raises:
-        ValueError: An element is unknown, repeated or no Hall element.
-        PlannerError: An element vanishes everywhere, leaves the bottom stratum for
-            good, or does not commute with the lifts it needs (eq. 13).
+        ValueError: An element is unknown, repeated or not a Hall element.
+        PlannerError: An element vanishes everywhere, cannot be made tangent to the
+            bottom stratum, or does not commute with the lift fields (eq. 13).
     """
     if isinstance(elements, str):
         raise ValueError(f"elements is the text {elements!r}; give a sequence of names")
@@ -187,7 +190,7 @@ def _require_distinct(names: Sequence[str]) -> None:
 
 
 def _inverse(matrix: Array) -> Array | None:
-    """Inverses of square, well-conditioned matrices; else None."""
+    """Inverses of square matrices; None if one of them is ill-conditioned."""
     if matrix.shape[-1] != matrix.shape[-2]:
         return None
     try:

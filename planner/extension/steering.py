@@ -1,7 +1,7 @@
-"""From fictitious inputs to Hall coordinates to words of real inputs, many at a time.
+"""From fictitious inputs to Hall coordinates to words of real inputs, eqs. (9), (20).
 
-Brackets outside the selected elements get coordinates too, h_ij' = h_i v_j in degree 2,
-and are realised unless their fields vanish.
+Brackets outside the selected elements have Hall coordinates too, in degree 2
+h_ij' = h_i v_j. They are realised as well, unless their fields vanish.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Steering:
 
     Attributes:
         hall: The generators, in order of first appearance among the elements, and the
-            Hall basis over them up to the elements' highest degree.
+            Hall basis over them up to the highest degree of the elements.
         selected: Index in the basis of each selected element.
         rectangles: From which corner, and in which shape, words run their rectangles;
             None where there are none.
@@ -64,13 +64,13 @@ class Steering:
     def words(
         self, hall_coordinates: Array, order: Wording, at: Array | None = None
     ) -> list[Word]:
-        """Words of the generators that realise Hall coordinates, one a segment.
+        """Words of the generators that realise Hall coordinates, one for each segment.
 
         Args:
             hall_coordinates: Backward coordinates, shape (segments, s).
-            order: `backward` runs brackets first, `forward` generators first,
-                `shortest` lets the sweeps of a single pair into its bracket's and is
-                the shorter of the two elsewhere.
+            order: `backward` runs brackets first, `forward` generators first.
+                `shortest` takes short words where two fields have the only bracket, and
+                the shorter of the other two elsewhere.
             at: Configurations that the segments start from, shape (segments, n), for
                 rectangles that leave the smallest error there; None takes those that
                 are printed.
@@ -115,12 +115,12 @@ class Steering:
 def _single_pair(
     hall_coordinates: Array, count: int, first: int, second: int
 ) -> list[Spelling]:
-    """Shortest words where two of the generators have the only bracket."""
+    """Shortest words if the only bracket is that of two of the generators."""
     h = hall_coordinates.T
-    sweeps = short_durations(h[first - 1], h[second - 1], h[count])
+    pair = short_durations(h[first - 1], h[second - 1], h[count])
     apart = [i for i in range(1, count + 1) if i not in (first, second)]
     generators = (first, second, first, second, first, *apart)
-    durations = np.hstack([sweeps, h[[i - 1 for i in apart]].T])
+    durations = np.hstack([pair, h[[i - 1 for i in apart]].T])
     return [joined(generators, row) for row in durations.tolist()]
 
 

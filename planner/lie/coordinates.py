@@ -1,13 +1,13 @@
-"""Hall coordinates of formal flows: h' = A(h) v, eq. (9), and what follows from it.
+"""Hall coordinates of formal flows: eqs. (6), (7) and (9).
 
 A flow S has backward coordinates h and forward coordinates f,
 
     S = e^(h_s B_s) ... e^(h_1 B_1) = e^(f_1 B_1) ... e^(f_s B_s),    eq. (6)
 
-in time order: B_s runs first in the one, B_1 in the other. Words of generators that
-realise them are made in `lie.words`.
+in time order: B_s runs first on the left, B_1 on the right. Words of generators that
+realise the coordinates are made in `lie.words`.
 
-    integrate(basis, inputs) -> (..., s)    many segments at once, the fast path:
+    integrate(basis, inputs) -> (..., s)    many segments at once, for
         inputs of shape (..., nodes, s) at the nodes of `numerics.collocation`
     backward(basis, v) -> (s,)              one segment, v constant or a function of t
     forward(basis, h), backward_from_forward(basis, f)
@@ -15,8 +15,8 @@ realise them are made in `lie.words`.
     product(basis, first, then)             one flow after another
     backward_matrix(basis)                  A(h) in symbols
 
-Wherever a basis is asked for, it is a Hall basis or what is left of one when the
-elements of an ideal vanish (`lie.free_lie.LieAlgebra`).
+A basis is a Hall basis, or the part of one that remains when the elements of an ideal
+vanish (`lie.free_lie.LieAlgebra`).
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from planner.lie.hall import Element
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import collocation
 
-NODES = 16  # of an interval, where inputs are functions of time
-TOLERANCE = 1e-12  # of what halving an interval changes, relative
-SHORTEST = 1e-14  # interval, in which bounded inputs do nothing
-PIECES = 16  # of unit time to begin with; their nodes are at most 1/300 apart
-EVALUATIONS = 100_000  # of inputs before they are given up; a jump needs 2 000
+NODES = 16  # of an interval, if inputs are functions of time
+TOLERANCE = 1e-12  # relative, of the change when an interval is halved
+SHORTEST = 1e-14  # interval; bounded inputs move nothing within it
+PIECES = 16  # of unit time at first; their nodes are at most 1/300 apart
+EVALUATIONS = 100_000  # of inputs before they are refused; a jump needs 2 000
 
-Terms = dict[int, Any]  # coefficients by place in the basis
+Terms = dict[int, Any]  # coefficients by index in the basis
 
 
 def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
@@ -63,8 +63,8 @@ def integrate(
 ) -> Array:
     """Backward coordinates that inputs reach in unit time, eq. (9).
 
-    Exact for inputs that are polynomials of degree below the number of nodes, as long
-    as the coordinates' rates are, too. Inputs that are zero throughout cost nothing.
+    The result is exact if the inputs and the rates of the coordinates are polynomials
+    of lower degree than there are nodes. Inputs that are zero throughout are skipped.
 
     Args:
         basis: Hall elements, s of them.
@@ -75,7 +75,7 @@ def integrate(
         Shape (..., s).
 
     Raises:
-        ValueError: The inputs are not finite or have another shape.
+        ValueError: The inputs are not finite or misshapen.
     """
     algebra = lie_algebra(tuple(basis))
     inputs = algebra.vector(inputs, "inputs")
@@ -105,11 +105,11 @@ def backward(
     Args:
         basis: Hall elements, s of them.
         v: Inputs of shape (s,), constant or a function of time in [0, 1] with at most
-            a few jumps. What they do for less than 1/300 may pass unseen.
+            a few jumps. A pulse that is shorter than 1/300 may be missed.
 
     Raises:
-        ValueError: The inputs are not finite or have another shape.
-        ConvergenceError: The inputs are not bounded, or noise throughout.
+        ValueError: The inputs are not finite or misshapen.
+        ConvergenceError: The inputs are not bounded, or jump too often.
     """
     algebra = lie_algebra(tuple(basis))
     if not callable(v):
@@ -139,7 +139,7 @@ def _adapted(
     length: float,
     start: Array,
 ) -> Array:
-    """Coordinates at the end of an interval, halved until that changes nothing."""
+    """Coordinates at the end of an interval, halved until the result converges."""
     middle, half = time + length / 2, length / 2
     whole = _step(algebra, inputs, time, length, start)
     first = _step(algebra, inputs, time, half, start)
@@ -170,15 +170,15 @@ def _step(
 
 
 def forward(basis: Sequence[Element], h: ArrayLike) -> Array:
-    """Forward coordinates of a flow from its backward ones, shape (..., s).
+    """Forward coordinates f of a flow from its backward coordinates h, shape (..., s).
 
-    S^-1 = e^(-f_s B_s) ... e^(-f_1 B_1): its backward coordinates are -f.
+    The backward coordinates of S^-1 = e^(-f_s B_s) ... e^(-f_1 B_1) are -f.
     """
     return -exponential(basis, -logarithm(basis, h))
 
 
 def backward_from_forward(basis: Sequence[Element], f: ArrayLike) -> Array:
-    """Backward coordinates of a flow from its forward ones, shape (..., s)."""
+    """Backward coordinates of a flow from its forward coordinates, shape (..., s)."""
     return -forward(basis, -np.asarray(f))
 
 
@@ -200,16 +200,16 @@ def exponential(
 
 
 def logarithm(basis: Sequence[Element], h: ArrayLike) -> Array:
-    """Coordinates a of the first kind from backward ones, shape (..., s)."""
+    """Coordinates a of the first kind from backward coordinates, shape (..., s)."""
     algebra = lie_algebra(tuple(basis))
     a = h = algebra.vector(h)
-    for _ in range(1, algebra.max_degree):  # each makes one degree more exact
+    for _ in range(1, algebra.max_degree):  # each makes one more degree exact
         a = a + h - exponential(basis, a)
     return a
 
 
 def product(basis: Sequence[Element], first: ArrayLike, then: ArrayLike) -> Array:
-    """Backward coordinates of one flow, then another, from theirs, shape (..., s)."""
+    """Backward coordinates of a flow followed by another, shape (..., s)."""
     return exponential(basis, logarithm(basis, then), np.asarray(first))
 
 
@@ -218,13 +218,13 @@ def _unwind(
 ) -> Terms:
     """Rates h' for which S^-1 S' is the given sum of terms, eqs. (7) to (9).
 
-    S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is its
-    coefficient at B_1. Ad(e^(h_1 B_1)) of the rest is the same sum without B_1.
+    S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is the
+    coefficient of B_1. Ad(e^(h_1 B_1)) of the other terms is the same sum without B_1.
 
     Args:
         algebra: Lie algebra of the terms.
-        terms: Coefficients by place; anything that adds and multiplies.
-        coordinate: Gives h_j from its place and rate, None for zero.
+        terms: Coefficients by index, of any type that can be added and multiplied.
+        coordinate: Gives h_j from its index and rate, None for zero.
     """
     rates = {}
     for j, structure in enumerate(algebra.structure):
@@ -240,7 +240,7 @@ def _unwind(
 def _conjugated(
     structure: Mapping[int, Mapping[int, int]], h: Any, terms: Terms
 ) -> Terms:
-    """Ad(e^(h B)) of a sum of terms, from the structure constants of [B, .]."""
+    """Ad(e^(h B)) of a sum of terms, eq. (8), from the structure constants of B."""
     total, power, n = dict(terms), terms, 0
     while power:
         n, before, power = n + 1, power, {}

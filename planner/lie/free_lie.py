@@ -1,8 +1,8 @@
-"""The free nilpotent Lie algebra in its Hall basis: brackets, Ad, and eq. (3).
+"""The free nilpotent Lie algebra in its Hall basis: brackets, eqs. (3) and (8).
 
 Elements are vectors of coefficients over a Hall basis, shape (..., s). Brackets of
-degree beyond the basis are zero. A basis may also lack elements whose span is an ideal,
-such as brackets that vanish as fields: then they count as zero, too.
+higher degree than the basis has are zero. A basis may also lack elements that span an
+ideal, such as brackets that vanish as fields; then these are zero as well.
 """
 
 from __future__ import annotations
@@ -52,8 +52,12 @@ class LieAlgebra:
     """The nilpotent Lie algebra spanned by a basis of Hall elements.
 
     Attributes:
-        basis: Hall elements in their order, s of them. Those missing up to the highest
-            degree span an ideal.
+        basis: Hall elements in their order, s of them. The elements that it lacks up to
+            its highest degree span an ideal.
+
+    Raises:
+        ValueError: The basis is empty, is not in the order of the Hall basis, or lacks
+            elements that span no ideal.
     """
 
     basis: tuple[Element, ...]
@@ -72,7 +76,7 @@ class LieAlgebra:
         self._require_ideal()
 
     def _require_ideal(self) -> None:
-        """Refuse a basis that lacks an element but not the brackets with it."""
+        """Refuse a basis that lacks an element but has a bracket of it."""
         for lost in self._free_basis:
             if lost in self.index or degree(lost) == self.max_degree:
                 continue
@@ -96,7 +100,7 @@ class LieAlgebra:
 
     @cached_property
     def generators(self) -> int:
-        """The highest number of a generator."""
+        """Number m of generators, the highest that occurs."""
         return max((e for e in self.basis if isinstance(e, int)), default=1)
 
     @cached_property
@@ -112,7 +116,7 @@ class LieAlgebra:
     def structure(self) -> tuple[Mapping[int, Mapping[int, int]], ...]:
         """Structure constants: `structure[i][j][k]` is that of B_k in [B_i, B_j].
 
-        Places count from 0; zeros are left out.
+        Indices count from 0, and zeros are left out.
         """
         table: list[dict[int, dict[int, int]]] = [{} for _ in self.basis]
         for i, j in combinations(range(len(self.basis)), 2):
@@ -126,10 +130,14 @@ class LieAlgebra:
         return tuple(table)
 
     def vector(self, values: ArrayLike, what: str = "coordinates") -> Array:
-        """Values of all elements as floats, shape (..., s).
+        """Check values for all elements, and return them as floats, shape (..., s).
+
+        Args:
+            values: Values with one entry for each element along the last axis.
+            what: Their name, for messages.
 
         Raises:
-            ValueError: They are not finite or have another shape.
+            ValueError: The values are not finite or misshapen.
         """
         array = np.asarray(values, dtype=float)
         if array.shape[-1:] != (len(self.basis),):
@@ -143,7 +151,7 @@ class LieAlgebra:
 
     def bracket(self, a: Array, b: Array) -> Array:
         """The bracket [a, b] of coefficient vectors, shape (..., s)."""
-        result = a * b * 0  # zeros of the same kind of number
+        result = a * b * 0  # zeros of the same type of number
         for i, row in enumerate(self.structure):
             for j, terms in row.items():
                 for k, c in terms.items():
@@ -170,10 +178,10 @@ class LieAlgebra:
         return Tensor(tuple(levels))
 
     def collect(self, tensor: Tensor) -> Array:
-        """The coefficients of a Lie element, given as a tensor, shape (..., s).
+        """The coefficients of a Lie element that is given as a tensor, shape (..., s).
 
-        Every word becomes its bracket [w1, [w2, ...]], which multiplies a Lie element
-        of degree n by n (Dynkin, Specht and Wever).
+        Every word is replaced by its bracket [w1, [w2, ...]], which multiplies a Lie
+        element of degree n by n (the theorem of Dynkin, Specht and Wever).
         """
         pairs = zip(tensor.levels[1:], self._word_brackets, strict=True)
         layers = [
@@ -183,13 +191,13 @@ class LieAlgebra:
 
     @cached_property
     def _layers(self) -> tuple[Array, ...]:
-        """Places of the elements of each degree."""
+        """Indices of the elements of each degree."""
         degrees = np.array(self.degrees)
         return tuple(np.flatnonzero(degrees == n + 1) for n in range(self.max_degree))
 
     @cached_property
     def _commutators(self) -> tuple[Array, ...]:
-        """For each degree n the elements as sums of words, shape (elements, m**n)."""
+        """The elements of each degree n as sums of words, shape (elements, m**n)."""
         rows = [_commutator(element, self.generators) for element in self.basis]
         return tuple(
             np.array([rows[j] for j in layer], dtype=int).reshape(len(layer), -1)
@@ -198,7 +206,7 @@ class LieAlgebra:
 
     @cached_property
     def _word_brackets(self) -> tuple[Array, ...]:
-        """For each degree n the brackets of words, shape (m**n, elements)."""
+        """The brackets of words of each length n, shape (m**n, elements)."""
         first = np.array(
             [[e == g for e in self.basis] for g in range(1, self.generators + 1)], int
         )
@@ -224,5 +232,5 @@ def _commutator(element: Element, generators: int) -> Array:
 
 @cache
 def lie_algebra(basis: tuple[Element, ...]) -> LieAlgebra:
-    """The Lie algebra that a basis spans, prepared once for each basis."""
+    """The Lie algebra that a basis spans; prepared once for each basis."""
     return LieAlgebra(basis)

@@ -213,6 +213,6 @@ def test_lift_that_changes_what_a_field_does_is_named():
 
 def test_lift_itself_is_no_element():
     with pytest.raises(
-        PlannerError, match="field raise leaves Son and no lift of Soff"
+        PlannerError, match="field raise leaves Son and no lift field of Soff"
     ):
         extend(crane(swing=[0, 1, 0]), ["slide", "raise"])
