@@ -77,6 +77,11 @@ from .planning.archive import (
     load_plan as load_plan,
     save_plan as save_plan,
 )
+from .planning.convergence import (
+    ConvergenceOrder as ConvergenceOrder,
+    convergence_order as convergence_order,
+    faster as faster,
+)
 from .planning.nominal import (
     extend_along as extend_along,
     require_segments as require_segments,

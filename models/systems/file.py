@@ -29,7 +29,7 @@ import sympy as sp
 
 from models.description.table import Table
 from models.errors import ProblemError
-from models.systems.problem import Problem
+from models.systems.problem import Problem, Words
 from planner import (
     RESERVED,
     PlannerError,
@@ -42,6 +42,7 @@ from planner import (
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (
     *("description", "bottom", "gait", "elements", "start", "segments", "stance"),
+    *("degree", "words"),
     *("parameters", "limits", "level_sets"),
 )
 Reader = Callable[[str, object], sp.Expr]
@@ -98,12 +99,19 @@ def _decode(
         segments=table.whole("segments") if "segments" in table else 1,
         limits={key: _span(table, key) for key in table.table("limits").values},
         stance=_stance(table),
+        degree=table.whole("degree") if "degree" in table else None,
+        words=_words(table),
     )
 
 
 def _stance(table: Table) -> StanceRule:
     """The stance that the file asks for; `Problem` refuses one that does not exist."""
     return cast(StanceRule, table.text("stance")) if "stance" in table else "paper"
+
+
+def _words(table: Table) -> Words:
+    """The words that the file asks for; `Problem` refuses those that do not exist."""
+    return cast(Words, table.text("words")) if "words" in table else "printed"
 
 
 def _system(table: Table, values: Mapping[str, object]) -> StratifiedSystem:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
 from planner import (
     Array,
+    Coordinates,
     Execution,
     Gait,
     Path,
@@ -24,6 +26,12 @@ from planner import (
 )
 
 State = Mapping[str, float]  # values of coordinates by name
+Words = Literal["printed", "shortest", "symmetric"]
+COORDINATES: Mapping[Words, Coordinates] = {
+    "printed": "fewest",
+    "shortest": "shortest",
+    "symmetric": "symmetric",
+}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -42,6 +50,9 @@ class Problem:
         segments: Number of pieces that the line is cut into.
         limits: Lowest and highest value of shape coordinates by name.
         stance: As in `planner.execution.execution.Execution`.
+        degree: Degree of the nilpotent approximation; the elements' own if None.
+        words: Flows of a segment: `printed`, those of the paper, `shortest` or
+            `symmetric`.
 
     Raises:
         ValueError: A coordinate or the stance is unknown, a value is not finite, a
@@ -59,6 +70,8 @@ class Problem:
     segments: int = 1
     limits: ShapeLimits = field(default_factory=dict)
     stance: StanceRule = "paper"
+    degree: int | None = None
+    words: Words = "printed"
 
     def __post_init__(self) -> None:
         Gait(self.system, self.gait)
@@ -83,9 +96,21 @@ class Problem:
         return line(*self.states)
 
     @property
+    def open_loop(self) -> Execution:
+        """How plans are carried out that need not know where each segment ends."""
+        if self.words not in COORDINATES:
+            raise ValueError(f"words {self.words!r} {unknown(self.words, COORDINATES)}")
+        coordinates = COORDINATES[self.words]
+        return Execution(
+            stance=self.stance, limits=self.limits, coordinates=coordinates
+        )
+
+    @property
     def execution(self) -> Execution:
         """How plans are carried out, with Hall coordinates that shots can follow."""
-        return Execution(stance=self.stance, limits=self.limits, coordinates="backward")
+        if self.words == "printed":
+            return replace(self.open_loop, coordinates="backward")
+        return self.open_loop
 
 
 def configuration(

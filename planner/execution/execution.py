@@ -22,12 +22,13 @@ from planner.systems.grouping import regroup
 from planner.systems.shape import ShapeLimits
 
 StanceRule = Literal["paper", "centred", "stepped"]
-Coordinates = Literal["backward", "forward", "fewest", "shortest"]
+Coordinates = Literal["backward", "forward", "fewest", "shortest", "symmetric"]
 
 CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "backward": (("backward",),),
     "forward": (("forward",),),
     "shortest": (("shortest",),),
+    "symmetric": (("alternating",),),
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
 """Sets of words to choose from; the next set is tried if limits refuse the plan."""
@@ -43,7 +44,8 @@ class Execution:
             stroke.
         coordinates: Hall coordinates that the flows follow. `fewest` takes for each
             segment those with fewest contact switches, `shortest` takes the words of
-            least total duration.
+            least total duration, `symmetric` mirrors the words of every second segment,
+            so that the errors of neighbours cancel.
         limits: Lowest and highest value of shape coordinates by name.
         static_stability: Whether the robot is statically stable with a leg in the air,
             for `stepped`; None if it always is.

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from planner.lie.free_lie import structure_constants
-from planner.lie.hall import Bracket, Element, hall_basis
+from planner.lie.hall import Bracket, Element, free_dimension, hall_basis
 from planner.systems.elements import Tree, name_of
 from planner.systems.fields import Symbols, VectorField, lie_bracket
 from planner.systems.rounding import vanishing
@@ -49,7 +49,10 @@ class HallFields:
 
 
 def hall_fields(
-    system: StratifiedSystem, generators: Sequence[str], max_degree: int
+    system: StratifiedSystem,
+    generators: Sequence[str],
+    max_degree: int,
+    most: int | None = None,
 ) -> HallFields:
     """The Hall basis over some of a system's fields.
 
@@ -57,8 +60,18 @@ def hall_fields(
         system: System that has the fields.
         generators: Their names, each once.
         max_degree: Highest degree of brackets.
+        most: Largest number of elements to form; any number if None.
+
+    Raises:
+        ValueError: There are more elements than that.
     """
     clashing = _clashing(system, generators)
+    entangled = len(frozenset[str]().union(*clashing))
+    if most is not None and (size := free_dimension(entangled, max_degree)) > most:
+        raise ValueError(
+            f"degree {max_degree} over {entangled} fields that do not commute has "
+            f"{size} brackets, more than {most}; give a lower degree"
+        )
     full = _entangled_basis(generators, clashing, max_degree)
     fields = fields_of(full, [system.fields[name] for name in generators], system.state)
     zeros = vanishing(list(fields.values()), system.state)

@@ -8,7 +8,7 @@ x' = B(x) v (Def. 3). The fictitious inputs v that follow a path come from here;
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -71,6 +71,20 @@ class ExtendedSystem:
             inputs = (inverse @ velocity[..., self._moving, None])[..., 0]
         self._require_reached(matrix, inputs, velocity, x)
         return inputs
+
+    def to_degree(self, degree: int) -> ExtendedSystem:
+        """The same elements with words that are exact to another degree.
+
+        Args:
+            degree: Degree of the nilpotent approximation, at least the elements'.
+
+        Raises:
+            ValueError: It is below an element's degree, or beyond all use.
+        """
+        if degree == self.steering.degree:
+            return self
+        trees = [parse(text, self.system) for text in self.elements]
+        return replace(self, steering=steering(self.system, trees, degree))
 
     @cached_property
     def shape(self) -> ShapeCoordinates:
@@ -146,7 +160,9 @@ class ExtendedSystem:
             )
 
 
-def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
+def extend(
+    system: StratifiedSystem, elements: Sequence[str], degree: int | None = None
+) -> ExtendedSystem:
     """The extended system of chosen elements, eqs. (4) and (15).
 
     Forming and compiling the brackets is the slow part of planning. Extend a system
@@ -157,9 +173,13 @@ def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
         elements: Names as in `systems.elements`. Brackets are Hall elements over the
             fields in the order in which these first appear. A field that leaves the
             bottom stratum is replaced by its tangent part (Sec. 5.1).
+        degree: Degree of the nilpotent approximation. Brackets up to that degree are
+            realised, not those among the elements alone. The highest degree of the
+            elements if not given.
 
     Raises:
-        ValueError: An element is unknown, repeated or not a Hall element.
+        ValueError: An element is unknown, repeated or not a Hall element, or the
+            degree is below that of an element or beyond all use.
         PlannerError: An element vanishes everywhere, cannot be made tangent to the
             bottom stratum, or does not commute with the lift fields (eq. 13).
     """
@@ -176,7 +196,7 @@ def extend(system: StratifiedSystem, elements: Sequence[str]) -> ExtendedSystem:
             reason = "its fields commute" if len(leaves(tree)) > 1 else "it is zero"
             raise PlannerError(f"element {name} vanishes everywhere: {reason}; drop it")
     compiled = compile_fields(columns, system.state, names)
-    return ExtendedSystem(system, names, compiled, steering(system, trees))
+    return ExtendedSystem(system, names, compiled, steering(system, trees, degree))
 
 
 def _require_distinct(names: Sequence[str]) -> None:

@@ -15,7 +15,9 @@ import numpy as np
 from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.rectangles import Rectangles, rectangles, weights
 from planner.lie.coordinates import integrate
+from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import Bracket
+from planner.lie.mirrored_words import mirrored_spellings
 from planner.lie.short_words import short_durations
 from planner.lie.words import Order, Spelling, joined, spellings
 from planner.numerics.arrays import Array
@@ -23,7 +25,8 @@ from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word
 from planner.systems.strata import StratifiedSystem
 
-Wording = Literal["backward", "forward", "shortest"]
+Wording = Literal["backward", "forward", "shortest", "alternating"]
+MOST_COORDINATES = 500  # of a segment; its words are far longer still
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,15 +35,24 @@ class Steering:
 
     Attributes:
         hall: The generators, in order of first appearance among the elements, and the
-            Hall basis over them up to the highest degree of the elements.
+            Hall basis over them up to the degree of the approximation.
         selected: Index in the basis of each selected element.
+        degree: Degree of the nilpotent approximation: words are exact where all
+            brackets beyond it vanish.
         rectangles: From which corner, and in which shape, words run their rectangles;
             None where there are none.
     """
 
     hall: HallFields
     selected: tuple[int, ...]
+    degree: int
     rectangles: Rectangles | None
+
+    @property
+    def selected_degrees(self) -> tuple[int, ...]:
+        """Degree of each selected element."""
+        degrees = lie_algebra(self.hall.elements).degrees
+        return tuple(degrees[j] for j in self.selected)
 
     @property
     def basis(self) -> tuple[str, ...]:
@@ -70,13 +82,16 @@ class Steering:
             hall_coordinates: Backward coordinates, shape (segments, s).
             order: `backward` runs brackets first, `forward` generators first.
                 `shortest` takes short words where two fields have the only bracket, and
-                the shorter of the other two elsewhere.
+                the shorter of the other two elsewhere. `alternating` mirrors every
+                second of the backward words.
             at: Configurations that the segments start from, shape (segments, n), for
                 rectangles that leave the smallest error there; None takes those that
                 are printed.
         """
         if order == "shortest":
             return self._short_words(hall_coordinates)
+        if order == "alternating":
+            return self._alternating_words(hall_coordinates)
         scales = None
         if self.rectangles is not None and at is not None:
             scales = self.rectangles.scales(hall_coordinates, at)
@@ -100,6 +115,16 @@ class Steering:
         patterns = {letters for letters, _ in spelled}
         fields = {letters: tuple(names[i - 1] for i in letters) for letters in patterns}
         return [Word(fields[letters], durations) for letters, durations in spelled]
+
+    def _alternating_words(self, hall_coordinates: Array) -> list[Word]:
+        spelled = self._spelled(hall_coordinates, "backward")
+        spelled[1::2] = mirrored_spellings(
+            self.hall.elements,
+            hall_coordinates[1::2],
+            max(self.selected_degrees),
+            self.hall.vanishing,
+        )
+        return self._named(spelled)
 
     def _short_words(self, hall_coordinates: Array) -> list[Word]:
         count = len(self.hall.generators)
@@ -128,20 +153,32 @@ def _travel(word: Word) -> float:
     return sum(map(abs, word.durations))
 
 
-def steering(system: StratifiedSystem, trees: Sequence[Tree]) -> Steering:
+def steering(
+    system: StratifiedSystem, trees: Sequence[Tree], degree: int | None = None
+) -> Steering:
     """Prepare the Hall coordinates of selected elements.
 
     Args:
         system: System whose fields the elements are made of.
         trees: Elements over field names.
+        degree: Degree of the nilpotent approximation; the elements' highest degree if
+            not given.
 
     Raises:
-        ValueError: An element is not in the Hall basis over its generators.
+        ValueError: An element is not in the Hall basis over its generators, or the
+            degree is below an element's, or asks for too many Hall coordinates.
     """
     generators = tuple(dict.fromkeys(leaf for tree in trees for leaf in leaves(tree)))
-    hall = hall_fields(system, generators, max(len(leaves(tree)) for tree in trees))
+    highest = max(len(leaves(tree)) for tree in trees)
+    degree = highest if degree is None else degree
+    if degree < highest:
+        raise ValueError(
+            f"degree is {degree}, but the elements are of degree {highest}; give at "
+            f"least {highest}"
+        )
+    hall = hall_fields(system, generators, degree, MOST_COORDINATES)
     selected = tuple(_index(tree, hall.names) for tree in trees)
-    return Steering(hall, selected, rectangles(system, hall))
+    return Steering(hall, selected, degree, rectangles(system, hall))
 
 
 def _index(tree: Tree, basis: Sequence[str]) -> int:

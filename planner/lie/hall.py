@@ -56,6 +56,20 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
     return tuple(element for layer in layers for element in layer)
 
 
+def free_dimension(generators: int, max_degree: int) -> int:
+    """The number of Hall elements up to a degree, by Witt's formula.
+
+    Args:
+        generators: Number m of generators; none have no brackets.
+        max_degree: Highest degree.
+    """
+    counts: list[int] = []
+    for n in range(1, max_degree + 1):
+        shorter = sum(d * counts[d - 1] for d in range(1, n) if n % d == 0)
+        counts.append((generators**n - shorter) // n)
+    return sum(counts)
+
+
 def _brackets(layers: list[list[Element]], total: int) -> Iterator[Bracket]:
     """Hall elements of one degree, from those of all lower degrees."""
     for low in range(1, total // 2 + 1):

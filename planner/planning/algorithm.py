@@ -160,6 +160,7 @@ def plan(
     *,
     execution: Execution | None = None,
     nodes: int | None = None,
+    degree: int | None = None,
 ) -> Plan:
     """Plan flows along a path, open loop (Sec. 5.2).
 
@@ -175,6 +176,9 @@ def plan(
             robot's equations say, else in the order that the paper prints.
         nodes: Points at which a segment of the path is sampled; more for long segments
             if not given.
+        degree: Degree of the nilpotent approximation, the "higher order" of Sec. 6: the
+            elements stay, their words are exact to that degree. The elements' own
+            degree, or that of the compiled system, if not given.
 
     Raises:
         ValueError: An argument is out of range or misshapen, or the path is not finite
@@ -191,6 +195,8 @@ def plan(
         system = system.system
     require_segments(segments, nominal)
     extended = extend_along(system, elements, nominal)
+    if degree is not None:
+        extended = extended.to_degree(degree)
     execution = Execution() if execution is None else execution
     try:
         return follow_path(extended, nominal, segments, execution, nodes)

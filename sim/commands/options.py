@@ -12,7 +12,8 @@ from sim.errors import UsageError
 if TYPE_CHECKING:
     from sim.scenarios.scenario import Scenario
 
-NAMED = ("robot", "fields", "segments", "replan", "steer")  # also keys of a scenario
+NAMED = ("robot", "fields", "segments", "replan", "steer", "degree", "words")
+"""Options that are also keys of a scenario."""
 
 
 def add_scenario_arguments(
@@ -32,6 +33,12 @@ def add_scenario_arguments(
     add_trust_argument(parser)
     parser.add_argument("--fields", help="fields to steer with, lifted or paper")
     parser.add_argument("--segments", type=int, metavar="N", help="pieces of the path")
+    parser.add_argument(
+        "--degree", type=int, metavar="K", help="of the nilpotent approximation"
+    )
+    parser.add_argument(
+        "--words", help="flows of a segment: printed, shortest or symmetric"
+    )
     parser.add_argument(
         "--replan",
         action="store_true",

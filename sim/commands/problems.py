@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models import ProblemError
-from planner import Execution, did_you_mean
+from planner import did_you_mean
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override
 
@@ -120,7 +120,9 @@ def extended(problem: Problem) -> ExtendedSystem:
     from planner import extend_along
 
     with refused(problem.name):
-        return extend_along(problem.system, problem.elements or None, problem.path)
+        elements, degree = problem.elements or None, problem.degree
+        extended = extend_along(problem.system, elements, problem.path)
+        return extended if degree is None else extended.to_degree(degree)
 
 
 def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Plan:
@@ -138,16 +140,10 @@ def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Pl
     from planner import aim, plan
 
     with refused(problem.name):
+        path, segments = problem.path, problem.segments
         if aimed:
-            execution = problem.execution
-            return aim(compiled, problem.path, problem.segments, execution)
-        stance, limits = problem.stance, problem.limits
-        return plan(
-            compiled,
-            problem.path,
-            problem.segments,
-            execution=Execution(stance=stance, limits=limits),
-        )
+            return aim(compiled, path, segments, problem.execution)
+        return plan(compiled, path, segments, execution=problem.open_loop)
 
 
 @contextmanager

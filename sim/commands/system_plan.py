@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from sim.commands.convergence import convergence, describe as convergence_lines
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -23,7 +24,8 @@ FOR_SYSTEMS = {
     "save": "leave it out, run keeps what it walks",
 }
 SETTLED = dict.fromkeys(
-    ("start", "goal", "elements", "segments", "replan", "set"), "leave it out"
+    ("start", "goal", "elements", "segments", "replan", "set", "degree", "words"),
+    "leave it out",
 )
 
 
@@ -102,6 +104,8 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
         "goal": options.goal and coordinates(options.goal, "--goal"),
         "segments": options.segments,
         "elements": options.elements,
+        "degree": options.degree,
+        "words": options.words,
     }
     problem = changed(find(options.scenario, options.set), changes)
     began = time.perf_counter()
@@ -109,7 +113,9 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
     ready = time.perf_counter()
     planned = solve(problem, compiled, aimed=bool(options.replan))
     timing = {"compile": ready - began, "plan": time.perf_counter() - ready}
-    return planned, {"timing": timing}
+    words = problem.open_loop.coordinates
+    accuracy = convergence(compiled, problem.path, words)
+    return planned, {"accuracy": accuracy, "timing": timing}
 
 
 def summarise(name: str, planned: Plan) -> dict[str, Any]:
@@ -155,6 +161,8 @@ def describe(facts: Mapping[str, Any]) -> str:
         f"{'ends at':10}{', '.join(moved) or 'its start'}",
         f"{'off goal':10}{facts['error']:.3g}, {100 * share:.3g} % of the way",
     ]
+    if accuracy := facts.get("accuracy"):
+        lines += convergence_lines(accuracy)
     if timing := facts.get("timing"):
         lines.append(
             f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "

@@ -60,7 +60,8 @@ class Setup:
     @property
     def coordinates(self) -> Coordinates:
         """Those of the printed words that switch contacts least, or the shortest."""
-        return "shortest" if self.scenario.words == "shortest" else "fewest"
+        words = self.scenario.words
+        return "fewest" if words == "printed" else words
 
     @property
     def at_rest(self) -> LegState:
@@ -142,6 +143,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     """
     robot = load(scenario.robot) if robot is None else robot
     described = equations(robot, scenario.fields)
+    extended = _extended(described, scenario)
     world = build(robot, scenario)
     kinematics, model = Kinematics(robot), load_world(world)
     lift = _lift_angle(kinematics, scenario.lift_height)
@@ -150,7 +152,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
         scenario=scenario,
         robot=robot,
         equations=described,
-        extended=extend(described.system, described.elements),
+        extended=extended,
         kinematics=kinematics,
         world=world,
         model=model,
@@ -164,6 +166,19 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
             groups=robot.groups,
         ),
     )
+
+
+def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:
+    """The extended system of a robot's elements, to the degree asked for.
+
+    Raises:
+        UsageError: The degree is below the elements', or beyond all use.
+    """
+    try:
+        return extend(described.system, described.elements, scenario.degree)
+    except ValueError as error:
+        what, _, remedy = str(error).partition("; ")
+        raise UsageError(what, "degree", remedy) from error
 
 
 def _lift_angle(kinematics: Kinematics, height: float | None) -> float:

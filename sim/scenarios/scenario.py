@@ -39,10 +39,13 @@ class Scenario:
         "order of the flows: sweeps centred, or as printed",
         None,
     )
-    words: Literal["printed", "shortest"] = setting(
-        Choice(("printed", "shortest")),
-        "flows of a segment: the paper's, or those that sweep least",
+    words: Literal["printed", "shortest", "symmetric"] = setting(
+        Choice(("printed", "shortest", "symmetric")),
+        "flows of a segment: the paper's, those that sweep least, or mirrored in turn",
         "printed",
+    )
+    degree: int | None = setting(
+        Number(1, 8, whole=True), "of the nilpotent approximation, Sec. 6", None
     )
     segments: int = setting(
         Number(1, 100_000, whole=True), "pieces that the nominal path is planned in", 20
