@@ -114,8 +114,27 @@ def test_coordinate_without_a_new_value_keeps_the_start_s(facts):
 def test_saved_plan_is_played_again(facts):
     kept = facts("plan", "finger-gaiting", "--save", "turn.json", "--flows")
     played = facts("plan", "turn.json", "--flows")
-    kept.pop("timing")
+    del kept["timing"], kept["accuracy"]  # of the planning, not of the plan
     assert played == {**kept, "system": "turn"}
+
+
+def test_degree_and_words_are_options_and_tell_what_to_expect(facts):
+    plain = facts("plan", "unicycle")
+    higher = facts("plan", "unicycle", "--degree", "3", "--segments", "8")
+    mirrored = facts("plan", "unicycle", "--words", "symmetric")
+    orders = [f["accuracy"]["order"] for f in (plain, higher, mirrored)]
+    assert orders == [0.5, 1, 1]
+    assert plain["accuracy"]["faster"] == {"symmetric words": 1, "degree 3": 1}
+    assert mirrored["error"] < plain["error"] / 5
+    assert mirrored["flow_count"] == plain["flow_count"]
+    assert facts("plan", "heisenberg")["accuracy"]["order"] is None
+
+
+def test_scenario_is_planned_to_the_degree_asked_for(facts):
+    printed = facts("plan", "line", "--segments", "20")
+    higher = facts("plan", "line", "--segments", "20", "--degree", "4")
+    assert higher["accuracy"]["order"] == 2
+    assert higher["error"]["position"] < printed["error"]["position"] / 20
 
 
 def test_saved_plan_may_be_read_by_all_who_may_read_new_files(facts, tmp_path):
