@@ -8,7 +8,7 @@ a file becomes something to plan for:
 Room              What it answers
 ================  ====================================================================
 description       What the MJCF file and its card say
-contact           Where the feet are, what they bear, how they slide, when they stand
+contact           Where the feet are, which loads they bear, how they slide
 checks            Whether file and card make a robot that can walk
 motion            Its equations of motion, eqs. (16)-(19), and its body twists
 systems           Systems without a body: the paper's, wheels, fingers, chained forms

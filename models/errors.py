@@ -1,4 +1,4 @@
-"""What is refused about a robot or a system: the value, the place, the way out."""
+"""Errors of robots and systems; each names the value, the place and the remedy."""
 
 
 class ModelError(Exception):

@@ -1,4 +1,4 @@
-"""Where robots come from: shipped ones by name, anybody's own by their MJCF file."""
+"""Loading of robots: shipped ones by name, those of users by their MJCF file."""
 
 from __future__ import annotations
 

@@ -9,20 +9,20 @@ Room          What happens there
 scenarios     What to walk: settings, nominal path, obstacles
 motion        Flows become joint commands; their motion and stability are predicted
 world         The robot on its floor, with servos and sensors, as one MuJoCo model
-physics       The engine steps, sensors become contact and slip, rows are kept
-preparation   Everything is decided before the first step
-experiments   Fields are measured, and how far a standing robot creeps
-obstacles     The robot's outline and its distance from walls
-planning      Plans are made, aimed, bounded, led around obstacles
-walking       The plan is carried out
-evaluation    What was achieved beside what was predicted
+physics       The engine steps; contact and slip are measured and recorded
+preparation   Everything that can be decided before the first step is decided
+experiments   Fields are measured, and so is the creep of a standing robot
+obstacles     The robot's outline and its distance from obstacles
+planning      Plans are made, aimed, kept within bounds, led around obstacles
+walking       Plans are carried out
+evaluation    Achieved and predicted motion are compared
 pictures      Films
 figures       The paper's figures again, beside physics
 bench         Speed and memory, measured side by side
 commands      The command line, one module a command
 ============  ========================================================================
 
-`simulation` runs the whole way and writes nothing, `run_folder` keeps what it gives.
+`simulation` does all of this and writes nothing; `run_folder` writes its results.
 """
 
 import lazy_loader

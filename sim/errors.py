@@ -1,7 +1,7 @@
-"""What the testbed refuses, and the exit code each refusal ends the command with.
+"""Errors of the testbed, and the exit code with which each one ends the command.
 
-Every error is one line, `what: where; what to do`. Errors of the layers below are
-given their exit code here and nowhere else.
+Every error is one line, `what: where; what to do`. This module alone assigns exit
+codes to the errors of `planner` and `models`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class ExitCode(IntEnum):
 
 
 class StratawalkError(Exception):
-    """A refusal in one line; the root of this package's errors."""
+    """An error of one line; the root of this package's errors."""
 
     exit_code: ClassVar[ExitCode]
 
@@ -119,7 +119,7 @@ def exit_code(error: BaseException) -> ExitCode:
 
 
 def one_line(error: BaseException) -> str:
-    """The error as `what: where; what to do`, whatever its message looks like."""
+    """The error as `what: where; what to do`, on one line."""
     return " ".join(_describe(error).split())
 
 
@@ -128,7 +128,7 @@ def _describe(error: BaseException) -> str:
     if code is ExitCode.BUG:
         return _describe_bug(error)
     if code in _SIGNALS:
-        return f"{_SIGNALS[code]}; files left are whole, start again for a whole run"
+        return f"{_SIGNALS[code]}; written files are complete, start again"
     if isinstance(error, OSError):
         return _describe_os_error(error)
     if isinstance(error, PlannerError):

@@ -1,4 +1,4 @@
-"""Films of walks that need not be in a run folder."""
+"""Films of walks that have no run folder."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def film(
         walked: What to film.
         path: The film's file, which must not exist and ends in `.mp4`.
         look: `draft`, or `final` with shadows and smooth edges, four times slower.
-        progress: Told the stage and how much of it is done.
+        progress: Called with each stage and the finished part of it.
 
     Returns:
         The film's path.

@@ -1,7 +1,6 @@
-"""The folder of one run, and files that are written whole or not at all.
+"""The folder of a run, in which every file is written completely or not at all.
 
-A file appears under its name only when it is complete and on the disk. What the files
-hold is for those who write them.
+A file appears under its name only when it is complete and on the disk.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from sim.errors import FilesError, UsageError
 
 @dataclass(frozen=True, slots=True)
 class RunFolder:
-    """A folder of this run's own, in which every file is whole."""
+    """The folder of one run; every file in it is complete."""
 
     path: Path
 
@@ -50,7 +49,7 @@ class RunFolder:
             part.write_bytes(content)
 
     def write_json(self, name: str, value: Mapping[str, object]) -> None:
-        """Write numbers unrounded; NaN and infinity have no JSON and are refused.
+        """Write numbers unrounded; NaN and infinity, unknown to JSON, are refused.
 
         Raises:
             FilesError: If the disk is full or the folder cannot be written.
@@ -59,7 +58,7 @@ class RunFolder:
         self.write_text(name, json.dumps(value, indent=1, allow_nan=False) + "\n")
 
     def reserve(self, size: int) -> None:
-        """Refuse what there is no room for, before the work that leads to it.
+        """Check that the disk has room before work begins.
 
         Args:
             size: Bytes that will be written at least.
@@ -85,13 +84,15 @@ class RunFolder:
             zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive,
         ):
             for key, array in arrays:
-                member = zipfile.ZipInfo(f"{key}.npy")  # of no date, for equal bytes
+                member = zipfile.ZipInfo(
+                    f"{key}.npy"
+                )  # without a date, so that bytes are equal
                 member.compress_type = zipfile.ZIP_DEFLATED
                 with archive.open(member, "w", force_zip64=True) as file:
                     _write_array(file, array)
 
     def discard_if_empty(self) -> None:
-        """Remove the folder if nothing was written, so a refusal leaves no trace."""
+        """Remove the folder if nothing was written to it."""
         with suppress(OSError):
             self.path.rmdir()
 

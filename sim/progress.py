@@ -1,6 +1,6 @@
-"""Long work reports how far it is; a terminal shows a bar, a pipe shows nothing.
+"""Progress of long work: a bar on a terminal, nothing in a pipe.
 
-Neither does a terminal that cannot draw one, or whose user wants plain text: `TERM` is
+A terminal shows no bar if it cannot draw one or its user wants plain text: `TERM` is
 `dumb`, or `NO_COLOR` is set to anything at all (no-color.org).
 """
 
@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 Progress = Callable[[str, float], None]
-"""Called with what is being done and how much of it is done, from 0 to 1."""
+"""Called with the name of a stage and the finished part of it, from 0 to 1."""
 
 
 def silent(stage: str, fraction: float) -> None:

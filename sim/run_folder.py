@@ -1,4 +1,4 @@
-"""The run folder: everything about a simulation, written as it comes to be."""
+"""The run folder: everything about a simulation, written as soon as it exists."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from sim.walking.walker import Walker
 from sim.world.origin import origin
 
 CARD = "model.toml"  # beside model.xml, as a robot's card is
-DENSE = 10  # times that commands shrink when they are written; 7.6 measured
+DENSE = 10  # compression of the commands; 7.6 was measured
 
 
 class Writer:
-    """Writes into a folder what it is shown of a simulation."""
+    """Writes the results of a simulation into a folder."""
 
     def __init__(self, folder: RunFolder) -> None:
         self.folder = folder
 
     def prepared(self, prepared: Prepared) -> None:
-        """All that a run is made of, so that the folder can be run again anywhere."""
+        """Everything that the run depends on; the folder can be run again anywhere."""
         row = 8 * (1 + prepared.setup.model.nu)
         self.folder.reserve(prepared.steps * row // DENSE)
         self.setup(prepared.setup, prepared.scenario)
@@ -42,8 +42,8 @@ class Writer:
         """Model, card, the robot as it was given, and the scenario.
 
         Args:
-            setup: What the scenario has come to.
-            scenario: Before its path was divided for its bounds.
+            setup: The scenario with everything decided.
+            scenario: The scenario before its path was divided to keep its bounds.
         """
         robot, copies = origin(setup.robot)
         card = {CARD: setup.robot.card_text.encode()}
@@ -53,7 +53,7 @@ class Writer:
         self.folder.write_text("scenario.toml", text)
 
     def walked(self, walk: Walker | Walk) -> None:
-        """The commands, from which also a failed walk is replayed."""
+        """The commands, with which even a walk that failed can be replayed."""
         steps, timestep = walk.steps, walk.setup.limits.timestep
         if not steps:
             return
@@ -80,14 +80,14 @@ def run(
     look: str | None = None,
     progress: Progress = silent,
 ) -> Summary:
-    """Carry a scenario out and leave everything about it in a folder.
+    """Carry out a scenario and write everything about it into a folder.
 
     Args:
         scenario: What to walk.
         folder: Empty folder of this run.
         robot: The scenario's robot, if it is loaded already.
         look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
-        progress: Told the stage and how much of it is done.
+        progress: Called with each stage and the finished part of it.
 
     Returns:
         The summary, as written to summary.json.

@@ -1,4 +1,4 @@
-"""The main job: plan, walk and compare. Writes nothing; `sim.run_folder` does."""
+"""The main job: plan, walk and compare. `sim.run_folder` writes the results."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ class Prepared:
     """Everything that is decided before the first step.
 
     Attributes:
-        scenario: What is to be walked, before its path was divided for its bounds.
-        setup: What the scenario has come to.
-        plan: Flows of the whole path; None where segments are planned on the way.
-        steps: Physics steps that the walk will take; where it plans on the way, about.
+        scenario: The scenario before its path was divided to keep its bounds.
+        setup: The scenario with everything decided.
+        plan: Flows of the whole path; None if segments are planned during the walk.
+        steps: Number of physics steps; an estimate if it plans during the walk.
     """
 
     scenario: Scenario
@@ -44,12 +44,12 @@ class Prepared:
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """A scenario carried out: what was planned, what was walked, how they compare.
+    """A scenario that was carried out: plan, walk and comparison.
 
     Attributes:
         prepared: What was decided beforehand.
         evaluation: The walk beside its predictions.
-        creep_floor: Slip of a robot that stands still as long [m].
+        creep_floor: Slip of a robot that stands still for the same time [m].
         timing: Seconds by stage.
     """
 
@@ -60,12 +60,12 @@ class Simulation:
 
     @property
     def plan(self) -> Plan | None:
-        """Flows of the whole path; None where segments were planned on the way."""
+        """Flows of the whole path; None if segments were planned during the walk."""
         return self.prepared.plan
 
     @property
     def walk(self) -> Walk:
-        """What the robot did."""
+        """The walk in the physics."""
         return self.evaluation.walk
 
     @cached_property
@@ -79,14 +79,14 @@ class Simulation:
 
 
 class Witness(Protocol):
-    """Somebody who keeps what a simulation comes to, also of one that fails."""
+    """Receives the results of a simulation as they arise, even if it fails."""
 
     def prepared(self, prepared: Prepared) -> None:
-        """Everything is decided, nothing has moved yet."""
+        """Called when everything is decided and nothing has moved yet."""
         ...
 
     def walked(self, walker: Walker) -> None:
-        """The walk is over, at its end or where it failed."""
+        """Called when the walk has ended or failed."""
         ...
 
 
@@ -97,13 +97,13 @@ def simulate(
     progress: Progress = silent,
     witness: Witness | None = None,
 ) -> Simulation:
-    """Carry a scenario out.
+    """Carry out a scenario.
 
     Args:
         scenario: What to walk.
         robot: The scenario's robot, if it is loaded already.
-        progress: Told the stage and how much of it is done.
-        witness: Shown what there is before and after the walk.
+        progress: Called with each stage and the finished part of it.
+        witness: Receives the results before and after the walk.
 
     Raises:
         PlannerError: If there is no plan.

@@ -1,1 +1,1 @@
-"""Whether a file and its card make a robot that can walk."""
+"""Checks that a model and its card describe a robot that can walk."""

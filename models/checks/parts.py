@@ -1,4 +1,4 @@
-"""Whether the parts that a card names are there, and belong together as a leg's do."""
+"""Checks that the parts a card names exist and that they form legs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from planner import did_you_mean
 
 
 def check_parts(robot: Robot) -> None:
-    """Refuse a card whose legs are not legs of the model.
+    """Refuse a card whose legs do not match the model.
 
     Raises:
         ModelError: Naming the parts that are missing, shared, or in the wrong place.

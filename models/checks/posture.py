@@ -1,7 +1,7 @@
-"""Whether a robot can walk the way a card says: upright on its feet, legs that lift.
+"""Checks of a robot's posture: it stands upright, and its legs can swing and lift.
 
-Looks at positions alone, where the robot is put at the start; whether it stays there is
-for the physics to say.
+Only the positions at the start are checked. Whether the robot remains standing is
+tested in the physics, by `sim`.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from models.contact.lifting import Lifting
 from models.description.robot import Robot
 from models.errors import ModelError
 
-UPRIGHT = np.deg2rad(3)  # tilts by less change no length by more than 0.2 %
-STEEP = np.deg2rad(20)  # a swing axis farther off the vertical lifts rather than swings
-APART = 0.02  # of the stance's size, by which feet may be off one plane
-CLEAR = 2e-4  # [m]; a lifted foot is farther off the ground than soft feet sink in
+UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
+STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
+APART = 0.02  # of the stance's size; tolerance of the feet's heights
+CLEAR = 2e-4  # [m]; least rise of a lifted foot, more than soft feet sink in
 
 
 def check_posture(robot: Robot) -> None:
@@ -33,7 +33,7 @@ def check_posture(robot: Robot) -> None:
 
 
 def _problems(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    """What is wrong and what to do about it, the coarsest first."""
+    """Every problem with its remedy, the gravest first."""
     yield from _tilted(kinematics.robot)
     yield from _off_its_feet(kinematics)
     yield from _cannot_swing(kinematics)

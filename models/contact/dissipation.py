@@ -1,4 +1,4 @@
-"""The body twist of feet that slide as little as dry friction allows.
+"""The body twist at which the feet dissipate the least power in dry friction.
 
 Quasi-static bodies on dry friction move so that least power is dissipated (Murphey and
 Burdick, 2006, the power dissipation method): the twist xi minimises the convex function

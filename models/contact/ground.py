@@ -1,7 +1,8 @@
-"""How floor and servos give way under each foot of a robot, read from a compiled model.
+"""Compliance of floor and servos under each foot, read from a compiled model.
 
-Nothing is measured here: stiffness and damping of the contacts are the solver's own
-numbers for feet that just touch, and the lift joints' stiffness is their servos'.
+Nothing is measured by experiment. Stiffness and damping of the contacts are the
+solver's own numbers for feet that just touch the floor, and the stiffness of a lift
+joint is that of its servo.
 """
 
 from __future__ import annotations
@@ -16,18 +17,18 @@ from models.description.compiled import actuator_of, free_joint
 from models.description.robot import Robot
 from planner import Array
 
-_TOUCH = 1e-6  # [m]; how deep the feet are sunk to see their contacts
+_TOUCH = 1e-6  # [m]; depth to which the feet are lowered so that contacts appear
 
 
 @dataclass(frozen=True)
 class Ground:
-    """Springs under the feet, and what sliding does to them."""
+    """Springs under the feet, and the effect of sliding on them."""
 
     contact: Array  # compliance of floor and foot, (F,) [m/N]
     servo: Array  # stiffness of the lift joint, (F,) [N m/rad]
     friction: float
     weight: float  # of the robot [N]
-    # A sliding contact is pushed apart, by friction * push * speed: a feature of the
+    # Sliding pushes a contact apart by friction * push * speed: a property of the
     # engine's soft contacts, not of Coulomb's law.
     push: float = 0.0  # [s]
 
@@ -57,7 +58,7 @@ def ground_of(robot: Robot, model: mujoco.MjModel) -> Ground:
 
 
 def _sink(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Lower the root until every foot touches, and look for contacts."""
+    """Lower the root until every foot touches, and compute the contacts."""
     zero = np.zeros(len(robot.groups))
     gap = Kinematics(robot).stance(zero).height
     data.qpos[free_joint(model, robot.root) + 2] -= gap.max() - gap.min() + _TOUCH

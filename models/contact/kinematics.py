@@ -1,10 +1,10 @@
-"""Where the feet of a robot are, how its swing joints move them, where its weight is.
+"""Forward kinematics: feet, their velocities and the centre of mass of a robot.
 
-Read from the MJCF with the body held level at the pose of keyframe `start`; angles are
-relative to that pose. A leg turns rigidly about two hinges, so every coordinate of its
-foot, of its velocities and of its share of the centre of mass is exactly a combination
-of (1, cos, sin) of one angle times (1, cos, sin) of the other: nine samples a leg give
-all of them. No contact, no forces, no time.
+The body is held level in the pose of keyframe `start`, and angles are relative to that
+pose. A leg turns rigidly about two hinges. Every coordinate of its foot, of the foot's
+velocities and of its share of the centre of mass is therefore exactly a combination of
+(1, cos, sin) of one angle times (1, cos, sin) of the other, and nine samples of a leg
+determine them all. Contact, forces and time play no part here.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ _FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], ax
 
 @dataclass(frozen=True, slots=True)
 class Stance:
-    """Feet and weight for one or many sets of leg angles, in the body frame."""
+    """Feet and centre of mass for one or many sets of leg angles, in the body frame."""
 
-    feet: Array  # where they touch, (..., F, 2) [m]
-    rates: Array  # of the soles, by the swing of their groups, (..., F, 2) [m/rad]
-    gives: Array  # of the soles, by the lift of their groups, (..., F, 3) [m/rad]
+    feet: Array  # contact points, (..., F, 2) [m]
+    rates: Array  # derivative of the soles by the swing angles, (..., F, 2) [m/rad]
+    gives: Array  # derivative of the soles by the lift angles, (..., F, 3) [m/rad]
     height: Array  # lowest point of the foot, (..., F) [m]
     center_of_mass: Array  # (..., 2) [m]
 
@@ -42,7 +42,7 @@ class Kinematics:
     robot: Robot
 
     def stance(self, swing: Array, lift: Array | None = None) -> Stance:
-        """Feet and weight at given angles.
+        """Feet and centre of mass at given angles.
 
         Args:
             swing: Angle of each group, shape (..., G) [rad].
@@ -73,7 +73,7 @@ class Kinematics:
 
     @cached_property
     def _coefficients(self) -> tuple[Array, ...]:
-        """Of foot, its velocity by swing and by lift, and weight: (F, 3, 3, 3) each.
+        """Coefficients of feet, their two velocities and weight, (F, 3, 3, 3) each.
 
         Every leg is sampled on a 3 x 3 grid of its two angles.
         """
@@ -95,7 +95,7 @@ class Kinematics:
 
     @cached_property
     def _data(self) -> mujoco.MjData:
-        """The robot at `level_qpos`; legs are turned only to be sampled."""
+        """The robot at `level_qpos`; its legs move only while they are sampled."""
         data = mujoco.MjData(self.robot.model)
         data.qpos[:] = self.level_qpos
         mujoco.mj_kinematics(self.robot.model, data)

@@ -10,18 +10,18 @@ import numpy as np
 from models.contact.kinematics import Kinematics
 from planner import Array
 
-TABLE = 1001  # angles up to the farthest; heights between them by straight lines
+TABLE = 1001  # angles up to the farthest; heights in between are interpolated
 
 
 @dataclass(frozen=True)
 class Lifting:
-    """Lifts of all legs at once from where the robot stands, legs at swing 0."""
+    """Lifts of all legs at once from the standing configuration, legs at swing 0."""
 
     kinematics: Kinematics
 
     @property
     def farthest(self) -> float:
-        """Angle that every lift joint and servo reach, half a turn at most [rad]."""
+        """Largest angle that all lift joints and servos reach, up to half a turn."""
         robot = self.kinematics.robot
         ends = [
             max(sign * (end - robot.standing_angle(joint)) for end in robot.span(joint))

@@ -1,4 +1,4 @@
-"""Normal forces under the feet of a standing robot: statics, nothing else."""
+"""Normal forces under the feet of a standing robot, from statics."""
 
 from __future__ import annotations
 
@@ -6,14 +6,15 @@ import numpy as np
 
 from planner import Array
 
-ROUNDING = 1e-12  # share of the weight that is none
+ROUNDING = 1e-12  # share of the weight that counts as zero
 
 
 def static_loads(feet: Array, center_of_mass: Array) -> Array:
     """Normal forces that balance a unit weight.
 
-    Three feet leave no choice. On more, equal vertical springs stand under a rigid
-    body; on fewer, the forces come as close to balance as they can.
+    On three feet the forces are determined. On more feet, a rigid body is taken to
+    stand on equal vertical springs; on fewer, the forces balance the weight as well as
+    possible in the sense of least squares.
 
     Args:
         feet: Feet in contact, shape (N, F, 2) [m].

@@ -1,4 +1,4 @@
-"""The paper's stance on three legs and when it stands: Fig. 5, the bounds of Sec. 6.
+"""The paper's stance on three legs and its static stability: Fig. 5, Sec. 6.
 
 Six legs of one length, square to the body at angle 0, sit at its front, in its middle
 and at its rear; a positive angle sweeps every foot backward. The closed forms place the
@@ -70,8 +70,8 @@ class PaperStance:
     def margin_along_axis(self, phi: ArrayLike, b: ArrayLike) -> Array:
         """Distance from the weight to the nearer bound, along the body's x axis.
 
-        Positive inside. The margin proper is the distance to the nearest side, shorter
-        by the slope of the sides.
+        Positive inside. The stability margin itself is the distance to the nearest
+        side, which is shorter because the sides are oblique.
         """
         low, high = self.bounds(phi)
         b = np.asarray(b, dtype=float)

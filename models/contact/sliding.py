@@ -86,7 +86,7 @@ class _Balance:
         return _Balance(self.ground, **{name: a[rows] for name, a in arrays.items()})
 
     def follow(self, smoothings: Sequence[float]) -> Array:
-        """Twists for ever less smoothed friction, shape (N, 3)."""
+        """Twists for friction that is smoothed less and less, shape (N, 3)."""
         xi = np.zeros((len(self.J), 3))
         for smoothing in smoothings:
             self._approach(xi, smoothing)
@@ -148,7 +148,7 @@ class _Balance:
         return self._planar(k, pushed), direction
 
     def _planar(self, k: Array, pushed: Array) -> Array:
-        """Loads of springs under a plane body; none of them pulls."""
+        """Loads of springs under a rigid body; no spring pulls."""
         standing = np.ones(k.shape, dtype=bool)
         for _ in range(k.shape[-1] - 2):  # at least three feet stand
             loads = self._springs(

@@ -1,7 +1,7 @@
-"""Where feet touch the floor: the lowest points of their geoms as the robot stands.
+"""Soles: the lowest points of the feet's geoms when the robot stands.
 
-Round geoms touch below a point that goes with the leg, however it turns; edges and
-corners touch with points of their own.
+A round geom touches the floor vertically below a point that is fixed in the leg,
+whichever way the leg turns. A geom with edges or corners touches with these themselves.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from models.contact.cores import Core, Geom, core_of, ends
 from models.errors import ModelError
 from planner import Array
 
-TIED = 1e-4  # [m]; points as low as the lowest but for this touch with it
+TIED = 1e-4  # [m]; points that are this close to the lowest one touch as well
 
 
 @dataclass(frozen=True)
 class Sole:
-    """Points of a leg under whose middle the floor pushes."""
+    """Points of a leg; the floor acts below their mean."""
 
     geoms: Array  # geom that each belongs to, (n,)
     points: Array  # in that geom's frame, (n, 3) [m]
-    depth: float  # of the floor below them [m]
+    depth: float  # distance from the points down to the floor [m]
 
     def touch(self, data: mujoco.MjData) -> Array:
-        """Where the foot touches, if it does, shape (3,)."""
+        """Contact point of the foot, provided that it touches, shape (3,)."""
         placed = _place(data, self.geoms, self.points).mean(axis=0)
         return placed - (0.0, 0.0, self.depth)
 

@@ -1,7 +1,8 @@
-"""Where a robot stands surely: every foot on the ground bears some of the weight.
+"""Static stability: every foot on the ground bears its share of the weight.
 
-Statics on level ground, at given angles of the legs. A foot that bears little lets go
-at the slightest shake, so a card may ask for a least share.
+This is statics on level ground at given angles of the legs. A foot that bears little
+of the weight loses contact at the slightest disturbance; a card may therefore demand
+a least share.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ class StaticStability:
             angles: Of each group, shape (P_G,) [rad].
 
         Returns:
-            For all combinations, (S, P_1, ..., P_G); not above 0 where it would tip.
+            For all combinations, (S, P_1, ..., P_G); 0 or less where it would tip over.
         """
         feet, center = self._combined(angles)
         standing = map(self.robot.planted, strata)
@@ -54,7 +55,7 @@ class StaticStability:
     def at_rest_and_best(self) -> dict[str, tuple[float, float]]:
         """Least share with all legs at angle 0, and with legs anywhere in range.
 
-        By stratum of the gait with feet in the air; not above 0 where it would tip.
+        By stratum of the gait with feet in the air; 0 or less where it would tip over.
         """
         card, spans = self.robot.card, self.robot.swing_range.values()
         strata = [name for name in dict.fromkeys(card.gait) if name != card.bottom]
@@ -66,7 +67,7 @@ class StaticStability:
     def _combined(self, angles: Sequence[Array]) -> tuple[Array, Array]:
         """Feet (P_1, ..., P_G, F, 2) and centre of mass (P_1, ..., P_G, 2).
 
-        A leg moves its own foot and its own share of the weight, whatever others do.
+        Each leg moves only its own foot and its own share of the weight.
         """
         shape = [len(angle) for angle in angles]
         groups = np.arange(len(shape))

@@ -1,1 +1,1 @@
-"""A robot as it is written down: an MJCF file, and a card that names its parts."""
+"""The description of a robot: an MJCF file, and a card that names its parts."""

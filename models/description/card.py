@@ -1,7 +1,7 @@
 """The robot card: which parts of an MJCF file are legs, joints, feet and groups.
 
-Data that cannot be nonsense. `description.card_file` reads it; whether the named parts
-exist is for `checks.parts` to say.
+The classes refuse contradictory values. `description.card_file` reads them from TOML,
+and `checks.parts` checks that the parts they name exist.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
-# [s]; slip while lifting and landing no longer falls with slower lifts
+# [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
 
 Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
@@ -95,7 +95,7 @@ class Servo:
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """Everything the testbed must be told about a robot."""
+    """Everything about a robot that its MJCF file does not say."""
 
     lift_angle: float  # [rad], clears the ground
     legs: Mapping[int, LegCard]

@@ -1,4 +1,4 @@
-"""Read a robot card from TOML, be it a file or part of one."""
+"""Robot cards in TOML, as a file or as a custom text of an MJCF file."""
 
 from __future__ import annotations
 

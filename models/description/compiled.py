@@ -1,4 +1,4 @@
-"""Looking things up in a compiled model by name, and compiling with clear refusals."""
+"""Compilation of MJCF with errors of one line, and look-ups in the compiled model."""
 
 from __future__ import annotations
 

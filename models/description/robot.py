@@ -1,8 +1,8 @@
-"""A robot: an MJCF file and its card, and where in the model the card's parts are.
+"""A robot: an MJCF file, its card, and the places of the card's parts in the model.
 
-Shipped robots and a user's own are the same here. Whether the two fit is for
-`checks.parts` and `checks.posture` to say; the equations of motion are in
-`motion.robot_equations`, the physics in `sim`.
+Shipped robots and those of users are treated alike. `checks.parts` and `checks.posture`
+check that file and card fit together; the equations of motion are in
+`motion.robot_equations`, and the physics is in `sim`.
 """
 
 from __future__ import annotations

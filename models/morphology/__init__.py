@@ -1,1 +1,1 @@
-"""The shipped robots as numbers, and the MJCF written from them."""
+"""Dimensions of the shipped robots, and the MJCF files written from them."""

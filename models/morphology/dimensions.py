@@ -1,4 +1,4 @@
-"""The shape of a robot whose legs have two joints: numbers only, no MJCF, no physics.
+"""Dimensions and masses of a robot whose legs have two joints.
 
 One `Morphology` is the single source of every length of a shipped robot;
 `morphology.mjcf` writes it down as MJCF. Body frame: x forward, y left, z up, origin at
@@ -73,7 +73,7 @@ class Morphology:
 def legs_towards_pivots(
     feet: Mapping[int, Point], pivots: Mapping[int, Point], kappa: float
 ) -> dict[int, Leg]:
-    """Legs that, produced inward, meet at their tripod's pivot.
+    """Legs whose lines, extended inward, meet at the pivot of their tripod.
 
     A planted foot moves at right angles to its leg, so three legs hold a rotation of
     the body without slip exactly when their lines meet at its centre. One radian of

@@ -1,7 +1,7 @@
-"""Write a morphology down as MJCF: bodies, joints, servos, cameras, sensors, keyframe.
+"""A morphology as MJCF: bodies, joints, servos, cameras, sensors and a keyframe.
 
-The file is meant to be read: lengths as they are in the morphology, axes instead of
-quaternions, one default class a kind of part. Does not need MuJoCo.
+The file is meant to be read by people: it has the lengths of the morphology, axes
+instead of quaternions, and one default class for each kind of part.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def write_mjcf(shape: Morphology, groups: Sequence[Container[int]]) -> str:
 
 
 def _numbers(*values: float) -> str:
-    """Values as text, free of rounding noise beyond twelve digits."""
+    """Values as text with twelve digits, without rounding noise."""
     return " ".join(f"{value + 0.0:.12g}" for value in values)
 
 

@@ -1,1 +1,1 @@
-"""Equations of motion, eqs. (16)-(18); twists by contact kinematics or measured."""
+"""Equations of motion, eqs. (16)-(19), and predictions of body twists."""

@@ -1,6 +1,7 @@
-"""Body twists as measured: each loaded field along its own swing, as polynomials.
+"""Identified body twists: polynomials fitted to measurements of each loaded field.
 
-Holds and evaluates what experiments found; the experiments are in `sim.experiments`.
+Each field was measured along its own swing. The experiments are in `sim.experiments`;
+their results are stored and evaluated here.
 """
 
 from __future__ import annotations
@@ -21,16 +22,16 @@ class MeasuredField:
 
     stratum: str
     direction: tuple[float, ...]  # what one unit of it does to the groups' angles
-    span: float  # it was swung from -span to span [rad]
-    twist: tuple[Polynomial, Polynomial, Polynomial]  # of the unit, by how far it is
+    span: float  # the swing went from -span to span [rad]
+    twist: tuple[Polynomial, Polynomial, Polynomial]  # per unit, along the swing
     slip: float  # of all feet, during the whole swing [m]
 
     def __call__(self, way: Array) -> Array:
         """Body twist per unit of the field, shape (..., 3).
 
         Args:
-            way: How far along it the groups' angles are; beyond the span the twist is
-                that of its end.
+            way: Position of the groups' angles along the swing; beyond the span the
+                twist is that of its end.
         """
         inside = np.clip(way, -self.span, self.span)
         return np.stack([part(inside) for part in self.twist], axis=-1)

@@ -1,8 +1,9 @@
 """Integrals of functions known at a few nodes of many panels, all at once.
 
 A panel is an interval of a common clock; inside it the integrand is the polynomial
-through its values at the Gauss-Legendre nodes, so an integral over whole panels has
-Gauss's precision and one up to any moment is a polynomial. Nothing but calculus.
+through its values at the Gauss-Legendre nodes, so that an
+integral over whole panels has the precision of Gaussian quadrature, and one up to any
+moment is a polynomial.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Where strokes take the body: twists integrated along the swings of loaded legs.
+"""Motion of the body during strokes: twists integrated along the swings of loaded legs.
 
-A stroke is a straight move of the groups' angles while at least one of the moving
-groups is in contact. Strokes follow each other on a clock on which each lasts one unit;
-everything is integrated at once, position by quadrature once the yaw is known. Knows
-angles, not time.
+A stroke is a straight motion of the groups' angles during which at least one of the
+moving groups is in contact. Strokes follow one another on a clock on which each takes
+one unit; time does not matter. All strokes are integrated together: first the yaw, and
+then the position by quadrature.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from models.motion.twists import TwistModel
 from planner import Array
 
 Move = tuple[str, ArrayLike]  # stratum, and change of every group's angle [rad]
-PANEL = 0.05  # [rad]; a stroke is integrated in panels that swing at most this far
+PANEL = 0.05  # [rad]; longest part of a stroke that is one panel of integration
 
 
 @dataclass(frozen=True)
 class Strokes:
-    """Straight moves of the groups' angles, in time order."""
+    """Strokes in time order."""
 
     strata: tuple[str, ...]  # groups in contact, for each stroke
     begin: Array  # angles at the start, shape (S, G) [rad]
@@ -84,7 +84,7 @@ def travel(strokes: Strokes, twists: TwistModel, kinematics: Kinematics) -> Trav
 
 
 class _Panels:
-    """Pieces of strokes short enough for a polynomial, and angles at their nodes."""
+    """Parts of strokes that are short enough for a polynomial, with angles at nodes."""
 
     def __init__(self, strokes: Strokes) -> None:
         largest = np.abs(strokes.change).max(axis=1, initial=0.0)

@@ -1,7 +1,7 @@
-"""Body twists: how a robot moves when its loaded legs swing.
+"""Body twists: the motion of a robot's body when its loaded legs swing.
 
-Every prediction is one `TwistModel`: the paper's constant stride and yaw gain, or the
-contact kinematics of the actual legs.
+Every prediction is a `TwistModel`: the ideal one has the paper's constant stride and
+yaw gain, the quasi-static one follows from the contact kinematics of the actual legs.
 """
 
 from __future__ import annotations

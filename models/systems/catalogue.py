@@ -26,7 +26,7 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "engel": smooth.engel,
     "chained": smooth.chained,
 }
-"""What makes each problem; its keyword arguments are the system's parameters."""
+"""Function that makes each problem; its arguments are the system's parameters."""
 
 KINDS: Mapping[Any, str] = {bool: "true or false", int: "a whole number"}
 

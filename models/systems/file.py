@@ -1,7 +1,7 @@
-"""A user's own system: one TOML file of formulas, or one Python file.
+"""Systems of users: a TOML file of formulas, or a Python file.
 
-A TOML file is data; its formulas are read and never run.
-A field is a table of the rates of coordinates, those not named stand still:
+A TOML file is data; its formulas are parsed and never executed. A field is a table of
+the rates of coordinates; coordinates that it does not name stand still:
 
     state = ["x", "y", "theta"]
     goal = { y = 1 }
@@ -13,8 +13,8 @@ A field is a table of the rates of coordinates, those not named stand still:
     roll = { x = "radius*cos(theta)", y = "radius*sin(theta)" }
     turn = { theta = 1 }
 
-A Python file is run, like any program of the user's. It leaves a `Problem` under the
-name `problem`, whose fields may be functions.
+A Python file is executed like any program of the user. It must define a `Problem`
+under the name `problem`; the fields of its system may be functions.
 """
 
 from __future__ import annotations
@@ -76,9 +76,7 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
     except Exception as error:
         raise ValueError(f"it ends with {type(error).__name__}: {error}") from error
     if not isinstance(problem, Problem):
-        raise ValueError(
-            "it leaves no models.systems.problem.Problem named `problem`; make one"
-        )
+        raise ValueError("it defines no models.Problem named `problem`; define one")
     return problem
 
 

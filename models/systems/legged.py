@@ -1,4 +1,4 @@
-"""Walkers in units of their own size: those that the paper draws and names.
+"""The walkers that the paper draws and names, in units of their own size.
 
 Their equations are made in `motion.equations_of_motion`; the strata, the body twists
 and the elements to steer with stand here.
@@ -65,8 +65,8 @@ def hexapod(
 def biped(hip: float = 1, heights: bool = True) -> Problem:
     """Two feet that turn about the vertical under their hips, lifted in turn (Fig. 2).
 
-    It walks as one walks a cupboard, swinging the body about the foot that stands. With
-    both feet down nothing can move: the bottom stratum has no field of its own.
+    It walks as one moves a heavy cupboard, by turning the body about the foot that
+    stands. With both feet down nothing can move: the bottom stratum has no field.
 
     Args:
         hip: Distance of each hip from the middle of the body.

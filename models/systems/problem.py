@@ -1,4 +1,4 @@
-"""A system together with what is asked of it: a gait to judge, and a goal to reach."""
+"""A planning problem: a system, a gait, a start and a goal."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Smooth systems, one stratum each: wheels on the floor, and chained forms.
+"""Smooth systems of one stratum each: wheels on the floor, and chained forms.
 
-The method is that of Sec. 2.1 here; nothing is lifted.
+For them the method is that of Sec. 2.1; no contact changes.
 """
 
 from __future__ import annotations

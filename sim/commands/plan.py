@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from planner import Flow
     from sim.preparation.setup import Setup
 
+GAIT = (
+    "A stratum is the set of configurations in which the same groups of",
+    "legs stand on the ground; it is named after these groups. A gait is",
+    "the closed sequence of strata that the robot visits again and again.",
+)
+STROKE = ("A stroke is a swing of legs that stand on the ground and move the body.",)
 HELP = "plan a scenario or a system and play it on the exact kinematics"
 
 
@@ -54,7 +60,7 @@ def execute(options: argparse.Namespace) -> None:
         return
     if options.flows:
         print(*flows, "", sep="\n")
-    print(_describe(facts))
+    print(_describe(facts, setup.robot.card.gait))
 
 
 def _replanned(setup: Setup) -> Sequence[Flow]:
@@ -114,7 +120,8 @@ def _travel(setup: Setup, flows: Sequence[Flow]) -> dict[str, float]:
     return travel
 
 
-def _describe(facts: Mapping[str, Any]) -> str:
+def _describe(facts: Mapping[str, Any], gait: Sequence[str]) -> str:
+    """The facts in lines for a terminal, with the paper's words explained."""
     x, y, yaw = facts["pose"]
     error, timing = facts["error"], facts["timing"]
     return "\n".join(
@@ -122,6 +129,10 @@ def _describe(facts: Mapping[str, Any]) -> str:
             f"{facts['scenario']}: {facts['robot']}, {facts['fields']} fields, "
             f"{facts['stance']} stance, {facts['segments']} segments, "
             f"{facts['contact_switches']} contact switches",
+            f"{'gait':10}{' '.join(gait)}",
+            *(f"{'':10}{line}" for line in GAIT),
+            f"{'strokes':10}{facts['swing_travel']:.3f} rad in all",
+            *(f"{'':10}{line}" for line in STROKE),
             f"{'walks':10}{facts['distance_walked']:.3f} m for a path of "
             f"{facts['path_length']:.3f} m, legs to {facts['largest_swing']:.3f} rad",
             f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad",

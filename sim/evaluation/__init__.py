@@ -1,1 +1,1 @@
-"""A walk beside its predictions: errors, their sources, contacts, clearance."""
+"""Comparison of a walk with its predictions: errors, sources, contacts, clearance."""

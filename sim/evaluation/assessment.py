@@ -1,6 +1,6 @@
-"""Judge a walk: achieved beside predicted on one time axis, and the summary of both.
+"""Achieved and predicted motion of a walk on one time axis, and their summary.
 
-Definitions are in docs/numbers.md. Writes nothing; `sim.simulation` does.
+docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Summary = dict[str, Any]
 
 @dataclass(frozen=True)
 class Achieved:
-    """What the physics did at every moment recorded, in the frame of the start pose."""
+    """Motion in the physics at every recorded moment, relative to the start pose."""
 
     pose: Array  # (T, 3)
     margin: Array  # (T,) [m]
@@ -43,13 +43,13 @@ class Achieved:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A walk and everything said about it, at every moment recorded."""
+    """A walk with its predictions, at every recorded moment."""
 
     walk: Walk
     achieved: Achieved
     predicted: Mapping[str, Prediction]
     unpredicted: Mapping[str, str]  # predictions that could not be made, and why
-    clearance: Mapping[str, Array]  # achieved and predicted, if anything is in the way
+    clearance: Mapping[str, Array]  # achieved and predicted, if there are obstacles
     walking: Array  # moments from the start of the walk on, (T,), bool
 
     @cached_property
@@ -63,15 +63,15 @@ class Evaluation:
 
     @property
     def judged(self) -> Array:
-        """Moments that the summary's extremes are taken over, (T,), bool.
+        """Moments over which the summary takes extremes, (T,), bool.
 
-        They depend on what was commanded alone, not on which rows are written.
+        They depend on the commands alone, not on which rows are written.
         """
         return self.walking & self.walk.recording.marks.inspected
 
 
 def evaluate(walk: Walk) -> Evaluation:
-    """Put achieved and predicted motion side by side."""
+    """Compare the achieved motion with every prediction."""
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
     for name in MODELS:
@@ -250,7 +250,7 @@ def _of_prediction(prediction: Prediction, judged: Array) -> Summary:
 
 
 def _sources(evaluation: Evaluation) -> Summary | None:
-    """Where open-loop errors come from; replanned, each segment starts afresh."""
+    """Sources of open-loop errors; None if each segment was planned from a new pose."""
     walk, achieved = evaluation.walk, evaluation.achieved.pose
     if walk.setup.scenario.replan:
         return None
@@ -268,7 +268,7 @@ def _departure(pose: Array, other: Array) -> dict[str, float]:
 
 
 def _error(poses: Array, others: Array, length: float, walked: float) -> Summary:
-    """How far the end is off, and the farthest that the walk ever is."""
+    """Deviation at the end of the walk, and the largest on the way."""
     departure = _departure(poses[-1], others[-1])
     position = departure["position"]
     return departure | {

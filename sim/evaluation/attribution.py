@@ -1,8 +1,8 @@
-"""Which phases of a walk the error at its end comes from.
+"""Sources of the final error: contributions of the phases of a walk.
 
-Let the first k phases move the body as achieved and the others as predicted: from k to
-k + 1 the end moves by what phase k contributes, and all contributions add up to the
-error exactly. They are summed by stratum and kind of phase.
+Let the first k phases move the body as achieved and the remaining ones as predicted.
+From k to k + 1 the end moves by the contribution of phase k, so that all contributions
+add up to the error exactly. They are summed by stratum and kind of phase.
 """
 
 from __future__ import annotations
@@ -25,7 +25,9 @@ def contributions(achieved: Array, predicted: Array) -> Array:
     Returns:
         Shape (P, 3); the sum is achieved[-1] - predicted[-1].
     """
-    rest = relative(predicted, predicted[-1])  # predicted way from each pose to the end
+    rest = relative(
+        predicted, predicted[-1]
+    )  # predicted motion from each pose to the end
     ends = compose(achieved, rest)  # (P + 1, 3)
     return np.diff(ends, axis=0)
 
@@ -45,7 +47,7 @@ def error_sources(
     """
     phases = [phase for phase in walk.phases if phase.start >= walk.starts]
     edges = np.array([phases[0].start, *(phase.stop for phase in phases)])
-    at = walk.recording.moments.step.searchsorted(edges)  # phases' ends are looked at
+    at = walk.recording.moments.step.searchsorted(edges)  # ends of phases are recorded
     both = (poses[at] for poses in (achieved, prediction.pose))
     sources: dict[str, Array] = {}
     for phase, part in zip(phases, contributions(*both), strict=True):

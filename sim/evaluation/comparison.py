@@ -1,7 +1,4 @@
-"""The comparison of predictions and physics in words and columns, from a summary.
-
-Prints nothing and computes nothing but units.
-"""
+"""The comparison of predictions and physics as text, from a summary."""
 
 from __future__ import annotations
 
@@ -20,7 +17,7 @@ PREDICTIONS = {
 
 
 def describe(summary: Mapping[str, Any]) -> str:
-    """What was walked and how it compares, in lines for a terminal.
+    """The walk and its comparison with the predictions, in lines for a terminal.
 
     Args:
         summary: Contents of summary.json.
@@ -47,8 +44,8 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"{'saturated':13}{summary['saturated_segments']} {scaled}")
     if touched := summary.get("self_contacts"):
         lines.append(
-            f"{'collided':13}parts of the robot came to touch each other {touched} "
-            "times, of which no prediction knows"
+            f"{'collided':13}parts of the robot touched each other {touched} "
+            "times, which no prediction takes into account"
         )
     return lines
 

@@ -1,4 +1,4 @@
-"""How close a walk came to obstacles, in the physics and by every prediction."""
+"""Clearance of a walk from obstacles, in the physics and by every prediction."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Arr
         predicted: Its predictions, by name.
 
     Returns:
-        `achieved` and every prediction's; nothing where nothing stands in the way.
+        That of `achieved` and of every prediction; empty without obstacles.
     """
     if not walk.setup.scenario.obstacles:
         return {}

@@ -1,4 +1,4 @@
-"""What happened in each phase of a walk: slip, and whether contacts were as planned."""
+"""Phases of a walk: their slip, and whether their contacts were as planned."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ def swing_slip(walk: Walk) -> float:
 
 
 def as_planned(walk: Walk, phase: Phase) -> bool:
-    """Whether every foot that should stand stood, and every other stayed in the air.
+    """Whether the feet in contact were those that were planned.
 
-    Asked after each of the phase's steps. Feet that are being lifted or landed during
-    the phase are not asked.
+    All steps of the phase count. Feet that lift off or touch down during the phase are
+    left out.
     """
     robot = walk.setup.robot
     planned = robot.planted(phase.stratum)
@@ -46,10 +46,10 @@ def as_planned(walk: Walk, phase: Phase) -> bool:
 
 
 def count_changes(walk: Walk) -> int:
-    """Lifts and landings of whole groups during the walk, as measured.
+    """Number of lift-offs and touchdowns of whole groups during the walk, as measured.
 
-    A group has lifted when its last foot has left the ground, and landed when its last
-    foot has touched it.
+    A group has lifted off when its last foot has left the ground, and touched down when
+    its last foot has touched it.
     """
     recording = walk.recording
     contact = recording.contacts.between(walk.starts, recording.steps)

@@ -1,1 +1,1 @@
-"""Short experiments: a robot's fields as measured, and the solver's creep."""
+"""Short experiments that measure a robot's fields and the creep of its feet."""

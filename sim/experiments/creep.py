@@ -1,8 +1,8 @@
-"""How far the feet of a standing robot seem to slip: the floor under every slip.
+"""Creep floor: the slip of a robot that merely stands.
 
-Soft contacts let a loaded foot creep, ever slower as stresses between the feet relax.
-A stand as long as the walk tells how much; long ones are cut off, and their last second
-is taken to go on.
+Soft contacts let a loaded foot creep, more slowly as the stresses between the feet
+relax. It is measured on a robot that stands for as long as the walk takes. Long stands
+are cut off and extrapolated at the rate of their last second.
 """
 
 from __future__ import annotations

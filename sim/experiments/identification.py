@@ -1,9 +1,9 @@
-"""Measure a robot's fields by short experiments: one stratum, one input at a time.
+"""Identification: a robot's fields measured by short experiments.
 
-Each experiment brings the legs to one end of the field's swing through the air, steps
-onto the stratum, swings to the other end, and reads the body's pose on the way. No
-model of the contacts takes part. Experiments are no slower than `SPEED`, below which
-the physics does not depend on speed: what they cost does not grow as walks slow down.
+Each experiment follows one field of one stratum. It brings the legs through the air to
+one end of the field's swing, steps onto the stratum, swings to the other end, and reads
+the pose of the body meanwhile. No model of the contacts is involved. Below `SPEED` the
+physics does not depend on speed, so that slower experiments are not needed.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ HOLD = 0.5  # [s], at most; a robot has settled by then
 
 
 def identify(setup: Setup) -> IdentifiedTwists:
-    """Measure every loaded field of every stratum, or say why one cannot be.
+    """Measure every loaded field of every stratum, or record why it is impossible.
 
     Args:
         setup: Robot, world and limits; its plan and path do not matter.
@@ -95,7 +95,7 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
 
 
 def _brisk(limits: MotionLimits) -> MotionLimits:
-    """MotionLimits of an experiment: the walk's, unless that would take long."""
+    """Limits of an experiment: those of the walk, unless it would be slow."""
     return replace(
         limits,
         swing_speed=max(limits.swing_speed, SPEED),
@@ -105,7 +105,7 @@ def _brisk(limits: MotionLimits) -> MotionLimits:
 
 
 def _check(setup: Setup, stratum: str, way: Moments) -> None:
-    """Refuse a swing that was not on the feet of its stratum most of the time."""
+    """Refuse a swing during which mostly other feet than the stratum's stood."""
     leaning = float(tilt(way.qpos, setup.robot.root_address).max())
     if leaning > UPRIGHT:
         raise MeasurementError(
@@ -120,7 +120,7 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
 
 
 def _span(setup: Setup, direction: tuple[float, ...]) -> float:
-    """How far to swing either way, within the range of every group that moves."""
+    """Largest swing to either side within the range of every group that moves."""
     ranges = [setup.robot.swing_range[group] for group in setup.robot.groups]
     reach = [
         min(-low, high) / abs(share)

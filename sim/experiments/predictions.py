@@ -1,4 +1,4 @@
-"""The predictions that walks are steered on and compared with, by name."""
+"""The predictions by name: for steering walks and for comparison with them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _quasi_static(setup: Setup) -> TwistModel:
 
 
 def _identified(setup: Setup) -> TwistModel:
-    """Measured in the open, where no wall is in the way of an experiment."""
+    """Measured without obstacles, which would disturb the experiments."""
     if not setup.scenario.obstacles:
         return identify(setup)
     return identify(prepare(replace(setup.scenario, obstacles=()), setup.robot))

@@ -1,4 +1,4 @@
-"""Planar poses (x, y, yaw): read from qpos, seen from another pose, compared."""
+"""Planar poses (x, y, yaw): from qpos, composed, and relative to one another."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def compose(pose: Array, step: Array) -> Array:
 
 
 def relative(pose: Array, other: Array) -> Array:
-    """The step from a pose to another, so that `compose` gets there; not wrapped."""
+    """The step from one pose to another, the inverse of `compose`; yaw not wrapped."""
     moved = rotate(other[..., :2] - pose[..., :2], -pose[..., 2])
     return np.concatenate([moved, other[..., 2:] - pose[..., 2:]], axis=-1)
 
@@ -64,5 +64,5 @@ def rotate(points: Array, angle: Array | float) -> Array:
 
 
 def nearest_turn(yaw: float, to: float) -> float:
-    """The yaw, up to full turns, that is closest to another one."""
+    """A yaw plus the number of full turns that brings it closest to another yaw."""
     return float(to + wrap(yaw - to))

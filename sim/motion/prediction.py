@@ -1,7 +1,7 @@
-"""What a kinematic model predicts for a schedule: pose, slip and margin at any step.
+"""Predictions for a schedule: pose, slip and stability margin at any step.
 
-Ideal, quasi-static and identified predictions are the same computation with another
-twist model. The body stands still while feet lift and land, and is level throughout.
+Ideal, quasi-static and identified predictions are the same computation with different
+twist models. The body stands still during lift-offs and touchdowns and stays level.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def predict(
 
 
 class Predictor:
-    """Predicts the motion of one schedule, at as many steps and as often as asked.
+    """Predicts the motion of one schedule at any steps.
 
     Its arguments are those of `predict`.
     """

@@ -1,8 +1,8 @@
-"""From flows to smooth joint commands: when each group lifts, swings and lands.
+"""Schedules: smooth joint commands for flows, with lift-offs, swings and touchdowns.
 
-Lays what it is told, one phase after another. A group that leaves the
-ground is raised before anything swings, and lands before another one lifts. Knows
-angles and steps; which actuator they drive is for `sim.world`.
+Phases follow one another. A group that leaves the ground is raised before anything
+swings, and touches down before another group lifts off. A schedule consists of angles
+at steps; `sim.world` assigns them to actuators.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Phase:
     """One uninterrupted motion of one or more groups, or a hold, in whole timesteps."""
 
     kind: Kind
-    stratum: str  # groups in contact while it lasts; lifting and landing ones are not
+    stratum: str  # groups in contact throughout, without those that lift or land
     direction: tuple[float, ...]  # how far each group moves for one of `amount`
     amount: float  # signed change of the angle [rad]
     start: int  # first timestep
@@ -66,22 +66,22 @@ class Phase:
 
 @dataclass(frozen=True, slots=True)
 class LegState:
-    """What a schedule starts from: the angles of every group and who is in contact."""
+    """Where a schedule starts: the angle of every group, and the groups in contact."""
 
     swing: tuple[float, ...]  # (G,) [rad]
     stratum: str
 
 
 def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
-    """A smooth way from 0 to 1 in `steps` steps, at constant speed but for the ends.
+    """A smooth transition from 0 to 1, at constant speed except near both ends.
 
     The speed rises and falls along a cubic over `rise` steps each, so the acceleration
     is continuous.
 
     Args:
-        done: Steps made, from 1; after the last one the way is exactly 1.
-        steps: Of the whole way.
-        rise: Of each end, at most half of them; 0 for none.
+        done: Number of steps done, from 1; after the last one the value is exactly 1.
+        steps: Number of steps of the transition.
+        rise: Number of steps of each end, at most half of all; 0 for none.
     """
 
     def covered(t: Array) -> Array:  # integral of the cubic smoothstep, t in [0, 1]
@@ -193,7 +193,7 @@ def _trajectory(begin: Array, changes: Array) -> tuple[Array, Array]:
 
 
 class Scheduler:
-    """Lays phases one after another, remembering angles and contacts."""
+    """Builds a schedule phase by phase, keeping track of angles and contacts."""
 
     def __init__(
         self, limits: MotionLimits, begin: LegState, step: int = 0, segment: int = 0
@@ -204,7 +204,7 @@ class Scheduler:
         self.segment = segment
 
     def finish(self) -> Schedule:
-        """What has been laid so far."""
+        """The schedule of all phases so far."""
         end = LegState(tuple(self._swing), self._stratum)
         return Schedule(tuple(self._phases), self._begin, end, self._limits)
 
@@ -214,7 +214,7 @@ class Scheduler:
         self._lay("hold", still, 0.0, max(round(seconds / self._limits.timestep), 1))
 
     def flow(self, flow: Flow, direction: tuple[float, ...]) -> None:
-        """Go to the flow's stratum and swing its groups.
+        """Enter the flow's stratum and swing its groups.
 
         Args:
             flow: Flow to carry out.
@@ -229,7 +229,7 @@ class Scheduler:
         self._lay("swing", direction, flow.duration, steps, flow.field)
 
     def enter(self, stratum: str) -> None:
-        """Land the groups that the stratum stands on, then lift the others."""
+        """Put down the groups that the stratum stands on, then lift the others."""
         groups = self._limits.groups
         raised = [g for g in groups if g not in self._stratum]
         for group in (g for g in raised if g in stratum):

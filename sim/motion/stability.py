@@ -1,4 +1,4 @@
-"""Support polygon and stability margin: how far the weight is from tipping over.
+"""Support polygon and stability margin.
 
 The margin is the signed distance of the centre of mass, projected on the ground, to the
 boundary of the convex hull of the feet in contact: positive inside, and with fewer than
@@ -63,7 +63,7 @@ def _margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
 
 
 def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
-    """Feet in contact; with none, the one that last touched closest to the weight.
+    """Feet in contact; if there is none, the one whose last contact is nearest.
 
     Args:
         points: Where each foot touches, or last did, shape (T, F, 2) [m].
@@ -79,26 +79,26 @@ def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
 
 
 def _way(places: Array, since: Array) -> Array:
-    """At least the way from earlier places to these; (T, ..., 2) to (T, ...)."""
+    """An upper bound on the distance from earlier places, (T, ..., 2) to (T, ...)."""
     step = np.abs(places - places[since])
     return step[..., 0] + step[..., 1]
 
 
 class LeastMargin:
-    """The least stability margin of states, looking closely where it may be.
+    """The least stability margin of many states, without computing all margins.
 
-    While the same feet stand, the margin changes by no more than the centre of mass and
-    the farthest moved foot have come since: states that cannot be the least so far are
-    passed over. The result is that of looking at them all.
+    While the same feet stand, the margin changes by no more than the distances that the
+    centre of mass and the farthest foot have moved. States that cannot have the least
+    margin are skipped; the result is the same as if all were computed.
     """
 
-    STRIDE = 64  # states passed over at most, to begin with
+    STRIDE = 64  # at least one state in so many is computed
 
     def __init__(self) -> None:
         self.value = np.inf  # [m]
 
     def see(self, points: Array, contact: Array, center_of_mass: Array) -> None:
-        """Take in further states; arguments are those of `stability_margin`."""
+        """Add further states; arguments are those of `stability_margin`."""
         count = np.arange(len(points))
         changed = (contact[1:] != contact[:-1]).any(axis=1)
         anchors = (count % self.STRIDE == 0) | np.append(False, changed)

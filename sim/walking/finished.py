@@ -1,4 +1,4 @@
-"""A finished walk: what was laid, what was recorded, and where it started."""
+"""A finished walk: its schedule, its recording and its start."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sim.preparation.setup import Setup
 
 @dataclass(frozen=True)
 class Stretch:
-    """Commands laid in one go, and the pose from which they were predicted."""
+    """A part of the walk with one schedule, and the pose where it began."""
 
     schedule: Schedule
     pose: Array  # in the start frame, (3,)
@@ -29,7 +29,7 @@ class Walk:
     recording: Recording
     origin: Array  # start pose in the world, (3,)
     saturated_segments: int
-    seconds: dict[str, float]  # spent on planning again, and on simulating
+    seconds: dict[str, float]  # spent on replanning and on simulating
 
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
@@ -47,7 +47,7 @@ class Walk:
         return self.stretches[0].schedule.stop
 
     def commands(self) -> Iterator[Array]:
-        """Commands carried out, made again from what was laid, shape (n, nu) each."""
+        """Commands carried out, computed from the schedules, shape (n, nu) each."""
         return laid_commands(self.setup, self.stretches, self.steps)
 
     @property

@@ -1,4 +1,4 @@
-"""A scenario for a plan that somebody made: its path is what the plan was to follow."""
+"""The scenario of a plan that exists already: its path is that of the plan."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from sim.scenarios.scenario import Scenario
 
 
 def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
-    """The scenario that a plan of a robot would carry out.
+    """The scenario that a plan of a robot carries out.
 
     Args:
         robot: Robot that the plan is for.

@@ -1,6 +1,6 @@
-"""Walk in the physics: a plan open loop, or planned again from every pose reached.
+"""Walks in the physics: open loop, or replanned from every pose that is reached.
 
-Produces a `Walk`, the raw material of the evaluation; plans and judges nothing itself.
+The result is a `Walk`; `evaluation` compares it with its predictions.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from sim.walking.from_plan import scenario_of
 
 
 class Walker:
-    """Executes flows and keeps track of where the robot is."""
+    """Carries out flows in the physics and keeps track of the robot's pose."""
 
     def __init__(self, setup: Setup, progress: Progress = silent) -> None:
         self.setup = setup
@@ -63,7 +63,7 @@ class Walker:
         return laid_commands(self.setup, self._stretches, self.steps)
 
     def stand(self) -> None:
-        """Hold still on all feet; the walk starts when the first hold ends."""
+        """Stand still on all feet; the walk starts when the first hold ends."""
         scheduler = self._scheduler()
         scheduler.hold(self.setup.limits.hold)
         self._play(scheduler.finish())
@@ -120,12 +120,12 @@ class Walker:
 
 
 def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) -> Walk:
-    """Walk a plan in the physics, blindly.
+    """Walk a plan in the physics, open loop.
 
     Args:
         robot: Robot that the plan is for.
         plan: Flows of its equations.
-        progress: Told the stage and how much of it is done.
+        progress: Called with each stage and the finished part of it.
         **changes: Settings of a scenario that are not to have their defaults, such as
             `friction=0.5`.
 
@@ -139,11 +139,11 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
 
 
 def carry_out(walker: Walker, planned: Plan | None) -> Walk:
-    """Carry a plan out blindly; without one, plan each segment from the pose reached.
+    """Carry out a plan open loop; without one, plan each segment from the pose reached.
 
     Args:
-        walker: Who has not walked yet; it knows what was done if this fails.
-        planned: Plan of the whole path; None to replan.
+        walker: A walker at its start; after a failure it holds what was done.
+        planned: Plan of the whole path; None to plan during the walk.
 
     Raises:
         PlannerError: If a segment cannot be planned from where the robot has come to.
@@ -160,7 +160,7 @@ def carry_out(walker: Walker, planned: Plan | None) -> Walk:
 def expected_steps(setup: Setup, planned: Plan | None) -> int:
     """Physics steps that a walk will take; arguments are those of `walk`.
 
-    A replanned walk is taken to go on as its first segment does.
+    A walk that is replanned is estimated from its first segment.
 
     Raises:
         PlannerError: If that segment cannot be planned.
@@ -176,7 +176,7 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
 
 
 def _replanned(walker: Walker) -> int:
-    """Walk segment by segment, all feet down in between; count saturated ones."""
+    """Walk segment by segment, with all feet down in between; count saturated ones."""
     saturated = 0
     for segment in range(walker.setup.scenario.segments):
         began = time.perf_counter()
