@@ -82,6 +82,7 @@ from .planning.convergence import (
     convergence_order as convergence_order,
     faster as faster,
 )
+from .planning.criticality import critical_step as critical_step
 from .planning.nominal import (
     extend_along as extend_along,
     require_segments as require_segments,

@@ -26,12 +26,12 @@ from planner.extension.steering import Wording
 from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.numerics.arrays import Array
-from planner.planning.nominal import fictitious_inputs, sample
+from planner.planning.nominal import default_nodes, fictitious_inputs, sample
 from planner.planning.paths import Path
 from planner.systems.fields import compile_fields
 from planner.systems.flows import Word
 
-NODES = 3  # places on the path where the leading error is looked at
+PLACES = 3  # places on the path where the leading error is looked at
 NEGLIGIBLE = 1e-9  # part of a path's inputs, or of an error's terms, that is rounding
 
 
@@ -103,7 +103,7 @@ def convergence_order(
         ValueError: The path is not finite or not on the bottom stratum.
         PlannerError: The elements do not follow the path.
     """
-    (samples,) = sample(path, extended.system, 1, NODES)
+    (samples,) = sample(path, extended.system, 1, default_nodes(1))
     (inputs,) = fictitious_inputs(extended, samples[None])
     steering = extended.steering
     k, degrees = steering.degree, np.array(steering.selected_degrees)
@@ -113,14 +113,16 @@ def convergence_order(
     longer = hall_fields(extended.system, steering.hall.generators, k + 1)
     if not used.any() or max(lie_algebra(longer.elements).degrees) <= k:
         return ConvergenceOrder(k, d, np.inf, cancelled=True)
-    leading = np.zeros((NODES, len(steering.basis)))
-    leading[:, list(steering.selected)] = inputs * (degrees == d)
+    places = np.linspace(0, len(samples) - 1, PLACES).astype(int)
+    leading = np.zeros((PLACES, len(steering.basis)))
+    leading[:, list(steering.selected)] = inputs[places] * (degrees == d)
     if coordinates == "symmetric":
         cancelled = (k - d) % 2 == 0
     else:
         wordings = {wording for choice in CHOICES[coordinates] for wording in choice}
         cancelled = not any(
-            _misses(extended, longer, samples, leading, wording) for wording in wordings
+            _misses(extended, longer, samples[places], leading, wording)
+            for wording in wordings
         )
     return ConvergenceOrder(k, d, (k + 1 + cancelled - d) / d, bool(cancelled))
 

@@ -27,10 +27,18 @@ MOST_AIMS = 40  # where aiming converges, a dozen do
 
 
 @dataclass(frozen=True)
-class _Shot:
-    inputs: Array  # (1, nodes, p)
-    hall_coordinates: Array  # (1, s)
-    end: Array  # (n,)
+class Shot:
+    """One straight segment, planned and followed.
+
+    Attributes:
+        inputs: Fictitious inputs at its nodes, shape (1, nodes, p).
+        hall_coordinates: Backward coordinates, shape (1, s).
+        end: Configuration that its flows end in, shape (n,).
+    """
+
+    inputs: Array
+    hall_coordinates: Array
+    end: Array
 
 
 @dataclass(frozen=True)
@@ -97,7 +105,7 @@ def _aimed(
     ends: tuple[Array, Array],
     execution: Execution,
     tolerance: float,
-) -> _Shot | None:
+) -> Shot | None:
     """The shot that ends where it should, by Broyden's method on where to aim.
 
     The first guess is that an end moves as its aim does; no correction is longer than
@@ -105,7 +113,7 @@ def _aimed(
     """
     here, target = ends
     there, inverse = target, np.eye(target.size)  # of the end's change with the aim
-    shot = _shot(extended, here, there, execution)
+    shot = shot_towards(extended, here, there, execution)
     miss = target - shot.end
     for _ in range(MOST_AIMS):
         if np.linalg.norm(miss) <= tolerance:
@@ -113,7 +121,7 @@ def _aimed(
         step = inverse @ miss
         step *= min(1.0, float(np.linalg.norm(target - here) / np.linalg.norm(step)))
         there = there + step
-        shot = _shot(extended, here, there, execution)
+        shot = shot_towards(extended, here, there, execution)
         missed, miss = miss, target - shot.end
         expected = inverse @ (missed - miss)
         if not abs(step @ expected) > 0.0:
@@ -152,7 +160,7 @@ def steer(
     way = line(start, goal)
     here, end = way(0.0), way(1.0)
     begins: list[Array] = []
-    shots: list[_Shot] = []
+    shots: list[Shot] = []
     distances = [float(np.linalg.norm(end - here))]
     part, critical = 1.0, np.inf
     while distances[-1] > tolerance:
@@ -162,7 +170,7 @@ def steer(
                 f"tolerance {tolerance:.3g}; allow more, or cut the path into segments"
             )
         target = here + part * (end - here)
-        shot = _shot(extended, here, target, execution)
+        shot = shot_towards(extended, here, target, execution)
         length = float(np.linalg.norm(target - here))
         if np.linalg.norm(target - shot.end) > length / 2:
             critical, part = min(critical, length), part / 2
@@ -178,10 +186,21 @@ def steer(
     )
 
 
-def _shot(
+def shot_towards(
     extended: ExtendedSystem, here: Array, target: Array, execution: Execution
-) -> _Shot:
-    """One straight segment, and where it ends."""
+) -> Shot:
+    """One straight segment, and where it ends.
+
+    Args:
+        extended: System to steer.
+        here: Configuration to start from, shape (n,).
+        target: Configuration to aim at, shape (n,).
+        execution: How to carry it out, not in the coordinates of `fewest`.
+
+    Raises:
+        ValueError: The execution leaves the choice of coordinates open.
+        PlannerError: The elements do not follow the line.
+    """
     orders = CHOICES[execution.coordinates][0]
     if len(orders) > 1:
         raise ValueError(
@@ -193,16 +212,16 @@ def _shot(
     coordinates = extended.steering.hall_coordinates(inputs)
     (word,) = extended.steering.words(coordinates, orders[0], here[None])
     flows = extended.grouper.flows(word, tuple(range(len(word.fields))))
-    return _Shot(inputs, coordinates, play(extended.system, flows, here)[-1])
+    return Shot(inputs, coordinates, play(extended.system, flows, here)[-1])
 
 
 def _assembled(
     extended: ExtendedSystem,
-    shots: list[_Shot],
+    shots: list[Shot],
     nominal: Array,
     execution: Execution,
 ) -> Plan:
-    shots = shots or [_shot(extended, nominal[0], nominal[0], execution)]
+    shots = shots or [shot_towards(extended, nominal[0], nominal[0], execution)]
     inputs = np.concatenate([shot.inputs for shot in shots])
     coordinates = np.concatenate([shot.hall_coordinates for shot in shots])
     return assemble(extended, inputs, coordinates, nominal, execution)

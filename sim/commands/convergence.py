@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -31,12 +32,55 @@ def convergence(
     }
 
 
-def _finite(order: float) -> float | None:
-    return None if math.isinf(order) else order
+def step_lengths(
+    extended: ExtendedSystem, path: Path, segments: int
+) -> dict[str, float | None] | None:
+    """The first step of a path beside the critical one, which is None if infinite.
+
+    Args:
+        extended: System to steer.
+        path: Configurations to follow.
+        segments: Number of pieces that the path is cut into.
+    """
+    import numpy as np
+
+    from planner import critical_step, grid
+
+    start, end = path.at(grid(path, segments)[:2])
+    if not (length := float(np.linalg.norm(end - start))):
+        return None
+    critical = critical_step(extended, start, end - start)
+    return {"first": length, "critical": _finite(critical)}
 
 
-def describe(facts: dict[str, Any]) -> list[str]:
-    """The facts in lines for a terminal."""
+def _finite(value: float) -> float | None:
+    return None if math.isinf(value) else value
+
+
+def describe(facts: Mapping[str, Any]) -> list[str]:
+    """Accuracy and steps in lines for a terminal, of facts that have them."""
+    lines = describe_order(facts["accuracy"]) if "accuracy" in facts else []
+    if steps := facts.get("steps"):
+        lines.append(describe_steps(steps, facts["segments"]))
+    return lines
+
+
+def describe_steps(steps: Mapping[str, float | None], segments: int) -> str:
+    """The number of segments beside the one that the critical step would ask for."""
+    first, critical = steps["first"], steps["critical"]
+    if first is None or critical is None:
+        return f"{'steps':10}of any length converge"
+    if critical == 0:
+        return f"{'steps':10}of no length converge in this direction"
+    of = f"of {first:.3g}, the critical step is {critical:.3g}"
+    if first <= critical:
+        return f"{'steps':10}{of}: short enough to converge when repeated"
+    needed = math.ceil(segments * first / critical)
+    return f"{'steps':10}{of}: too long to converge when repeated, {needed} would do"
+
+
+def describe_order(facts: Mapping[str, Any]) -> list[str]:
+    """The order to expect and what raises it."""
     degree = f"degree {facts['degree']}"
     if facts["order"] is None:
         return [f"{'accuracy':10}exact at {degree}: no brackets are left out"]

@@ -10,7 +10,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from sim.commands import system_plan
-from sim.commands.convergence import convergence, describe as convergence_lines
+from sim.commands.convergence import (
+    convergence,
+    describe as convergence_lines,
+    step_lengths,
+)
 from sim.commands.options import add_scenario_arguments, scenario_of
 from sim.commands.trusted import robot_of
 
@@ -54,7 +58,9 @@ def execute(options: argparse.Namespace) -> None:
     flows = _replanned(setup) if scenario.replan else plan_open_loop(setup).flows
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     accuracy = convergence(setup.extended, setup.nominal(), setup.coordinates)
-    facts = summarise(setup, flows) | {"accuracy": accuracy, "timing": timing}
+    steps = step_lengths(setup.extended, setup.nominal(), setup.scenario.segments)
+    facts = summarise(setup, flows) | {"accuracy": accuracy, "steps": steps}
+    facts["timing"] = timing
     if options.json:
         print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
         return
@@ -137,7 +143,7 @@ def _describe(facts: Mapping[str, Any], gait: Sequence[str]) -> str:
             f"{facts['path_length']:.3f} m, legs to {facts['largest_swing']:.3f} rad",
             f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad",
             f"{'off goal':10}{1e3 * error['position']:.2f} mm, {error['yaw']:.4f} rad",
-            *convergence_lines(facts["accuracy"]),
+            *convergence_lines(facts),
             f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "
             f"{1e3 * timing['compile']:.0f} ms to load and compile",
         ]

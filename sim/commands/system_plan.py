@@ -10,7 +10,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.convergence import convergence, describe as convergence_lines
+from sim.commands.convergence import (
+    convergence,
+    describe as convergence_lines,
+    step_lengths,
+)
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -115,7 +119,8 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
     timing = {"compile": ready - began, "plan": time.perf_counter() - ready}
     words = problem.open_loop.coordinates
     accuracy = convergence(compiled, problem.path, words)
-    return planned, {"accuracy": accuracy, "timing": timing}
+    steps = step_lengths(compiled, problem.path, problem.segments)
+    return planned, {"accuracy": accuracy, "steps": steps, "timing": timing}
 
 
 def summarise(name: str, planned: Plan) -> dict[str, Any]:
@@ -161,8 +166,7 @@ def describe(facts: Mapping[str, Any]) -> str:
         f"{'ends at':10}{', '.join(moved) or 'its start'}",
         f"{'off goal':10}{facts['error']:.3g}, {100 * share:.3g} % of the way",
     ]
-    if accuracy := facts.get("accuracy"):
-        lines += convergence_lines(accuracy)
+    lines += convergence_lines(facts)
     if timing := facts.get("timing"):
         lines.append(
             f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "

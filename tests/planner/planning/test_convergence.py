@@ -11,7 +11,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.convergence import convergence_order, faster
-from planner.planning.paths import line
+from planner.planning.paths import ellipse, line
 from planner.planning.playback import rollout
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod
@@ -126,6 +126,12 @@ def test_path_that_needs_no_bracket_converges_by_its_fields_alone():
     expected = convergence_order(extended, line(np.zeros(5), [1, 0, 0, 0, 0]))
     assert expected.bracket_degree == 1
     assert expected.order >= 2
+
+
+def test_path_that_turns_back_asks_for_the_brackets_that_it_needs():
+    extended = extend(hexapod(), PAPER)
+    loop = convergence_order(extended, ellipse(np.zeros(5), (1, 0.6)))
+    assert (loop.bracket_degree, loop.order) == (2, 1)
 
 
 def test_higher_degree_meets_the_reference_in_one_segment():

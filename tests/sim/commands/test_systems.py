@@ -114,7 +114,11 @@ def test_coordinate_without_a_new_value_keeps_the_start_s(facts):
 def test_saved_plan_is_played_again(facts):
     kept = facts("plan", "finger-gaiting", "--save", "turn.json", "--flows")
     played = facts("plan", "turn.json", "--flows")
-    del kept["timing"], kept["accuracy"]  # of the planning, not of the plan
+    del (
+        kept["timing"],
+        kept["accuracy"],
+        kept["steps"],
+    )  # of the planning, not of the plan
     assert played == {**kept, "system": "turn"}
 
 
@@ -128,6 +132,15 @@ def test_degree_and_words_are_options_and_tell_what_to_expect(facts):
     assert mirrored["error"] < plain["error"] / 5
     assert mirrored["flow_count"] == plain["flow_count"]
     assert facts("plan", "heisenberg")["accuracy"]["order"] is None
+
+
+def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
+    short = facts("plan", "unicycle")["steps"]
+    assert short["first"] == pytest.approx(1 / 16)
+    assert short["critical"] == pytest.approx(1.06, abs=0.01)  # measured
+    assert facts("plan", "heisenberg")["steps"]["critical"] is None
+    _, told, _ = stratawalk("plan", "unicycle", "--goal", "y=8", "--segments", "2")
+    assert "too long to converge when repeated, 8 would do" in told
 
 
 def test_scenario_is_planned_to_the_degree_asked_for(facts):

@@ -1,0 +1,91 @@
+"""The critical step is where a plan stops halving the distance to its target."""
+
+from math import inf
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from models.systems.catalogue import shipped_system
+from planner.execution.execution import Execution
+from planner.extension.extended import extend
+from planner.planning.criticality import ACCURACY, critical_step
+from planner.planning.shooting import shot_towards, steer
+from planner.systems.strata import StratifiedSystem
+from tests.systems import PAPER, chained, hexapod
+
+BACKWARD = Execution(coordinates="backward")
+
+
+@pytest.mark.parametrize(
+    "name", ["paper-hexapod", "unicycle", "car", "hexapod-trailer"]
+)
+def test_step_at_the_critical_length_halves_and_one_beyond_does_not(name):
+    problem = shipped_system(name)
+    extended = extend(problem.system, problem.elements)
+    start, goal = problem.states
+    critical = critical_step(extended, start, goal - start)
+    direction = (goal - start) / np.linalg.norm(goal - start)
+    ratios = []
+    for length in (critical, critical * (1 + 2 * ACCURACY)):
+        target = start + length * direction
+        end = shot_towards(extended, start, target, BACKWARD).end
+        ratios.append(np.linalg.norm(target - end) / length)
+    assert ratios[0] <= 0.5 < ratios[1]
+    assert ratios == pytest.approx([0.5, 0.5], abs=0.01)  # the ratio is continuous
+
+
+def test_critical_step_does_not_depend_on_the_length_to_begin_with():
+    extended = extend(hexapod(), PAPER)
+    found = [critical_step(extended, np.zeros(5), [0, t, 0, 0, 0]) for t in (1e-3, 50)]
+    assert found[0] == pytest.approx(found[1], rel=2 * ACCURACY)
+
+
+def test_unicycle_is_critical_where_its_rectangle_errs_by_half():
+    # The word turn, drive, -turn, -drive of sides a = sqrt(y) ends at
+    # (a (cos a - 1), a sin a), from which half of y is off at the critical step.
+    problem = shipped_system("unicycle")
+    extended = extend(problem.system, problem.elements)
+    critical = critical_step(extended, np.zeros(3), [0, 1, 0])
+    a = np.sqrt(critical)
+    miss = np.hypot(a * (np.cos(a) - 1), a * np.sin(a) - critical)
+    assert miss / critical == pytest.approx(0.5, abs=1e-3)
+
+
+def test_nilpotent_systems_have_none():
+    extended = extend(chained(4), ["g1", "g2", "[g1,g2]", "[g1,[g1,g2]]"])
+    assert critical_step(extended, np.zeros(4), [0.1, 0, 0, 1]) == inf
+
+
+def test_shorter_steps_are_not_cut_by_steer():
+    extended = extend(hexapod(), PAPER)
+    goal = np.array([10, 10, 3, 0, 0])
+    critical = critical_step(extended, np.zeros(5), goal)
+    assert (
+        steer(
+            extended,
+            np.zeros(5),
+            0.99 * critical * goal / np.linalg.norm(goal),
+            BACKWARD,
+        ).critical_step
+        == inf
+    )
+    assert steer(extended, np.zeros(5), goal, BACKWARD).critical_step > critical
+
+
+def test_bare_systems_have_their_elements_chosen():
+    chosen = critical_step(hexapod(), np.zeros(5), [1, 1, 0, 0, 0])
+    assert 1 < chosen < inf
+
+
+def test_direction_without_length_is_refused():
+    with pytest.raises(ValueError, match="direction is zero; give the step"):
+        critical_step(extend(hexapod(), PAPER), np.zeros(5), np.zeros(5))
+
+
+def test_directions_that_no_element_gives_have_no_step():
+    x, y = sp.symbols("x y")
+    system = StratifiedSystem((x, y), {"0": {"g": [1, 0]}}, "0")
+    with pytest.raises(ValueError, match="shape"):
+        critical_step(extend(system, ["g"]), np.zeros(2), [1, 0, 0])
+    assert critical_step(extend(system, ["g"]), np.zeros(2), [0, 1]) == 0
