@@ -26,6 +26,7 @@ from .description.robot import (
     FOLDER as FOLDER,
     Robot as Robot,
 )
+from .description.toml import parse_toml as parse_toml
 from .errors import (
     MeasurementError as MeasurementError,
     ModelError as ModelError,

@@ -54,6 +54,16 @@ class SingularConfigurationError(PlannerError):
         )
 
 
+class FieldError(PlannerError):
+    """A field's function that raises an error of its own."""
+
+    def __init__(self, configuration: Iterable[float], error: BaseException) -> None:
+        super().__init__(
+            f"a field's function ends with {type(error).__name__} at "
+            f"{point(configuration)}: {error}; correct it"
+        )
+
+
 class ResolutionError(PlannerError):
     """Segments along which inputs known at nodes do not follow the path in between.
 

@@ -11,6 +11,7 @@ import signal
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NoReturn
 
 from sim.commands.parsing import as_meant, parser
@@ -35,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         code = _execute(words)
         print(end="", flush=True)  # a reader that left must be noticed here
-    except (Exception, KeyboardInterrupt, Terminated) as error:
+    except BaseException as error:  # a user's own Python may raise anything
         return _fail(error, words)
     return code
 
@@ -58,11 +59,16 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
     if code is ExitCode.BROKEN_PIPE:
         _silence_output()
         return code
-    if "--debug" in words:
-        traceback.print_exception(error)
-    print(f"stratawalk: error: {one_line(error)}", file=sys.stderr)
-    if "--json" in words:
-        print(json.dumps({"error": _facts(code, error)}))
+    with suppress(OSError):  # standard error may be on a full disk
+        if "--debug" in words:
+            traceback.print_exception(error)
+        print(f"stratawalk: error: {one_line(error)}", file=sys.stderr, flush=True)
+    try:
+        if "--json" in words:
+            print(json.dumps({"error": _facts(code, error)}))
+        print(end="", flush=True)
+    except OSError:
+        _silence_output()
     return code
 
 
@@ -72,9 +78,13 @@ def _facts(code: ExitCode, error: BaseException) -> dict[str, object]:
 
 
 def _silence_output() -> None:
-    """Keep Python from complaining again when it flushes standard output at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    """Keep Python from complaining again when it flushes its streams at exit."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from sim.start import main as start
+
+    sys.exit(start())

@@ -20,6 +20,7 @@ from models import (
 )
 from planner import PlannerError
 
+LONGEST = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")
 
@@ -86,7 +87,7 @@ class FilesError(StratawalkError):
     exit_code = ExitCode.FILES
 
 
-class Terminated(BaseException):
+class Terminated(KeyboardInterrupt):
     """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
 
 
@@ -96,10 +97,11 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     ModelError: ExitCode.MODEL,
     PlannerError: ExitCode.SIMULATION,
     MeasurementError: ExitCode.SIMULATION,
+    Terminated: ExitCode.TERMINATED,  # before what it is a kind of
     KeyboardInterrupt: ExitCode.INTERRUPTED,
-    Terminated: ExitCode.TERMINATED,
     BrokenPipeError: ExitCode.BROKEN_PIPE,
     OSError: ExitCode.FILES,
+    MemoryError: ExitCode.SIMULATION,
 }
 
 _SIGNALS = {
@@ -120,7 +122,10 @@ def exit_code(error: BaseException) -> ExitCode:
 
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
-    return " ".join(_describe(error).split())
+    line = " ".join(_describe(error).split())
+    if len(line) <= LONGEST:
+        return line
+    return f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"
 
 
 def _describe(error: BaseException) -> str:
@@ -131,6 +136,8 @@ def _describe(error: BaseException) -> str:
         return f"{_SIGNALS[code]}; written files are complete, start again"
     if isinstance(error, OSError):
         return _describe_os_error(error)
+    if isinstance(error, MemoryError):
+        return "out of memory: this machine; ask for less at once"
     if isinstance(error, PlannerError):
         return f"no plan: {error}"
     return str(error)

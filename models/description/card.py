@@ -74,9 +74,11 @@ class PatternCard:
 
 
 def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
-    bad = {name: gain for name, gain in gains.items() if not isfinite(gain) or not gain}
+    bad = {n: gain for n, gain in gains.items() if not 1e-6 <= abs(gain) <= 1e6}
     if bad:
-        raise ValueError(f"{what} need a sign or a gain other than 0, got {bad}")
+        raise ValueError(
+            f"{what} need a sign or a gain other than 0, from 1e-6 to 1e6, got {bad}"
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from models.description.card import (
     Twist,
 )
 from models.description.table import Table
+from models.description.toml import parse_toml
 from models.errors import ModelError
 
 KEYS = {
@@ -63,7 +63,7 @@ def parse_card(text: str, source: str) -> Card:
         ModelError: If it is not TOML, or says something impossible.
     """
     try:
-        return _card(Table(tomllib.loads(text), known=KEYS))
+        return _card(Table(parse_toml(text), known=KEYS))
     except ValueError as error:
         raise ModelError(f"bad robot card: {source}; {error}") from error
 

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from math import isfinite
+from reprlib import repr as shortened
 from typing import Any, TypeVar
 
 from planner import did_you_mean
 
+LARGEST = 1e12  # numbers beyond it overflow somewhere
 T = TypeVar("T")
 
 
@@ -103,7 +105,10 @@ class Table:
     def _of(self, kind: str, key: str, fits: Callable[[object], bool]) -> Any:
         value = self.get(key)
         if not fits(value):
-            raise ValueError(f"{self._place(key)} must be {kind}, got {value!r}")
+            got = shortened(value)
+            raise ValueError(
+                f"{self._place(key)} must be {kind}, got {got}{_hint(value)}"
+            )
         return value
 
     def _place(self, key: str) -> str:
@@ -113,7 +118,14 @@ class Table:
 def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    return isfinite(value)
+    return -LARGEST <= value <= LARGEST
+
+
+def _hint(value: object) -> str:
+    """Which numbers do, for one that does not."""
+    if isinstance(value, float | int) and isfinite(value) and abs(value) > LARGEST:
+        return f"; none beyond {LARGEST:g} is taken"
+    return ""
 
 
 def _is_whole(value: object) -> bool:

@@ -12,6 +12,8 @@ import resource
 import sys
 from pathlib import Path
 
+import mujoco
+
 from models.description.compiled import compile_model, read_spec
 from models.description.files import assets, included
 from models.description.numbers import check_text
@@ -34,6 +36,7 @@ def examine(path: Path) -> list[Path]:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
     model = compile_model(read_spec(path), str(path))
+    run_once(model, path)
     named = assets(read_spec(path), model)  # compiling may drop some from a spec
     for file in sorted(named):
         if not file.is_file():
@@ -42,6 +45,26 @@ def examine(path: Path) -> list[Path]:
                 "correct meshdir or texturedir"
             )
     return sorted({path, *texts, *named})
+
+
+def run_once(model: mujoco.MjModel, path: Path) -> None:
+    """Make one step from wherever it starts.
+
+    Raises:
+        ModelError: If the engine breaks down, for want of memory as a rule.
+    """
+    try:
+        data = mujoco.MjData(model)
+        for key in range(model.nkey):
+            mujoco.mj_resetDataKeyframe(model, data, key)
+            mujoco.mj_step(model, data)
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_step(model, data)
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(
+            f"the engine cannot run it: {path}; {reason}; is <size memory> too small?"
+        ) from error
 
 
 def report(path: Path) -> dict[str, object]:

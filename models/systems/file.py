@@ -20,7 +20,6 @@ under the name `problem`; the fields of its system may be functions.
 from __future__ import annotations
 
 import runpy
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, cast
@@ -28,6 +27,7 @@ from typing import Any, cast
 import sympy as sp
 
 from models.description.table import Table
+from models.description.toml import parse_toml
 from models.errors import ProblemError
 from models.systems.problem import Problem, Words
 from planner import (
@@ -63,7 +63,7 @@ def load_system(path: Path, values: Mapping[str, object] | None = None) -> Probl
     try:
         if path.suffix == ".py":
             return _run(path, values or {})
-        return _decode(path.stem, tomllib.loads(source.decode()), values or {})
+        return _decode(path.stem, parse_toml(source.decode()), values or {})
     except (ValueError, PlannerError) as error:
         raise ProblemError(f"bad system: {path}; {error}") from error
 
@@ -73,7 +73,9 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
         raise ValueError("a Python file has no parameters to set; change them in it")
     try:
         problem = runpy.run_path(str(path)).get("problem")
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit, too
         raise ValueError(f"it ends with {type(error).__name__}: {error}") from error
     if not isinstance(problem, Problem):
         raise ValueError("it defines no models.Problem named `problem`; define one")

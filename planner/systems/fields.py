@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from planner.errors import SingularConfigurationError
+from planner.errors import FieldError, PlannerError, SingularConfigurationError
 from planner.numerics.arrays import Array
 
 Symbols = tuple[sp.Symbol, ...]
@@ -86,7 +86,7 @@ class NumericField:
 
     def __call__(self, x: Array) -> Array:
         """The velocity at one configuration, shape (n,)."""
-        velocity = np.asarray(self.value(x), dtype=float)
+        velocity = np.asarray(_called(self.value, x), dtype=float)
         if velocity.shape != x.shape:
             raise ValueError(
                 f"numeric field returned shape {velocity.shape} "
@@ -101,8 +101,18 @@ class NumericField:
     def derivative(self, x: Array, direction: Array) -> Array:
         """Derivative of the field along a direction, both of shape (n,)."""
         if self.jacobian is not None:
-            return np.asarray(self.jacobian(x), dtype=float) @ direction
+            return np.asarray(_called(self.jacobian, x), dtype=float) @ direction
         return central_difference(self, x, direction)
+
+
+def _called(function: Callable[[Array], ArrayLike], x: Array) -> ArrayLike:
+    """What a user's function gives; whatever it raises is told with the place."""
+    try:
+        return function(x)
+    except (KeyboardInterrupt, PlannerError):
+        raise
+    except BaseException as error:  # sys.exit, too
+        raise FieldError(x, error) from error
 
 
 def central_difference(

@@ -18,6 +18,7 @@ import sympy as sp
 
 from planner.numerics.arrays import ROUNDING, Array
 from planner.systems.fields import (
+    KINKS,
     NumericField,
     Symbols,
     VectorField,
@@ -89,7 +90,7 @@ class WeighedValues:
 
     def _whole(self, entry: sp.Expr) -> Weighed:
         """A formula whose arguments are not all formulas, such as one by cases."""
-        function = sp.lambdify(self._state, entry, modules="numpy")
+        function = sp.lambdify(self._state, entry, modules=[KINKS, "numpy"])
         value = np.asarray(function(*self.points.T), dtype=float)
         return value, np.abs(value)
 
@@ -150,6 +151,6 @@ def _function(function: type[sp.Expr], count: int) -> Callable[..., Array]:
         return np.float_power
     arguments = [sp.Dummy(real=True) for _ in range(count)]
     compiled: Callable[..., Array] = sp.lambdify(
-        arguments, function(*arguments, evaluate=False), modules="numpy"
+        arguments, function(*arguments, evaluate=False), modules=[KINKS, "numpy"]
     )
     return compiled

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from models import ProblemError
+from models import ProblemError, parse_toml
 from planner import did_you_mean
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override
@@ -47,7 +46,7 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
 
 def _has_strata(path: Path) -> bool:
     try:
-        return "strata" in tomllib.loads(path.read_text())
+        return "strata" in parse_toml(path.read_text())
     except (OSError, ValueError):
         return False
 

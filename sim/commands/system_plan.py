@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -70,6 +71,8 @@ def is_for_systems(options: argparse.Namespace) -> bool:
     _refuse(options, FOR_ROBOTS, "is for robots")
     if options.save == "":
         raise UsageError("an empty name", "--save", "name a file, or leave it out")
+    if options.save and os.path.lexists(options.save):
+        raise UsageError("already exists", options.save, "give --save another name")
     return True
 
 

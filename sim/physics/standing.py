@@ -41,10 +41,22 @@ def check_standing(
         lift_angle: Of lifted legs [rad]; they must clear the ground when others sag.
 
     Raises:
-        ModelError: If it tips, sags or lies on something.
+        ModelError: If it tips, sags or lies on something, or the engine breaks down.
         UsageError: If it starts inside an obstacle.
     """
     silence_the_engine()
+    try:
+        _check_standing(kinematics, model, lift_angle)
+    except mujoco.FatalError as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(
+            f"the engine cannot run it: {kinematics.robot.path}; {reason}"
+        ) from error
+
+
+def _check_standing(
+    kinematics: Kinematics, model: mujoco.MjModel, lift_angle: float
+) -> None:
     robot, data = kinematics.robot, mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_forward(model, data)

@@ -7,12 +7,12 @@ it reads back as the same scenario.
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Iterable, Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from models import parse_toml
 from planner import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
@@ -61,8 +61,8 @@ def parse_override(text: str) -> tuple[str, object]:
     if not (key and equals and value):
         raise UsageError(f"{text!r} sets nothing", "--set", "write KEY=VALUE")
     try:
-        table = tomllib.loads(f"value = {value}")
-    except tomllib.TOMLDecodeError:
+        table = parse_toml(f"value = {value}")
+    except ValueError:
         return key, value
     return key, table["value"] if len(table) == 1 else value
 
@@ -117,8 +117,8 @@ def _known(source: str) -> str:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_bytes().decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        return parse_toml(path.read_bytes().decode())
+    except ValueError as error:
         raise UsageError(f"not TOML, {error}", str(path), "correct the file") from error
     except OSError as error:
         reason = f"cannot be read, {error.strerror}"

@@ -57,7 +57,7 @@ class Scenario:
         "ideal",
     )
     friction: float = setting(Number(0, 10), "sliding friction, feet and floor", 1.0)
-    timestep: float = setting(Number(0, 0.02, above=True), "of the physics [s]", 0.0005)
+    timestep: float = setting(Number(1e-6, 0.02), "of the physics [s]", 0.0005)
     servo_stiffness: float | None = setting(
         Number(0, 1e6, above=True), "of every joint's servo [N m/rad]", None
     )

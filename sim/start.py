@@ -1,0 +1,52 @@
+"""The command's first moments: signals, warnings and streams, before all else loads.
+
+What `sim.cli` needs takes a tenth of a second to load; a Ctrl-C meanwhile ends the
+command as it does later on.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import warnings
+from typing import NoReturn
+
+ENDS = {
+    signal.SIGINT: (130, "interrupted: Ctrl-C"),
+    signal.SIGTERM: (143, "terminated: SIGTERM"),
+}
+
+
+def main() -> int:
+    """Run the command in a process of its own; its exit code."""
+    for number in ENDS:
+        signal.signal(number, _end_early)
+    _prepare_streams()
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")  # libraries' hints to programmers
+    from sim.cli import main as run
+
+    code = run()
+    for number in ENDS:  # all is done and said
+        signal.signal(number, signal.SIG_IGN)
+    return code
+
+
+def _end_early(number: int, frame: object) -> NoReturn:
+    code, what = ENDS[signal.Signals(number)]
+    line = f"stratawalk: error: {what}; nothing was begun, start again\n"
+    os.write(2, line.encode())
+    os._exit(code)
+
+
+def _prepare_streams() -> None:
+    """Say everything on any terminal, and nothing where there is none."""
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,232 @@
+"""Inputs and surroundings that once ended the command with a traceback, or in silence."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from models.description.robot import FOLDER
+from sim.pictures import gl
+
+OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
+COMMAND = [sys.executable, "-m", "sim.cli"]
+
+
+@pytest.fixture
+def stratawalk(tmp_path):
+    """Run the real command in an empty folder."""
+
+    def run(*words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **environment):
+        return subprocess.run(
+            [*COMMAND, *words],
+            cwd=tmp_path,
+            env=OUTSIDE | {"PYTHONPATH": os.getcwd()} | environment,
+            stdout=stdout,
+            stderr=stderr,
+            text=True,
+        )
+
+    return run
+
+
+def refusal(done):
+    """The one line that a refused command prints."""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("stratawalk: error: ")
+    return line
+
+
+SYSTEM = """
+state = ["a", "b", "c"]
+goal = { c = 1 }
+start = { a = 1, b = 1 }
+[strata.0]
+f = { a = 1, c = "%s" }
+g = { b = 1 }
+"""
+
+
+@pytest.mark.parametrize("formula", ["Abs(b)", "b*sign(a)"])
+def test_documented_functions_with_kinks_can_be_planned_with(
+    stratawalk, tmp_path, formula
+):
+    (tmp_path / "kink.toml").write_text(SYSTEM % formula)
+    done = stratawalk("check", "kink.toml")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+TOML = {
+    "nested deeply": "segments = " + "[" * 5000,
+    "nested too deeply": f"segments = {'[' * 40}1{']' * 40}",
+    "of many digits": "segments = " + "1" * 5000,
+    "beyond every float": f"friction = 1{'0' * 400}",
+}
+
+
+@pytest.mark.parametrize("text", TOML.values(), ids=TOML)
+def test_toml_that_python_cannot_hold_is_bad_configuration(stratawalk, tmp_path, text):
+    for name, words in (("mine.toml", ("plan", "mine.toml")), ("s.toml", ("check",))):
+        (tmp_path / name).write_text(text)
+        done = stratawalk(*words, *([name] if len(words) == 1 else []))
+        assert done.returncode == 2
+        assert name in refusal(done)
+
+
+def test_a_number_of_an_option_may_be_too_large_for_python(stratawalk):
+    done = stratawalk("plan", "line", "--set", f"friction=1{'0' * 400}")
+    assert done.returncode == 2
+    assert "friction = '1000" in refusal(done)
+
+
+def test_a_timestep_that_no_walk_would_survive_is_refused(stratawalk):
+    done = stratawalk("plan", "line", "--set", "timestep=1e-320")
+    assert done.returncode == 2
+    assert "give a number from 1e-06 to 0.02" in refusal(done)
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """Write the shipped hexapod with a text replaced in its MJCF or card."""
+
+    def write(old, new, encoding="utf-8"):
+        for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
+            text = (FOLDER / name).read_text().replace(old, new)
+            path = tmp_path / name.replace("hexapod", "mine")
+            path.write_text(text, encoding=encoding)
+        return "mine.xml"
+
+    return write
+
+
+def test_an_engine_without_room_is_a_bad_model(stratawalk, robot):
+    done = stratawalk("robots", robot("<worldbody>", '<size memory="20K"/><worldbody>'))
+    assert done.returncode == 3
+    assert "the engine cannot run it: " in refusal(done)
+
+
+def test_a_gain_that_overflows_is_a_bad_card(stratawalk, robot):
+    done = stratawalk("robots", robot("{ 1 = -1,", "{ 1 = 1e308,"))
+    assert done.returncode == 3
+    assert "none beyond 1e+12 is taken" in refusal(done)
+
+
+def test_mjcf_in_latin_1_is_read(stratawalk, robot):
+    name = robot("<worldbody>", "<!-- Fü\xdfe --><worldbody>", encoding="latin-1")
+    done = stratawalk("robots", name)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_ascii_cannot_say_is_said_in_escapes(stratawalk):
+    done = stratawalk("robots", "ö", PYTHONIOENCODING="ascii")
+    assert done.returncode == 2
+    assert r"unknown robot: '\xf6'" in refusal(done)
+
+
+@pytest.mark.parametrize("words", [("plan", "biped"), ("plan", "gone")], ids=" ".join)
+def test_a_full_disk_under_the_output_is_a_fault_of_files(stratawalk, words):
+    with open("/dev/full", "w") as full:
+        done = stratawalk(*words, "--json", stdout=full)
+    assert done.returncode == (6 if words[1] == "biped" else 2)
+    refusal(done)
+
+
+def test_a_full_disk_under_standard_error_leaves_the_code(stratawalk):
+    with open("/dev/full", "w") as full:
+        done = stratawalk("plan", "gone", stderr=full)
+    assert (done.returncode, done.stdout) == (2, "")
+
+
+PYTHON = {
+    "sys.exit": "import sys; sys.exit(0)",
+    "an exception of its own": "class Gone(BaseException): pass\nraise Gone",
+    "a plain error": "1 / 0",
+}
+
+
+@pytest.mark.parametrize("text", PYTHON.values(), ids=PYTHON)
+def test_a_python_system_may_end_as_it_likes(stratawalk, tmp_path, text):
+    (tmp_path / "mine.py").write_text(text)
+    done = stratawalk("check", "mine.py")
+    assert done.returncode == 2
+    assert "bad system: mine.py; it ends with " in refusal(done)
+
+
+FUNCTION = """
+import sys
+import sympy as sp
+from models import Problem
+from planner import StratifiedSystem
+
+calls = []
+
+def f(x):
+    calls.append(x)
+    if len(calls) > 400:
+        sys.exit(0)
+    return [1, 0, x[1]]
+
+system = StratifiedSystem(sp.symbols("x y z"), {"0": {"f": f, "g": [0, 1, 0]}}, "0")
+problem = Problem(
+    name="mine", description="", system=system, gait=("0",), goal={"x": 1},
+    elements=("f", "g", "[f,g]"),
+)
+"""
+
+
+def test_a_function_of_a_field_may_end_as_it_likes(stratawalk, tmp_path):
+    (tmp_path / "mine.py").write_text(FUNCTION)
+    done = stratawalk("plan", "mine.py")
+    assert done.returncode == 4
+    assert "a field's function ends with SystemExit at (" in refusal(done)
+
+
+def test_a_plan_is_never_saved_over_another(stratawalk, tmp_path):
+    (tmp_path / "plan.json").write_text("mine")
+    done = stratawalk("plan", "biped", "--save", "plan.json")
+    assert done.returncode == 2
+    assert "already exists: plan.json; give --save another name" in refusal(done)
+    assert (tmp_path / "plan.json").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
+)
+def test_a_signal_while_the_command_loads_is_one_line(tmp_path, number, code):
+    """Sent as soon as our first module runs, long before all of it is loaded."""
+    program = (
+        "import os, signal, sys, importlib.abc\n"
+        "import sim.start\n"
+        "class Trap(importlib.abc.MetaPathFinder):\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        f"        if name == 'sim.cli': os.kill(os.getpid(), {int(number)})\n"
+        "sys.meta_path.insert(0, Trap())\n"
+        "sys.argv = ['stratawalk', 'robots']\n"
+        "sys.exit(sim.start.main())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=OUTSIDE
+    )
+    assert (done.returncode, done.stdout) == (code, "")
+    refusal(done)
+
+
+def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
+    name = robot(
+        "<worldbody>",
+        '<worldbody><replicate count="300000"><geom size="1"/></replicate>',
+    )
+    process = subprocess.Popen(
+        [*COMMAND, "robots", name],
+        cwd=tmp_path,
+        env=OUTSIDE | {"PYTHONPATH": os.getcwd()},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    time.sleep(6)  # long enough to be compiling, on any machine that runs this
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert said.startswith("stratawalk: error: interrupted")
