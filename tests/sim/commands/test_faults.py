@@ -1,4 +1,4 @@
-"""Inputs and surroundings that once ended the command with a traceback, or in silence."""
+"""Inputs and surroundings that once ended the command with a traceback."""
 
 import os
 import signal
