@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import runpy
 import signal
 import sys
 import traceback
@@ -85,6 +86,4 @@ def _silence_output() -> None:
 
 
 if __name__ == "__main__":
-    from sim.start import main as start
-
-    sys.exit(start())
+    runpy.run_module("sim.start", run_name="__main__")  # as the installed command
