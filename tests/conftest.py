@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 
+from models.description.robot import FOLDER
 from models.library import load as load_robot
 from sim.errors import RenderError
 from sim.folder import RunFolder
@@ -16,6 +17,23 @@ from sim.scenarios.scenario import Scenario
 @pytest.fixture(scope="session")
 def hexapod():
     return load_robot("hexapod")
+
+
+@pytest.fixture
+def edited(tmp_path):
+    """Make the shipped hexapod with some of its text replaced; gives the robot."""
+
+    def make(*edits):
+        names = ("hexapod.xml", "hexapod.toml", "scene.xml")
+        texts = [(FOLDER / name).read_text() for name in names]
+        for old, new in zip(edits[::2], edits[1::2], strict=True):
+            assert any(old in text for text in texts), old
+            texts = [text.replace(old, new) for text in texts]
+        for name, text in zip(names, texts, strict=True):
+            (tmp_path / name).write_text(text)
+        return load_robot(str(tmp_path / "hexapod.xml"))
+
+    return make
 
 
 @pytest.fixture

@@ -26,6 +26,26 @@ def test_the_joints_go_no_farther_than_their_range(lifting):
     assert lifting.highest == lifting.rise(np.array(0.6)).min()
 
 
+def test_the_joint_that_goes_least_far_bounds_all_of_them(edited):
+    joint = '<joint class="lift" name="lift_3"/>'
+    robot = edited(joint, joint.replace("/>", ' range="-0.1 0.4"/>'))
+    assert Lifting(Kinematics(robot)).farthest == pytest.approx(0.4)
+
+
+def test_the_foot_that_rises_least_is_the_height_of_all(edited):
+    """A leg of 0.08 m instead of 0.105 m is raised by less at the same angle."""
+    long = (
+        '<geom class="foot" pos="0.105 0 -0.052" rgba="0.80 0.27 0.24 1" name="foot_3"'
+    )
+    lifting = Lifting(Kinematics(edited(long, long.replace("0.105", "0.080"))))
+    rises = lifting.rise(np.array(0.6))
+    assert rises.argmin() == 2
+    assert np.ptp(rises) > 0.01
+    assert lifting.highest == pytest.approx(rises[2], abs=1e-12)
+    angle = lifting.angle(0.02)
+    assert lifting.rise(np.array(angle))[2] == pytest.approx(0.02, abs=1e-8)
+
+
 def test_a_lift_height_beyond_the_range_is_refused_with_the_achievable_one(
     scenario, lifting
 ):

@@ -41,10 +41,12 @@ def test_quadruped_can_lift_front_legs_at_rest_and_hind_ones_elsewhere():
     assert all(best > asked for _, best in found.values())
 
 
-def test_the_best_share_is_that_of_any_legs_at_zero_or_at_an_end_of_their_range():
-    robot = load("quadruped")
+@pytest.mark.parametrize("name", ["quadruped", "hexapod"])
+def test_the_best_share_is_that_of_any_legs_at_zero_or_at_an_end_of_their_range(name):
+    robot = load(name)
     places = [np.array([low, 0.0, high]) for low, high in robot.swing_range.values()]
-    swing = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, 4)
+    swing = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
+    swing = swing.reshape(-1, len(places))
     stance = Kinematics(robot).stance(swing)
     for stratum, (rest, best) in StaticStability(robot).at_rest_and_best().items():
         on = robot.planted(stratum)

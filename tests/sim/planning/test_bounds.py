@@ -6,16 +6,18 @@ import mujoco
 import numpy as np
 import pytest
 
+from planner import Execution, plan, rollout
 from planner.errors import BoundError
 from planner.planning import subdivision as subdivide
 from sim.errors import ExitCode, exit_code
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import predict
 from sim.obstacles.clearance import surroundings
-from sim.planning.bounds import within_bounds
+from sim.planning.bounds import _reach, within_bounds
 from sim.planning.forecast import foresee
 from sim.preparation.setup import prepare
 from sim.scenarios import obstacles as shapes
+from sim.scenarios.body_path import line
 from sim.scenarios.file import load_scenario
 
 EVERY = 80  # steps between looks of the dense check: 0.02 rad of the fastest swing
@@ -120,6 +122,34 @@ def test_a_straight_walk_is_cut_hardly_finer_than_the_joint_range_asks(replan):
     fewest = way / sweep
     assert fewest <= setup.scenario.segments <= 2 * np.ceil(fewest)
     assert all(stage.fraction == 1 for stage in foresee(setup))
+
+
+@pytest.mark.parametrize("span", [(-0.2, 0.45), (-0.45, 0.2)], ids=["back", "front"])
+def test_each_end_of_a_range_is_told_apart(edited, scenario, span):
+    """The legs of one tripod go less far to one side, and the walk is longer yet."""
+    edits = []
+    for leg in (2, 3, 6):  # of one sign, so that the range is that of their group
+        low_high, joint = f'range="{span[0]} {span[1]}"', f'name="swing_{leg}"'
+        edits += [f"{joint}/>", f"{joint} {low_high}/>"]
+    robot = edited(*edits)
+    assert robot.swing_range["2"] == pytest.approx(span)
+    path = line((0.06, 0.06, 0.0))
+    setup = prepare(scenario(robot=str(robot.path), segments=3, path=path))
+    slack = _reach(setup)
+    planned = plan(
+        setup.extended,
+        setup.nominal(),
+        setup.scenario.segments,
+        execution=Execution(stance=setup.stance),
+    )
+    phi = [setup.extended.shape.names.index(f"phi_{group}") for group in "12"]
+    angle = rollout(planned)[1:, phi]
+    low, high = np.transpose([robot.swing_range[group] for group in "12"])
+    left = np.minimum(high - angle, angle - low).min(axis=1)
+    pieces = np.split(left, planned.segment_ends[:-1])
+    assert slack.walking == pytest.approx([piece.min() for piece in pieces], abs=1e-12)
+    assert slack.walking.min() < 0
+    assert slack.standing == pytest.approx(np.full(3, 0.2))
 
 
 def test_a_lift_is_decided_by_the_segment_that_left_the_legs_there():
