@@ -94,16 +94,23 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_bar_is_for_terminals_alone(monkeypatch):
-    monkeypatch.setenv("TERM", "xterm")
+@pytest.mark.parametrize(
+    ("stream", "term", "shown"),
+    [
+        (io.StringIO(), "xterm", False),
+        (Terminal(), "xterm", True),
+        (Terminal(), "dumb", False),  # it cannot draw over what it has drawn
+    ],
+    ids=["pipe", "terminal", "dumb terminal"],
+)
+def test_bar_is_for_terminals_alone(monkeypatch, stream, term, shown):
+    monkeypatch.setenv("TERM", term)
+    monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.delenv("NO_COLOR", raising=False)
-    shown = {}
-    for name, stream in {"pipe": io.StringIO(), "terminal": Terminal()}.items():
-        monkeypatch.setattr(sys, "stderr", stream)
-        with bar() as progress:
-            progress("walking", 0.5)
-        shown[name] = "walking" in stream.getvalue()
-    assert shown == {"pipe": False, "terminal": True}
+    monkeypatch.setattr(sys, "stderr", stream)
+    with bar() as progress:
+        progress("walking", 0.5)
+    assert ("walking" in stream.getvalue()) == shown
 
 
 def test_bar_can_be_kept_quiet(monkeypatch):
