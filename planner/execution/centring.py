@@ -23,26 +23,24 @@ NEGLIGIBLE = 1e-12  # a recovery shorter than this is a rounding error
 
 @dataclass(slots=True)
 class _Visit:
-    """A stay on one stratum: swings in the air first, then sweeps under load."""
+    """A stay on one stratum: recoveries first, then strokes."""
 
     stratum: str
-    segment: int  # to which its air swings belong
-    swings: dict[str, float] = field(default_factory=dict)  # duration by field
-    sweeps: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
-    runs: list[tuple[str, float]] = field(
-        default_factory=list
-    )  # sweeps of a field joined
+    segment: int  # to which its recoveries belong
+    recoveries: dict[str, float] = field(default_factory=dict)  # duration by field
+    strokes: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
+    runs: list[tuple[str, float]] = field(default_factory=list)  # strokes, joined
 
     def add(self, segment: int, flow: Flow) -> None:
-        """One more sweep under load."""
-        self.sweeps.append((segment, flow))
+        """Append a stroke."""
+        self.strokes.append((segment, flow))
         before = 0.0
         if self.runs and self.runs[-1][0] == flow.field:
             _, before = self.runs.pop()
         self.runs.append((flow.field, before + flow.duration))
 
     def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
-        """Middle and net of a coordinate's sweep from its start, if there is one."""
+        """Middle and end of a coordinate's strokes, from their start; None if none."""
         lowest = highest = net = 0.0
         loaded = False
         for name, duration in self.runs:
@@ -60,14 +58,14 @@ def centred(
     goal: Array | None,
     ends: tuple[str, str],
 ) -> list[list[Flow]]:
-    """The same motion of the body with sweeps under load centred on zero.
+    """Flows that move the body as given ones do, with every stroke centred on zero.
 
     Args:
         shape: Shape coordinates of the system.
         segments: Flows of each segment, grouped by stratum.
         start: Configuration before the first flow, shape (n,).
-        goal: Configuration whose shape to return to; None lets the legs be.
-        ends: Strata at rest before the first flow and after the last one.
+        goal: Configuration whose shape to end in; None leaves the legs where they are.
+        ends: Strata before the first flow and after the last one.
     """
     visits = list(_visits(shape, segments))
     if visits or goal is not None:
@@ -76,9 +74,9 @@ def centred(
             _centre(shape, visits, coordinate, float(start[coordinate]), last, ends)
     ordered: list[list[Flow]] = [[] for _ in segments]
     for visit in visits:
-        for name, duration in visit.swings.items():
+        for name, duration in visit.recoveries.items():
             ordered[visit.segment].append(Flow(visit.stratum, name, duration))
-        for segment, flow in visit.sweeps:
+        for segment, flow in visit.strokes:
             ordered[segment].append(flow)
     return ordered
 
@@ -86,7 +84,7 @@ def centred(
 def _visits(
     shape: ShapeCoordinates, segments: Sequence[Sequence[Flow]]
 ) -> Iterator[_Visit]:
-    """Visits without the plan's own air swings, which may leave some empty."""
+    """Visits without the recoveries of the plan; some visits may be left empty."""
     visit = None
     for k, flows in enumerate(segments):
         for flow in flows:
@@ -108,8 +106,8 @@ def _centre(
     last: float | None,
     ends: tuple[str, str],
 ) -> None:
-    """Put one coordinate where each of its sweeps lies around zero."""
-    swings = {
+    """Add recoveries that centre the strokes of one coordinate on zero."""
+    recoveries = {
         shape.system.stratum_of[name]: (name, rate)
         for name, (moved, rate) in shape.free.items()
         if moved == coordinate
@@ -120,32 +118,36 @@ def _centre(
         if load := visits[i].load(rates):
             middle, net = load
             if abs(-middle - angle) > NEGLIGIBLE:
-                place, added = _place(shape.system, visits, swings, (previous, i), ends)
-                name, rate = swings[place.stratum]
-                place.swings[name] = (-middle - angle) / rate
+                place, added = _place(
+                    shape.system, visits, recoveries, (previous, i), ends
+                )
+                name, rate = recoveries[place.stratum]
+                place.recoveries[name] = (-middle - angle) / rate
                 i += added
             angle, previous = net - middle, i
         i += 1
     if last is not None and abs(last - angle) > NEGLIGIBLE:
-        place, _ = _place(shape.system, visits, swings, (previous, len(visits)), ends)
-        name, rate = swings[place.stratum]
-        place.swings[name] = (last - angle) / rate
+        place, _ = _place(
+            shape.system, visits, recoveries, (previous, len(visits)), ends
+        )
+        name, rate = recoveries[place.stratum]
+        place.recoveries[name] = (last - angle) / rate
 
 
 def _place(
     system: StratifiedSystem,
     visits: list[_Visit],
-    swings: Mapping[str, tuple[str, float]],
+    recoveries: Mapping[str, tuple[str, float]],
     between: tuple[int, int],
     ends: tuple[str, str],
 ) -> tuple[_Visit, bool]:
-    """The latest visit between two that can swing in the air, or else a new one.
+    """The latest visit between two others that allows the recovery, or a new visit.
 
-    A new visit goes where it adds fewest contact switches.
+    A new visit is inserted where it adds fewest contact switches.
     """
     first, last = between
     for visit in reversed(visits[first + 1 : last]):
-        if visit.stratum in swings:
+        if visit.stratum in recoveries:
             return visit, False
     walk = [ends[0], *(visit.stratum for visit in visits), ends[1]]
 
@@ -153,7 +155,7 @@ def _place(
         return system.switches(walk[k], stratum) + system.switches(stratum, walk[k + 1])
 
     k, stratum = min(
-        ((k, stratum) for k in range(first + 1, last + 1) for stratum in swings),
+        ((k, stratum) for k in range(first + 1, last + 1) for stratum in recoveries),
         key=lambda place: (
             added(*place) - system.switches(walk[place[0]], walk[place[0] + 1])
         ),

@@ -1,9 +1,9 @@
-"""Where to set legs in the air, one after another, so that the others always stand.
+"""Leg repositioning: move legs through the air, one at a time, stable throughout.
 
-Whether the others stand without a leg depends on where they are. So a leg may have to
-wait for another one, or another one may have to stand elsewhere for a while: the
-cheapest such sequence is found among the places that each leg is given. Knows neither
-what a leg is nor why the others stand.
+Whether the robot is statically stable without a leg depends on where the other legs
+are. A leg may therefore have to wait for another one, or another one may have to stand
+elsewhere for a while. The cheapest sequence of moves between given places of the legs
+is found by value iteration over all combinations of places.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from planner.numerics.arrays import Array
 
-LIFT = 1.0  # what lifting a leg costs, in units of its way
+LIFT = 1.0  # cost of lifting a leg, in the unit of distances between places
 
 
 def reposition_legs(
@@ -26,14 +26,14 @@ def reposition_legs(
     """The cheapest sequence of moves, one leg at a time.
 
     Args:
-        places: Where each of L legs may stand, shape (P_i,).
-        steady: For each leg whether the others stand while it is off the ground, for
+        places: Places where each of L legs may stand, shape (P_i,).
+        steady: Whether the robot is stable while a leg is in the air, for each leg and
             all combinations of places, shape (L, P_1, ..., P_L), bool.
-        now: Where each leg is, as an index of its places.
-        goal: Where each is to be, likewise.
+        now: Index of the place where each leg is.
+        goal: Index of the place where each leg is to be.
 
     Returns:
-        Leg and place of each move in time order; None if there is no such sequence.
+        Leg and place of each move in time order; None if no sequence leads there.
     """
     ways = [_ways(place) for place in places]
     cost = np.full([len(place) for place in places], np.inf)
@@ -52,14 +52,14 @@ def reposition_legs(
 
 
 def _ways(place: Array) -> Array:
-    """Cost of a move between two places of a leg, shape (P, P); none stays."""
+    """Cost of a move between two places of a leg, shape (P, P); infinite to stay."""
     way = LIFT + np.abs(place[:, None] - place)
     np.fill_diagonal(way, np.inf)
     return way
 
 
 def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:
-    """Cost of reaching the goal, with one more move than before at most."""
+    """Cost of reaching the goal with at most one more move than before."""
     best = cost
     for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
         landed = np.where(free, cost, np.inf).swapaxes(leg, 0)  # (P, ...)
@@ -72,7 +72,7 @@ def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:
 def _next(
     cost: Array, ways: Sequence[Array], steady: Array, here: Sequence[int]
 ) -> tuple[int, int]:
-    """The leg and place to which a cheapest sequence goes on."""
+    """Leg and place of the next move of a cheapest sequence."""
     best = (np.inf, 0, 0)
     for leg, (way, free) in enumerate(zip(ways, steady, strict=True)):
         if free[tuple(here)]:

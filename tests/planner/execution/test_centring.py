@@ -1,4 +1,4 @@
-"""Centring by swings in the air: the same motion of the body, legs in the middle."""
+"""Centring by recoveries: the same motion of the body, legs in the middle."""
 
 import numpy as np
 import pytest
@@ -228,7 +228,9 @@ def test_fields_known_as_functions_have_no_known_shape(stance):
     straight = line([0, 0], [1, 1])
     planned = plan(mixed, straight, 2, ["a", "b"], execution=Execution(stance=stance))
     assert rollout(planned)[-1] == pytest.approx([1, 1], abs=ROUNDING)
-    with pytest.raises(ValueError, match="limit of x: .* only a function knows; limit"):
+    with pytest.raises(
+        ValueError, match="limit of x: .* known as a function only; limit"
+    ):
         plan(mixed, straight, 2, ["a", "b"], execution=Execution(limits={"x": (-1, 1)}))
 
 

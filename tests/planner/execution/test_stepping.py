@@ -1,4 +1,4 @@
-"""Stepping between sweeps: the body moves under load alone, and never tips."""
+"""Leg repositioning between strokes: only strokes move the body, and it never tips."""
 
 from dataclasses import replace
 
@@ -80,7 +80,7 @@ def test_body_moves_as_by_the_plan_without_steps(quadruped, described, extended,
     assert ends[0][3:] == pytest.approx(np.zeros(8), abs=1e-12)
 
 
-def test_sweeps_under_load_lie_around_zero(plan):
+def test_strokes_are_centred_on_zero(plan):
     states = rollout(plan)
     loaded = [flow.stratum == plan.system.bottom for flow in plan.flows]
     angles = (states[:-1] + states[1:])[loaded, 3:7] / 2
@@ -141,16 +141,16 @@ def _written(shape, like, folder):
     return load(str(folder / "robot.xml"))
 
 
-def test_a_range_beside_zero_leaves_no_room_for_sweeps_around_it(
+def test_a_range_beside_zero_leaves_no_room_for_strokes_around_it(
     quadruped, described, extended
 ):
     narrow = limits(quadruped) | {"phi_1": (0.0, 0.5)}
-    with pytest.raises(StratumError, match="phi_1 around zero, not inside"):
+    with pytest.raises(StratumError, match="phi_1 around zero, which is not inside"):
         planned(quadruped, described, extended, limits=narrow)
 
 
 @pytest.mark.parametrize("span", [(-0.1, 0.4), (-0.4, 0.1)], ids=["back", "front"])
-def test_the_nearer_end_of_a_range_bounds_sweeps_around_zero(span):
+def test_the_nearer_end_of_a_range_bounds_strokes_around_zero(span):
     """A way of 0.5 around zero in a range of 0.1 to one side takes three parts."""
     strata = {"1": {"push": [1, 0.5]}, "0": {"swing": [0, 1]}}
     shape = ShapeCoordinates(StratifiedSystem("x p", strata, "1"))
