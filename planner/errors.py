@@ -1,4 +1,4 @@
-"""What the planner can refuse, each with the value, the place and the way out."""
+"""Errors of the planner; each message gives the value, the place and a remedy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 
 def point(configuration: Iterable[float]) -> str:
-    """A configuration as a message shows it: `(0.1, 0, -2)`."""
+    """A configuration as it is written in messages: `(0.1, 0, -2)`."""
     return f"({', '.join(f'{value:.6g}' for value in configuration)})"
 
 
@@ -34,18 +34,18 @@ def unknown(name: str, known: Iterable[str]) -> str:
 
 
 class PlannerError(Exception):
-    """A request that the mathematics cannot serve; the root of this package's errors.
+    """A request that cannot be satisfied; the base class of this package's errors.
 
-    Bad arguments (wrong shapes, unknown names, NaN) are ``ValueError`` instead.
+    Invalid arguments (wrong shapes, unknown names, NaN) raise ``ValueError`` instead.
     """
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Travel between processes, although subclasses are made from other values."""
+        """Support pickling, since subclasses take other arguments than the message."""
         return Exception.__new__, (type(self), *self.args), self.__dict__
 
 
 class SingularConfigurationError(PlannerError):
-    """A field or path that has no finite value at a configuration."""
+    """A field that has no finite value at a configuration."""
 
     def __init__(self, name: str, configuration: Iterable[float]) -> None:
         super().__init__(
@@ -65,10 +65,10 @@ class FieldError(PlannerError):
 
 
 class ResolutionError(PlannerError):
-    """Segments along which inputs known at nodes do not follow the path in between.
+    """Segments whose inputs, known at nodes, do not follow the path between the nodes.
 
     Attributes:
-        segments: Indices of the segments; shorter ones may do.
+        segments: Indices of the segments. Shorter segments may be followed.
     """
 
     def __init__(self, message: str, segments: Sequence[int]) -> None:
@@ -77,7 +77,7 @@ class ResolutionError(PlannerError):
 
 
 class RankError(PlannerError):
-    """Elements that do not span the bottom stratum's tangent space (Def. 3)."""
+    """Elements that do not span the tangent space of the bottom stratum (Def. 3)."""
 
     def __init__(
         self, configuration: Iterable[float], needed: int, missing: Sequence[str]
@@ -85,9 +85,9 @@ class RankError(PlannerError):
         """Compose the message.
 
         Args:
-            configuration: Where they do not.
+            configuration: Configuration at which they do not.
             needed: Dimension of the bottom stratum.
-            missing: Directions that they lack, in words.
+            missing: Directions that they lack, as text.
         """
         self.rank, self.needed = needed - len(missing), needed
         self.missing = tuple(missing)
@@ -99,10 +99,10 @@ class RankError(PlannerError):
 
 
 class RangeError(PlannerError):
-    """A plan that leaves the range of a shape variable.
+    """A plan that leaves the range of a shape coordinate.
 
     Attributes:
-        segments: Number of segments that would do, None if none was found.
+        segments: Number of segments that keep the range; None if none was found.
     """
 
     def __init__(
@@ -117,12 +117,12 @@ class RangeError(PlannerError):
         """Compose the message.
 
         Args:
-            name: The shape variable.
-            reached: The value that it would have.
-            low: The lowest that it may have.
-            high: The highest.
-            segments: Number of segments that would do.
-            hopeless: Why there is no such number, as far as that is known.
+            name: Name of the shape coordinate.
+            reached: Value that it would reach.
+            low: Lowest value of its range.
+            high: Highest value of its range.
+            segments: Number of segments that keep the range.
+            hopeless: Why there is no such number, as far as is known.
         """
         self.name, self.reached, self.low, self.high = name, reached, low, high
         self.segments = segments
@@ -135,25 +135,25 @@ class RangeError(PlannerError):
         )
 
     def with_segments(self, segments: int | None, hopeless: str = "") -> RangeError:
-        """The same refusal with a number of segments that would do, or why none."""
+        """The same error with a number of segments that suffice, or why none does."""
         place = self.name, self.reached, self.low, self.high
         return RangeError(*place, segments, hopeless)
 
 
 class BoundError(PlannerError):
-    """A lower bound that no plan, or none of a sensible number of segments, keeps."""
+    """A bound that no plan keeps with a reasonable number of segments."""
 
 
 class StratumError(PlannerError):
-    """A change of stratum, or a walk of several, that the strata do not allow."""
+    """A change of stratum, or a sequence of them, that the system does not allow."""
 
 
 class ConvergenceError(PlannerError):
-    """A flow, or a series of shots, that does not converge."""
+    """A flow, or a sequence of shots, that does not converge."""
 
 
 class DecouplingError(PlannerError):
-    """A lift that does not commute with a field used while the foot is up (eq. 13)."""
+    """A lift field that does not commute with a field used in the air, eq. (13)."""
 
     def __init__(self, lift: str, field: str) -> None:
         self.lift, self.field = lift, field

@@ -1,1 +1,1 @@
-"""Sec. 5.2: from a path to a plan, played, planned again, saved."""
+"""Sec. 5.2: from a path to a plan; rollout, replanning, shooting, plan files."""

@@ -1,4 +1,4 @@
-"""Plans: from a nominal path to flows on strata, the five steps of Sec. 5.2."""
+"""The motion planning algorithm of Sec. 5.2: from a nominal path to flows on strata."""
 
 from __future__ import annotations
 
@@ -26,29 +26,30 @@ from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
 from planner.systems.strata import StratifiedSystem
 
-MOST_TRIED = 10_000  # when a plan's range asks for more segments
+MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Flows that take a system along a path.
+    """Flows that take a system along a path (Sec. 5.2).
 
     Attributes:
         system: System that the flows are of.
         elements: Elements of the extended system, p names.
         basis: Names of the Hall coordinates, s of them.
-        flows: Flows in time order, joined within segments.
+        flows: Flows in time order; those of one field are joined within segments.
         segment_ends: For each segment the number of flows up to its end.
-        inputs: Fictitious inputs at nodes of segments of unit duration, shape
-            (segments, nodes, p).
-        hall_coordinates: Backward coordinates of each segment, shape (segments, s).
+        inputs: Fictitious inputs, eq. (5), at the nodes of segments of unit duration,
+            shape (segments, nodes, p).
+        hall_coordinates: Backward coordinates of each segment, eq. (9), shape
+            (segments, s).
         nominal: Configurations on the path between segments, its start and its goal
             included, shape (segments + 1, n).
-        depart: Stratum at rest before the first flow.
-        arrive: Stratum at rest after the last one.
+        depart: Stratum before the first flow.
+        arrive: Stratum after the last flow.
 
     Raises:
-        ValueError: Something is misshapen, not finite, or not of the system.
+        ValueError: A value is misshapen or not finite, or names what the system lacks.
     """
 
     system: StratifiedSystem
@@ -103,7 +104,7 @@ class Plan:
 
     @property
     def contact_switches(self) -> int:
-        """Commanded lifts plus landings."""
+        """Number of lift-offs and touchdowns."""
         return contact_switches(self.system, self.flows, self.depart, self.arrive)
 
     def segments(self) -> Iterator[tuple[Flow, ...]]:
@@ -130,11 +131,11 @@ class Plan:
 
 
 class Steerable(Protocol):
-    """A system that knows how it is best steered, such as the equations of a robot."""
+    """A system with its best way of steering, such as the equations of a robot."""
 
     @property
     def system(self) -> StratifiedSystem:
-        """Its fields on their strata."""
+        """The stratified system."""
         ...
 
     @property
@@ -144,11 +145,11 @@ class Steerable(Protocol):
 
     @property
     def execution(self) -> Execution:
-        """How plans are carried out: order of flows, ranges of joints, stability."""
+        """How plans are carried out: order of flows, joint ranges, static stability."""
         ...
 
     def configurations(self, path: Path) -> Path:
-        """The path as configurations, where it gives poses of the body alone."""
+        """The path as one of configurations, if it consists of poses of the body."""
         ...
 
 
@@ -165,27 +166,27 @@ def plan(
     """Plan flows along a path, open loop (Sec. 5.2).
 
     Args:
-        system: System to steer; compiled by `extend` beforehand where speed matters.
+        system: System to steer. Several plans are faster if it is extended beforehand.
         path: Configurations on the bottom stratum for s in [0, 1], or poses of the body
             if the system is that of a robot.
-        segments: Number of pieces that the path is cut into, each planned by itself.
-        elements: Fields and brackets of the extended system, those of a robot's
-            equations or chosen by `extension.choice` if not given; not with a compiled
-            system.
-        execution: How the flows are ordered, and within which limits; by default as a
-            robot's equations say, else in the order that the paper prints.
-        nodes: Points at which a segment of the path is sampled; more for long segments
-            if not given.
+        segments: Number of segments of the path, each of which is planned separately.
+        elements: Fields and brackets of the extended system. If they are not given,
+            they are those of the robot's equations, or chosen by `extension.choice`. A
+            system that is extended already has its elements.
+        execution: How the flows are ordered, and within which limits. By default it is
+            that of the robot's equations, or the order of the paper.
+        nodes: Number of samples of the path in each segment; larger for long segments
+            if it is not given.
         degree: Degree of the nilpotent approximation, the "higher order" of Sec. 6: the
-            elements stay, their words are exact to that degree. The elements' own
-            degree, or that of the compiled system, if not given.
+            elements remain, and their words are exact to that degree. By default it is
+            the degree of the elements, or that of the extended system.
 
     Raises:
         ValueError: An argument is out of range or misshapen, or the path is not finite
             or not on the bottom stratum.
         PlannerError: The elements lose rank on the path, or do not reach its velocity,
             or the path has a corner for every segment.
-        RangeError: The plan leaves the limits; it says how many segments would do.
+        RangeError: The plan leaves the limits; it suggests a number of segments.
     """
     nominal = as_path(path)
     if not isinstance(system, StratifiedSystem | ExtendedSystem):
@@ -214,7 +215,7 @@ def follow_path(
     """The five steps of Sec. 5.2 for one number of segments.
 
     Raises:
-        RangeError: The plan leaves the limits; how many segments would do is not tried.
+        RangeError: The plan leaves the limits; no other number of segments is tried.
     """
     nodes = nodes or default_nodes(segments)
     samples = sample(path, extended.system, segments, nodes)
@@ -232,7 +233,7 @@ def assemble(
     nominal: Array,
     execution: Execution,
 ) -> Plan:
-    """The plan that carries out given Hall coordinates.
+    """The plan for given Hall coordinates (step 5 of Sec. 5.2).
 
     Args:
         extended: System that they are of.
@@ -263,20 +264,20 @@ def with_remedy(
     segments: int,
     execution: Execution,
 ) -> RangeError:
-    """A refusal with the smallest number of segments found to keep the limits.
+    """The same error with the smallest number of segments found to keep the limits.
 
     Args:
-        refusal: What the plan was refused with.
+        refusal: The error of the plan.
         extended: System to steer.
         path: Configurations on the bottom stratum for s in [0, 1].
-        segments: A number that does not do; others are tried open loop.
-        execution: How to carry them out.
+        segments: A number that does not suffice; larger ones are tried.
+        execution: How plans are carried out.
     """
     for end in (path(0.0), path(1.0)):
         try:
             extended.shape.require_within(execution.limits, (), end)
         except RangeError:
-            return refusal.with_segments(None, "no number of segments would do")
+            return refusal.with_segments(None, "no number of segments suffices")
 
     def fits(segments: int) -> bool:
         try:
@@ -289,7 +290,7 @@ def with_remedy(
     while not fits(high):
         low, high = high, 2 * high
         if high > MOST_TRIED:
-            return refusal.with_segments(None, f"{low} segments would not do")
+            return refusal.with_segments(None, f"{low} segments do not suffice")
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if fits(middle) else (middle, high)

@@ -1,7 +1,7 @@
-"""Systems and plans as tables of text and numbers, and plans as JSON files.
+"""Systems and plans as tables of strings and numbers, and plans as JSON files.
 
-Tables hold nothing but strings, numbers, lists and tables, so that a system may as well
-stand in a TOML file.
+The tables hold strings, numbers, lists and tables only, so that a system can also be
+kept in a TOML file.
 """
 
 from __future__ import annotations
@@ -57,10 +57,10 @@ def system_from(table: Mapping[str, Any]) -> StratifiedSystem:
 
     Args:
         table: `state`, `bottom`, `strata` with the formulas of their fields and, where
-            feet have heights, `level_sets`.
+            strata are level sets, `level_sets`.
 
     Raises:
-        ValueError: A key is missing or unknown, or the system is not sound.
+        ValueError: A key is missing or unknown, or `StratifiedSystem` refuses a value.
     """
     _require_keys(table, {"state", "bottom", "strata"}, {"level_sets"}, "system")
     state = [sp.Symbol(str(name), real=True) for name in table["state"]]
@@ -93,7 +93,7 @@ def _require_keys(
 
 
 def save_plan(plan: Plan, path: Path | str) -> None:
-    """Write a plan, whole or not at all.
+    """Write a plan to a file, as a whole or not at all.
 
     Raises:
         ValueError: The plan's system has fields known as functions only.
@@ -117,10 +117,10 @@ def save_plan(plan: Plan, path: Path | str) -> None:
 
 
 def load_plan(path: Path | str) -> Plan:
-    """Read a plan that `save` wrote.
+    """Read a plan that `save_plan` wrote.
 
     Raises:
-        ValueError: The file is no plan.
+        ValueError: The file does not hold a plan.
         OSError: The file cannot be read.
     """
     try:

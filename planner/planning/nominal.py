@@ -1,4 +1,4 @@
-"""What a nominal path asks for: segments, samples, elements, inputs (eq. 5)."""
+"""From a nominal path to fictitious inputs, eq. (5): segments, samples, elements."""
 
 from __future__ import annotations
 
@@ -16,17 +16,21 @@ from planner.numerics.collocation import collocation
 from planner.planning.paths import Path, grid
 from planner.systems.strata import StratifiedSystem
 
-CHOICE_NODES = 7  # configurations of a path that chosen elements must span
-MOST_SEGMENTS = 100_000  # of one plan; these take a minute and a gigabyte
-OFF_BOTTOM = 1e-6  # of the level sets, in their unit, that a path may miss
+CHOICE_NODES = 7  # configurations of a path at which chosen elements must span
+MOST_SEGMENTS = 100_000  # of one plan; so many take a minute and a gigabyte
+OFF_BOTTOM = 1e-6  # by which a path may miss the level sets, in their unit
 
 
 def require_segments(segments: int, path: Path) -> None:
-    """Refuse what is no number of segments, one beyond all use, or one too small.
+    """Check the number of segments of a path.
+
+    Args:
+        segments: The number.
+        path: Path that is divided into segments.
 
     Raises:
         ValueError: It is not a whole number from 1 to `MOST_SEGMENTS`.
-        PlannerError: The path has as many corners, some of which would be cut.
+        PlannerError: It is too small for a division at every corner of the path.
     """
     whole = isinstance(segments, Integral) and not isinstance(segments, bool)
     if not whole or not 1 <= segments <= MOST_SEGMENTS:
@@ -42,7 +46,7 @@ def require_segments(segments: int, path: Path) -> None:
 
 
 def default_nodes(segments: int) -> int:
-    """Nodes a segment; together they resolve a path of a few turns."""
+    """Number of nodes of a segment; all segments together resolve a few turns."""
     return max(5, 1 + math.ceil(40 / segments))
 
 
@@ -50,8 +54,8 @@ def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> A
     """Configurations at the nodes of each segment, shape (segments, nodes, n).
 
     Raises:
-        ValueError: The path's shape does not match the state, it is not finite, or it
-            leaves the bottom stratum.
+        ValueError: The path does not match the state, is not finite, or leaves the
+            bottom stratum.
     """
     cuts = grid(path, segments)
     inner = cuts[:-1, None] + np.diff(cuts)[:, None] * collocation(nodes).nodes[:-1]
@@ -87,16 +91,17 @@ def extend_along(
     elements: Sequence[str] | None,
     path: Path,
 ) -> ExtendedSystem:
-    """The extended system by given elements, or by those that serve along a path.
+    """The extended system of given elements, or of elements that suit a path.
 
     Args:
-        system: System to extend; one that is extended already is left as it is.
-        elements: Fields and brackets, chosen by `extension.choice` if not given.
-        path: Configurations that they are to serve at.
+        system: System to extend; an extended one is returned unchanged.
+        elements: Fields and brackets; chosen by `extension.choice` if not given.
+        path: Path along which the elements must span the bottom stratum.
 
     Raises:
-        ValueError: An element is unknown or no element, or they are given twice.
-        PlannerError: No elements serve, or those given do not.
+        ValueError: An element is unknown or not an element, or elements are given
+            although the system is extended already.
+        PlannerError: The elements cannot be used, or none can be chosen.
     """
     if isinstance(system, ExtendedSystem):
         if elements is not None:
@@ -109,10 +114,11 @@ def extend_along(
 
 
 def fictitious_inputs(extended: ExtendedSystem, samples: Array) -> Array:
-    """Inputs that follow sampled segments in unit time each, zero where nothing moves.
+    """Inputs v of eq. (5) that follow each sampled segment in unit time.
 
     The path is differentiated as the polynomial through its samples, so that the
-    integral of its velocity meets the segment's end exactly.
+    integral of its velocity meets the end of the segment exactly. Inputs are zero where
+    the path does not move.
 
     Args:
         extended: System to steer.

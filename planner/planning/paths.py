@@ -1,6 +1,6 @@
-"""Nominal paths: configurations along s in [0, 1], many at a time.
+"""Nominal paths gamma: configurations as a function of s in [0, 1] (Sec. 5.2, step 2).
 
-Coordinates may be any: heading is continuous along a path and is never wrapped.
+Angles are continuous along a path and are never wrapped.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ def line(start: ArrayLike, goal: ArrayLike) -> Path:
 
 
 def waypoints(points: Sequence[ArrayLike]) -> Path:
-    """Straight lines from each configuration to the next, s by the length travelled.
+    """Straight lines from each configuration to the next, s proportional to length.
 
     Args:
-        points: At least two configurations of one size. Repeated ones are passed over.
+        points: At least two configurations of one size. Repetitions are ignored.
 
     Raises:
         ValueError: Fewer than two points, unequal sizes, or values not finite.
@@ -64,10 +64,14 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
 
 
 def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
-    """A whole ellipse in the first two coordinates, the others constant, Fig. 7.
+    """A whole ellipse in the first two coordinates, with the others constant (Fig. 7).
 
-    It starts at `start`, where it moves along the second coordinate, and is centred one
-    semi-axis behind: start + (a cos 2 pi s - a, b sin 2 pi s, 0, ...).
+    The path is start + (a cos 2 pi s - a, b sin 2 pi s, 0, ...). At the start it moves
+    along the second coordinate.
+
+    Args:
+        start: Configuration in which the path starts and ends.
+        semi_axes: The semi-axes a and b.
 
     Raises:
         ValueError: The configuration has fewer than two coordinates or is not finite.
@@ -88,7 +92,7 @@ def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
 
 
 def as_path(path: Path | Callable[[float], ArrayLike]) -> Path:
-    """Any function of s as a path; functions are called once a parameter."""
+    """A function of s as a path; it is called once for each parameter."""
     if isinstance(path, Path):
         return path
     if not callable(path):
@@ -97,10 +101,15 @@ def as_path(path: Path | Callable[[float], ArrayLike]) -> Path:
 
 
 def grid(path: Path, segments: int) -> Array:
-    """Parameters that divide a path into segments, uniform but for its corners.
+    """Parameters that divide a path into segments uniformly, except at its corners.
 
-    Each corner draws the nearest inner division to itself that leaves one to each of
-    the others. Where there are too few divisions they are uniform and cut the corners.
+    Each corner takes the place of the nearest inner division, in such a way that every
+    other corner finds one as well. If there are fewer divisions than corners, they are
+    uniform and the corners are cut.
+
+    Args:
+        path: Path to divide.
+        segments: Number of segments.
     """
     parameters = np.linspace(0.0, 1.0, segments + 1)
     corners = np.array(path.corners)
@@ -108,21 +117,21 @@ def grid(path: Path, segments: int) -> Array:
     if spare >= 0:
         before = np.arange(
             1, corners.size + 1
-        )  # divisions that each leaves, and its own
+        )  # divisions that it leaves to others, and its own
         later = np.clip(np.rint(corners * segments) - before, 0, spare)
         parameters[np.maximum.accumulate(later).astype(int) + before] = corners
     return parameters
 
 
 def recut(path: Path, cuts: Array) -> Path:
-    """The same curve, with s running evenly over the pieces between given parameters.
+    """The same curve, with the same range of s for each piece between given parameters.
 
-    Dividing it uniformly divides the original at the cuts and nowhere else, so corners
-    in between are no corners any more.
+    A uniform division of the new path divides the given one at the cuts. Corners
+    between the cuts are not corners of the new path.
 
     Args:
-        path: Curve to run along.
-        cuts: Parameters of it from 0 to 1, ascending.
+        path: Path to follow.
+        cuts: Parameters of the path from 0 to 1, ascending.
     """
     even = np.linspace(0.0, 1.0, len(cuts))
     kept = even[np.isin(cuts, path.corners)]

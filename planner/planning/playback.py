@@ -1,4 +1,4 @@
-"""Play plans on the exact kinematics: the prediction that physics is compared with."""
+"""Rollout of plans by exact flows of the fields, eq. (12)."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from planner.systems.strata import StratifiedSystem
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:
-    """States that a plan leads through, from its start.
+    """States along a plan, from its start.
 
     Args:
-        plan: Plan to play.
-        samples: States recorded along each flow, its end the last of them.
+        plan: Plan to follow.
+        samples: Number of states along each flow; the last of them is its end.
 
     Returns:
-        Shape (1 + samples * flows, n): the start, then `samples` rows a flow.
+        Shape (1 + samples * flows, n): the start, then `samples` rows for each flow.
     """
     return play(plan.system, plan.flows, plan.start, samples)
 
@@ -28,12 +28,18 @@ def rollout(plan: Plan, samples: int = 1) -> Array:
 def play(
     system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
 ) -> Array:
-    """States along any flows, as `rollout` gives them.
+    """States along a sequence of flows, as `rollout` gives them.
+
+    Args:
+        system: System that the flows are of.
+        flows: Flows in time order.
+        start: Configuration before the first flow, shape (n,).
+        samples: Number of states along each flow; the last of them is its end.
 
     Raises:
         ValueError: A flow names a field that its stratum does not have, or the start
             is misshapen.
-        ConvergenceError: A flow escapes.
+        ConvergenceError: A flow escapes to infinity.
     """
     if samples < 1:
         raise ValueError(f"samples is {samples}; at least 1 is needed")

@@ -1,8 +1,8 @@
-"""What happens to a path's elements between the nodes at which inputs are found.
+"""Check that fictitious inputs follow the path between nodes as well as at them.
 
-Inputs are polynomials through their values at nodes. Where the elements lose rank
-between two nodes, or are singular there, no polynomial follows the path, and the nodes
-do not show it. Rank lost at a node is found by `extension.extended`.
+Inputs are polynomials through their values at nodes. If the elements lose rank or are
+singular between two nodes, no polynomial follows the path there, and the values at the
+nodes do not show it. A loss of rank at a node is detected by `extension.extended`.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import ROUNDING, Array
 from planner.numerics.collocation import collocation
 
-TAIL = 1e-3  # part of inputs in the last terms of their series that is looked into
-MISSED = 0.2  # part of what elements give together; resolved inputs miss a hundredth
+TAIL = 1e-3  # part of inputs in the last terms of their series that needs a check
+MISSED = 0.2  # relative part of a velocity; resolved inputs miss a hundredth
 
 
 def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> None:
-    """Refuse inputs that do not follow a path between its nodes.
+    """Check that inputs follow a path between its nodes.
 
-    Shots need no such look ahead: where they end is known.
+    Shots (`planning.shooting`) do not need this check, since each is rolled out.
 
     Args:
         extended: System to steer.
@@ -30,10 +30,10 @@ def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> 
         inputs: Inputs that follow them, shape (segments, nodes, p).
 
     Raises:
-        PlannerError: The elements turn inside out from one end of a segment to the
-            other; the nodes on both sides are named.
-        ResolutionError: Inputs midway between nodes fail to give the velocity, because
-            of such a place or because the path turns too fast; likewise.
+        PlannerError: The determinant of the elements changes its sign along a segment;
+            the message gives the nodes on both sides.
+        ResolutionError: Midway between nodes the inputs do not give the velocity,
+            because the elements lose rank or because the path turns too fast.
     """
     moving = np.flatnonzero(np.ptp(samples, axis=1).any(axis=1))
     if not len(moving):
@@ -56,7 +56,7 @@ def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> 
 
 
 def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
-    """Part of the elements' velocities that is missed midway, (segments, nodes - 1)."""
+    """Relative part of the velocity missed midway, shape (segments, nodes - 1)."""
     rule = collocation(samples.shape[1])
     midway = rule.nodes[1:] + rule.nodes[:-1] - 1.0  # of [-1, 1]
     between = chebyshev.chebvander(midway, len(rule.nodes) - 1) @ rule.coefficients
@@ -70,7 +70,7 @@ def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
 
 
 def _steepest(inputs: Array) -> int:
-    """The node from which to the next inputs, shape (nodes, p), are largest."""
+    """The first of the two neighbouring nodes where inputs (nodes, p) are largest."""
     largest = np.abs(inputs).max(axis=0)
     sizes = (np.abs(inputs) / np.where(largest > 0.0, largest, 1.0)).sum(axis=-1)
     return int((sizes[1:] + sizes[:-1]).argmax())

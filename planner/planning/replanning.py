@@ -1,4 +1,4 @@
-"""Plan again from a state reached: one straight step, within the range of the legs."""
+"""Replanning: one straight segment from a reached state, within the legs' range."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from planner.extension.extended import ExtendedSystem
 from planner.planning.algorithm import Plan, follow_path
 from planner.planning.paths import line
 
-NODES = 9  # of a straight step; its inputs vary with the heading alone
-FINEST = 2.0**-20  # part of the way to the target below which a step is given up
+NODES = 9  # of a straight step; its inputs vary with the heading only
+FINEST = 2.0**-20  # smallest part of the way to the target that a step may go
 
 
 @dataclass(frozen=True)
 class Step:
-    """One segment from a state towards a target.
+    """A plan of one segment from a state towards a target.
 
     Attributes:
         plan: Flows of the segment.
-        fraction: Part of the way that it goes, 1 unless the limits ask for less.
+        fraction: Part of the way that it goes; 1 unless the limits allow less.
     """
 
     plan: Plan
@@ -33,16 +33,17 @@ class Step:
 def plan_step(
     extended: ExtendedSystem, state: ArrayLike, target: ArrayLike, execution: Execution
 ) -> Step:
-    """Plan one straight segment from a reached state, no farther than the limits allow.
+    """Plan one straight segment from a reached state, as far as limits allow.
 
     Args:
         extended: System to steer.
         state: Configuration reached, shape (n,).
         target: Configuration to go to, shape (n,).
-        execution: How to carry it out; `finish=False` leaves the legs where they end.
+        execution: How to carry it out; `finish=False` leaves the legs where they are at
+            the end.
 
     Raises:
-        RangeError: Not even the start of the way keeps the limits.
+        RangeError: Even the smallest step leaves the limits.
     """
     try:
         return Step(_straight(extended, state, target, execution), 1.0)

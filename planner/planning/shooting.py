@@ -1,8 +1,9 @@
-"""Meet goals exactly on systems that are not nilpotent, by repeated plans (Sec. 2.1).
+"""Shooting: meet goals exactly on systems that are not nilpotent (Sec. 2.1).
 
-`steer` plans again from where the last plan ended and appends what it finds. `aim`
-plans one segment again and again, each time aiming beside its end by what it missed,
-and keeps the last: as many flows as open loop, and no further travel.
+A shot is a plan of one straight segment together with its rollout. `steer` appends
+shots, each from where the one before ended, until the goal is met. `aim` changes the
+target of a single shot until it ends at the goal, so that the plan has as many flows as
+an open-loop plan.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from planner.planning.paths import Path, as_path, grid, line
 from planner.planning.playback import play
 from planner.planning.replanning import FINEST, NODES
 
-MOST_AIMS = 40  # where aiming converges, a dozen do
+MOST_AIMS = 40  # a dozen suffice where aiming converges
 
 
 @dataclass(frozen=True)
@@ -43,13 +44,13 @@ class Shot:
 
 @dataclass(frozen=True)
 class Steered:
-    """A plan of shots, each from where the one before ended.
+    """A plan made of shots, each from where the one before ended.
 
     Attributes:
         plan: The flows; every shot is a segment.
         distances: Distance to the goal before the first shot and after each.
         critical_step: Length of the shortest shot that did not halve its distance;
-            infinite if all did.
+            infinite if every shot did.
     """
 
     plan: Plan
@@ -70,16 +71,16 @@ def aim(
     Args:
         extended: System to steer.
         path: Configurations on the bottom stratum for s in [0, 1].
-        segments: Number of straight pieces that the path is replaced by.
-        execution: How to carry them out, not in the coordinates of `fewest`.
-        tolerance: Distance to the segments' ends to stay within.
+        segments: Number of straight segments that replace the path.
+        execution: How to carry them out; its coordinates are not `fewest`.
+        tolerance: Largest distance from the ends of the segments.
 
     Raises:
-        ValueError: The execution leaves the choice of coordinates open, or there is no
-            such number of segments.
-        ConvergenceError: A segment is too long to be aimed at.
-        RangeError: The plan leaves the limits; about how many segments would do is
-            judged open loop.
+        ValueError: The execution leaves the choice of coordinates open, or the number
+            of segments is invalid.
+        ConvergenceError: A segment is too long for aiming to converge.
+        RangeError: The plan leaves the limits; the number of segments that it suggests
+            is that of an open-loop plan.
     """
     nominal = as_path(path)
     require_segments(segments, nominal)
@@ -106,10 +107,10 @@ def _aimed(
     execution: Execution,
     tolerance: float,
 ) -> Shot | None:
-    """The shot that ends where it should, by Broyden's method on where to aim.
+    """The shot that ends at the target, by Broyden's method on the point aimed at.
 
-    The first guess is that an end moves as its aim does; no correction is longer than
-    the way.
+    The first approximation is that the end moves as the aim does. No correction is
+    longer than the segment.
     """
     here, target = ends
     there, inverse = target, np.eye(target.size)  # of the end's change with the aim
@@ -141,16 +142,16 @@ def steer(
 ) -> Steered:
     """Shots along straight lines until the goal is met (Sec. 2.1).
 
-    A shot must at least halve the distance to its target. One that does not was longer
-    than the critical step: it is dropped and the next one aims half as far.
+    A shot must at least halve the distance to its target. A shot that does not is
+    longer than the critical step; it is discarded, and the next one is half as long.
 
     Args:
         extended: System to steer.
         start: Configuration to start from, shape (n,).
         goal: Configuration to meet, shape (n,).
-        execution: How to carry the shots out, not in the coordinates of `fewest`.
-        tolerance: Distance to the goal to end with, in the mixed unit of the state.
-        max_shots: Number of shots after which to give up.
+        execution: How to carry the shots out; its coordinates are not `fewest`.
+        tolerance: Distance from the goal at the end, in the units of the state.
+        max_shots: Largest number of shots.
 
     Raises:
         ValueError: The execution leaves the choice of coordinates open, or an end is
@@ -189,13 +190,13 @@ def steer(
 def shot_towards(
     extended: ExtendedSystem, here: Array, target: Array, execution: Execution
 ) -> Shot:
-    """One straight segment, and where it ends.
+    """A plan of one straight segment and its rollout.
 
     Args:
         extended: System to steer.
         here: Configuration to start from, shape (n,).
         target: Configuration to aim at, shape (n,).
-        execution: How to carry it out, not in the coordinates of `fewest`.
+        execution: How to carry it out; its coordinates are not `fewest`.
 
     Raises:
         ValueError: The execution leaves the choice of coordinates open.
@@ -204,7 +205,7 @@ def shot_towards(
     orders = CHOICES[execution.coordinates][0]
     if len(orders) > 1:
         raise ValueError(
-            "where shots end depends on the coordinates followed; choose "
+            "the end of a shot depends on the coordinates that it follows; choose "
             "backward, forward or shortest instead of fewest"
         )
     samples = sample(line(here, target), extended.system, 1, NODES)

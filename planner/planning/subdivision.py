@@ -1,11 +1,11 @@
-"""Subdivide a path until the motion along it keeps its bounds: the critical step.
+"""Subdivide a path until the motion along it keeps its bounds (Sec. 5.2).
 
-A walk swings out of its nominal path by the square root of a segment's length (the
-strokes of a bracket of size h are sqrt(h) long). So a segment that leaves a bound by
-`walking` although standing on its path would keep it by `standing` is cut into about
-((standing - walking) / standing)^2 pieces. What grows with the length itself, as sweeps
-along the heading do, takes that ratio to the power of 1. What is bounded is for others
-to say.
+The strokes of a bracket of size h have length sqrt(h), so a motion departs from its
+nominal path by about the square root of the length of a segment. Let the slack of a
+bound be `standing` on the nominal path itself and `walking` along the motion. A segment
+of negative slack is therefore cut into about ((standing - walking) / standing)^2
+pieces. If the departure grows with the length itself, as that of strokes along the
+heading does, the exponent is 1. Callers decide what is bounded.
 """
 
 from __future__ import annotations
@@ -18,33 +18,33 @@ import numpy as np
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
 
-MOST_SEGMENTS = 1000  # a walk of an hour and more
-MOST_PIECES = 3  # a segment is cut into at once: the law holds for short ones only
+MOST_SEGMENTS = 1000  # more than an hour of walking
+MOST_PIECES = 3  # of a segment at once, since the law holds for short segments only
 
 
 class Slack(NamedTuple):
-    """What is left of a bound in each segment; negative where it is not kept."""
+    """The slack of a bound in each segment; negative where the bound is not kept."""
 
-    bound: str  # its name
-    least: float  # what it asks for
-    standing: Array  # on the nominal path itself, shape (segments,), positive
-    walking: Array  # least along the predicted motion, shape (segments,)
-    law: float = 0.5  # power of a segment's length by which walking leaves standing
-    unit: str = ""  # of what the user may ask for; none of what the path itself asks
+    bound: str  # name of the bounded quantity
+    least: float  # the bound, its least value
+    standing: Array  # slack on the nominal path itself, shape (segments,), positive
+    walking: Array  # least slack along the predicted motion, shape (segments,)
+    law: float = 0.5  # power of a segment's length with which the departure grows
+    unit: str = ""  # of a bound that the user has set; empty for one due to the path
 
 
 def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
-    """Cut the segments of a path that leave a bound until none does.
+    """Cut the segments that do not keep a bound, until all segments keep all bounds.
 
     Args:
-        cuts: Parameters that divide the path to begin with, from 0 to 1, ascending.
-        slacks: Plans along a divided path and says what is left of each bound.
+        cuts: Parameters that divide the path at first, from 0 to 1, ascending.
+        slacks: Plans along a divided path, and gives the slack of each bound.
 
     Returns:
-        Parameters that divide the path so that every slack is positive or zero.
+        Parameters that divide the path so that no slack is negative.
 
     Raises:
-        BoundError: More than `MOST_SEGMENTS` would be needed.
+        BoundError: More than `MOST_SEGMENTS` segments would be needed.
     """
     while True:
         found = slacks(cuts)
@@ -73,18 +73,18 @@ def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
 
 
 def needed(slack: Slack) -> Array:
-    """Pieces to cut each segment into, 1 where its bound is kept, shape (segments,)."""
-    swing_out = slack.standing - slack.walking
-    pieces = np.ceil((swing_out / slack.standing) ** (1 / slack.law))
+    """Number of pieces for each segment, 1 where the bound is kept, (segments,)."""
+    departure = slack.standing - slack.walking
+    pieces = np.ceil((departure / slack.standing) ** (1 / slack.law))
     return np.where(slack.walking < 0, np.clip(pieces, 2, MOST_PIECES), 1).astype(int)
 
 
 def refined(cuts: Array, pieces: Array) -> Array:
-    """Each segment cut into equal pieces.
+    """Parameters after each segment is cut into equal pieces.
 
     Args:
         cuts: Shape (segments + 1,).
-        pieces: How many of each segment, shape (segments,), at least 1.
+        pieces: Number of pieces of each segment, at least 1, shape (segments,).
     """
     parts = [
         np.linspace(a, b, n, endpoint=False)

@@ -173,7 +173,7 @@ def test_range_that_would_be_left_is_refused_with_the_number_of_segments_that_do
 
 
 def test_range_that_no_number_of_segments_keeps_is_refused(robot):
-    with pytest.raises(RangeError, match="no number of segments would do") as refusal:
+    with pytest.raises(RangeError, match="no number of segments suffices") as refusal:
         plan(
             robot,
             line([0, 0, 0, 0.5, 0], AT_REST),
@@ -188,7 +188,9 @@ def test_range_that_needs_more_segments_than_are_tried_is_not_called_hopeless(
 ):
     monkeypatch.setattr("planner.planning.algorithm.MOST_TRIED", 8)
     limits = {"phi_1": (-1e-3, 1e-3)}
-    with pytest.raises(RangeError, match="; 8 segments would not do; widen the range"):
+    with pytest.raises(
+        RangeError, match="; 8 segments do not suffice; widen the range"
+    ):
         plan(robot, WAYS["line"][0], 1, execution=Execution(limits=limits))
 
 

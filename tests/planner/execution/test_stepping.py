@@ -125,7 +125,7 @@ def test_weight_on_the_line_between_two_feet_is_refused(quadruped, tmp_path):
     assert StaticStability(robot).least_loads(["234"], [np.zeros(1)] * 4).max() < 1e-9
     described = equations(robot)
     extended = extend(described.system, described.elements)
-    with pytest.raises(StratumError, match="the others would tip; put the weight"):
+    with pytest.raises(StratumError, match="the robot would tip; put the weight"):
         planned(robot, described, extended)
 
 
