@@ -1,37 +1,40 @@
 """Stratified motion planning: from a path in space to footfalls and joint inputs.
 
 The paper is Goodwine and Burdick, "Quasi-Static Legged Locomotors as Nonholonomic
-Systems", IROS 2000; equation, section and figure numbers in this project are its.
-Public names are imported from here, `from planner import plan`, and loaded when they
-are first used; `__init__.pyi` lists them. The rooms behind this door follow the paper:
+Systems", IROS 2000. Equation, section and figure numbers throughout this project are
+those of the paper. Public names are imported from here, `from planner import plan`, and
+are loaded when they are first used; `__init__.pyi` lists them. The rooms behind this
+front door follow the paper:
 
-==========  ==================  ====================================  ================
-Paper       Notation            In the code                           Room
-==========  ==================  ====================================  ================
-eq. (1)     g_i, [g_1, g_2]     VectorField, bracket                  systems
-eq. (2)     phi_t^g = e^{t g}   Flow, flow_map; formally Tensor.exp   systems; lie
-eq. (3)     e^{g_1} e^{g_2}     LieAlgebra.campbell_baker_hausdorff   lie
-eq. (4)     b_i                 extend                                extension
-eq. (5)     v^i                 ExtendedSystem.fictitious_inputs      extension
-eq. (6)     B_i                 hall_basis                            lie
-eq. (6)     h_i                 backward, forward                     lie
-eq. (7)     S' = S (B_i v_i)    backward                              lie
-eq. (8)     Ad                  LieAlgebra.adjoint_action             lie
-eq. (9)     h' = A(h) v         backward_matrix, integrate            lie
-Def. 1      Phi_i, S_I          LevelSet, StratifiedSystem            systems
-eq. (10)    g_{I,j}             StratifiedSystem.strata               systems
-eq. (11)    gait                Gait                                  systems
-Sec. 4      D_i                 gait_controllability                  controllability
-eq. (12)    lift, flow, land    contact_switches, Plan.flows          systems, planning
-eq. (13)    [g_11, g_12] = 0    require_decoupled                     controllability
-eq. (14)    flows on S_B        on_bottom, tangent_field              controllability
-eq. (15)    Def. 3              ExtendedSystem, extend                extension
-(16)-(18)   the hexapod         equations                             models.motion
-eq. (19)    its elements        Equations.elements                    models.motion
-eq. (20)    real inputs         word                                  lie
-Sec. 5.2    the algorithm       plan, Plan                            planning
-Sec. 5.2    regrouping          regroup                               systems
-==========  ==================  ====================================  ================
+=========  ============  ===================================  ==========================
+Paper      Notation      In the code                          Room and module
+=========  ============  ===================================  ==========================
+eq. (1)    g_i, [f, g]   VectorField, bracket                 systems/fields
+eq. (2)    phi_t^g       Flow, flow_map                       systems/flows
+eq. (2)    e^{t g}       Tensor.exp                           lie/tensor
+eq. (3)    e^g_1 e^g_2   LieAlgebra.campbell_baker_hausdorff  lie/free_lie
+eq. (4)    b_i           extend                               extension/extended
+eq. (5)    v^i           ExtendedSystem.fictitious_inputs     extension/extended
+eq. (6)    B_i           hall_basis                           lie/hall
+eq. (6)    h_i           backward, forward                    lie/coordinates
+eq. (7)    S' = S B v    backward                             lie/coordinates
+eq. (8)    Ad            LieAlgebra.adjoint_action            lie/free_lie
+eq. (9)    h' = A(h) v   backward_matrix, integrate           lie/coordinates
+Def. 1     Phi_i, S_I    LevelSet, StratifiedSystem           systems/strata
+eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
+eq. (11)   gait          Gait                                 systems/strata
+Sec. 4     D_i           gait_controllability                 controllability/gaits
+eq. (12)   lift, land    Plan.flows, contact_switches         systems/flows
+eq. (13)   [g_11, g_12]  require_decoupled                    controllability/decoupling
+eq. (14)   flows on S_B  on_bottom, tangent_field             controllability/decoupling
+eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
+(16)-(18)  the hexapod   models.equations                     models/motion
+eq. (19)   its elements  models.Equations.elements            models/motion
+eq. (20)   u_1 o u_2     word                                 lie/words
+Sec. 5.2   algorithm     plan, Plan                           planning/algorithm
+Sec. 5.2   regrouping    regroup                              systems/grouping
+Sec. 5.2   step length   subdivide                            planning/subdivision
+=========  ============  ===================================  ==========================
 """
 
 import lazy_loader
