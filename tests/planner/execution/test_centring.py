@@ -281,3 +281,20 @@ def test_a_leg_is_set_in_the_last_stay_in_the_air_before_it_is_loaded():
     names = [[field for field, _ in flows] for flows in (first, second, third)]
     assert names == [["swing", "push", "slide"], ["drag"], ["swing", "slide", "push"]]
     assert third[0][1] == pytest.approx(-0.3, abs=ROUNDING)
+
+
+def test_legs_end_at_the_goal_from_wherever_the_last_sweep_leaves_them():
+    """It leaves them at 0.2, the opposite of where they are to be."""
+    (flows,) = centred_leg([("push", 0.4)], goal=-0.2)
+    assert flows[-1] == ("swing", pytest.approx(-0.4, abs=ROUNDING))
+
+
+def test_legs_are_brought_to_the_goal_of_a_plan_without_flows_too():
+    assert centred_leg([], goal=0.3) == [[("swing", pytest.approx(0.3, abs=ROUNDING))]]
+
+
+def test_a_leg_may_go_up_to_the_end_of_its_range():
+    shape, sweep = ShapeCoordinates(one_leg()), [Flow("12", "push", 0.4)]
+    shape.require_within({"p": (-0.1, 0.4)}, sweep, np.zeros(3))
+    with pytest.raises(RangeError):
+        shape.require_within({"p": (-0.1, 0.399)}, sweep, np.zeros(3))
