@@ -8,7 +8,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
 PAGES = [README, ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-BLOCK = r"^```{0}\n(.*?)^```"
+BLOCK = r"^```{0}\n(.*?)^```\n(?:\n```text\n(.*?)^```)?"
 PROMPT = "$ stratawalk "
 
 
@@ -19,6 +19,7 @@ class Block:
     page: str  # relative to the project's root
     number: int  # among the page's blocks of its language
     text: str
+    shown: str = ""  # what the text block right after it shows
 
     def __str__(self):
         return f"{self.page}-{self.number}"
@@ -42,9 +43,9 @@ def name_of(page):
 
 def blocks(language):
     return [
-        Block(name_of(page), number, text)
+        Block(name_of(page), number, *texts)
         for page in PAGES
-        for number, text in enumerate(
+        for number, texts in enumerate(
             re.findall(BLOCK.format(language), page.read_text(), re.DOTALL | re.M)
         )
     ]

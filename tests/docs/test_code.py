@@ -35,10 +35,14 @@ def command_lines():
 
 @pytest.mark.physics
 @pytest.mark.parametrize("block", python_blocks(), ids=str)
-def test_every_python_block_runs(block, folder, monkeypatch):
+def test_every_python_block_runs_and_prints_what_is_shown(
+    block, folder, monkeypatch, capsys
+):
     """Those that read files do so in a run folder."""
     monkeypatch.chdir(folder)
     exec(compile(block.text, block.page, "exec"), {})
+    if block.shown:
+        assert agrees(block.shown, capsys.readouterr().out)
 
 
 @pytest.mark.physics
