@@ -17,6 +17,7 @@ from sim.experiments.creep import creep_floor
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.routes import routed
+from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
@@ -109,7 +110,8 @@ def simulate(
         PlannerError: If there is no plan.
         ModelError: If the robot cannot be used.
         UsageError: If the walk takes more steps or memory than there can be.
-        SimulationError: If the physics diverges.
+        SimulationError: If the plan tips the robot over or makes legs collide, or the
+            physics diverges.
     """
     timing: dict[str, float] = {}
     with _timed(timing, "compile"):
@@ -137,6 +139,8 @@ def _planned(setup: Setup) -> Prepared:
     scenario = setup.scenario
     setup = within_bounds(setup)
     plan = None if scenario.replan else plan_open_loop(setup)
+    if plan is not None:
+        require_sound(setup, plan)
     steps = expected_steps(setup, plan)
     check_effort(setup, steps)
     return Prepared(scenario, setup, plan, steps)

@@ -106,8 +106,10 @@ class _Problem:
         p, q2 = z.real, z.imag**2
         weight = self.loads[:, None] * np.abs(b)
         carrying = far & (weight > 0)
+        alone = ~carrying.any(axis=-1)  # all weight on one foot: any turn will do
         low = np.where(carrying, p, np.inf).min(axis=-1)
         high = np.where(carrying, p, -np.inf).max(axis=-1)
+        low, high = np.where(alone, 0.0, low), np.where(alone, 0.0, high)
         omega = _bisect(p, q2, weight, low, high)  # (N, i)
         xi = _about(self.feet, self.rates, omega)  # (N, i, 3)
         power = np.stack(

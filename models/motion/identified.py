@@ -15,6 +15,8 @@ from numpy.polynomial import Polynomial
 from models.errors import MeasurementError
 from planner import Array
 
+ROUNDING = 1e-6  # [rad] by which angles may lie beyond the reach
+
 
 @dataclass(frozen=True)
 class MeasuredField:
@@ -25,6 +27,7 @@ class MeasuredField:
     span: float  # the swing went from -span to span [rad]
     twist: tuple[Polynomial, Polynomial, Polynomial]  # per unit, along the swing
     slip: float  # of all feet, during the whole swing [m]
+    reach: float = np.inf  # a stroke it was not made from confirms it so far [rad]
 
     def __call__(self, way: Array) -> Array:
         """Body twist per unit of the field, shape (..., 3).
@@ -56,7 +59,8 @@ class IdentifiedTwists:
         """The fields of the stratum that together have these rates.
 
         Raises:
-            MeasurementError: If one of them could not be measured.
+            MeasurementError: If one of them could not be measured, or swings farther
+                than it was confirmed.
         """
         for name, failed in self.failed.items():
             if failed.stratum == stratum:
@@ -64,10 +68,18 @@ class IdentifiedTwists:
                     f"field {name} could not be measured: {failed.reason}; "
                     "choose groups that it can stand on"
                 )
-        on = [f for f in self.fields.values() if f.stratum == stratum]
+        named = {n: f for n, f in self.fields.items() if f.stratum == stratum}
+        on = list(named.values())
         D = np.array([f.direction for f in on])  # (fields, G)
         inverse = np.linalg.pinv(D)
         inputs, ways = rates @ inverse, swing @ inverse  # (N, fields)
+        for name, f, u, w in zip(named, on, inputs.T, ways.T, strict=True):
+            farthest = np.abs(w[u != 0.0]).max(initial=0.0)
+            if farthest > f.reach + ROUNDING:
+                raise MeasurementError(
+                    f"field {name} swings to {farthest:.3g} rad, and is confirmed to "
+                    f"{f.reach:.3g} rad either way; plan more segments"
+                )
         parts = [
             u[:, None] * f(w) for f, u, w in zip(on, inputs.T, ways.T, strict=True)
         ]

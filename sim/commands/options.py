@@ -12,7 +12,10 @@ from sim.errors import UsageError
 if TYPE_CHECKING:
     from sim.scenarios.scenario import Scenario
 
-NAMED = ("robot", "fields", "segments", "replan", "steer", "degree", "words")
+NAMED = (
+    "robot", "fields", "segments", "replan", "steer", "degree", "words",
+    "allow_unstable",
+)  # fmt: skip
 """Options that are also keys of a scenario."""
 
 
@@ -49,6 +52,12 @@ def add_scenario_arguments(
         "--steer", help="prediction to steer on: ideal, quasi-static or identified"
     )
     parser.add_argument(
+        "--allow-unstable",
+        action="store_true",
+        default=None,
+        help="walk plans that are predicted to tip over or to collide",
+    )
+    parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
         action="append",
@@ -75,7 +84,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
         if value is None:
             continue
         if key in overrides:
-            where = f"--{key} and --set {key}"
+            where = f"--{key.replace('_', '-')} and --set {key}"
             raise UsageError(f"{key} is given twice", where, "keep one of them")
         overrides[key] = value
     return load_scenario(options.scenario, overrides)

@@ -47,7 +47,6 @@ def execute(options: argparse.Namespace) -> None:
 
     # slow imports; a scenario that is refused does not wait for them
     from sim.planning.bounds import within_bounds
-    from sim.planning.open_loop import plan_open_loop
     from sim.planning.routes import routed
     from sim.preparation.setup import prepare
 
@@ -55,7 +54,7 @@ def execute(options: argparse.Namespace) -> None:
     setup = prepare(scenario, robot_of(options, scenario.robot))
     compiled = time.perf_counter()
     setup = within_bounds(routed(setup))
-    flows = _replanned(setup) if scenario.replan else plan_open_loop(setup).flows
+    flows = _replanned(setup) if scenario.replan else _open_loop(setup)
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     accuracy = convergence(setup.extended, setup.nominal(), setup.coordinates)
     steps = step_lengths(setup.extended, setup.nominal(), setup.scenario.segments)
@@ -69,10 +68,21 @@ def execute(options: argparse.Namespace) -> None:
     print(_describe(facts, setup.robot.card.gait))
 
 
+def _open_loop(setup: Setup) -> Sequence[Flow]:
+    from sim.planning.open_loop import plan_open_loop
+    from sim.planning.soundness import require_sound
+
+    planned = plan_open_loop(setup)
+    require_sound(setup, planned)
+    return planned.flows
+
+
 def _replanned(setup: Setup) -> Sequence[Flow]:
     """Each segment planned from the state that the exact kinematics reached."""
     from planner import rollout
+    from sim.motion.schedule import LegState
     from sim.planning.open_loop import plan_segment
+    from sim.planning.soundness import require_sound_flows
 
     groups = len(setup.robot.groups)
     state = setup.nominal()(0.0)
@@ -80,6 +90,8 @@ def _replanned(setup: Setup) -> Sequence[Flow]:
     for segment in range(setup.scenario.segments):
         pose, swing = state[:3], tuple(state[3 : 3 + groups])
         step = plan_segment(setup, segment, pose, swing)
+        legs = LegState(swing, setup.robot.card.bottom)
+        require_sound_flows(setup, step.plan.segments(), legs)
         state = rollout(step.plan)[-1]
         flows += step.plan.flows
     return flows

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from sim.commands.options import add_scenario_arguments, folder_of, scenario_of
 from sim.commands.trusted import robot_of
-from sim.errors import RenderError, one_line
+from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:
     from sim.folder import RunFolder
@@ -30,11 +31,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="film the walk; by default if this machine can draw",
     )
     parser.add_argument(
+        "--tolerance",
+        type=_ratio,
+        metavar="RATIO",
+        help="end with 7 where the walk is farther off the quasi-static prediction "
+        "than this share of the path",
+    )
+    parser.add_argument(
         "--look", choices=("draft", "final"), default="draft", help="look of the film"
     )
 
 
-def execute(options: argparse.Namespace) -> None:
+def _ratio(text: str) -> float:
+    value = float(text)
+    if not 0 <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not a share; give 0.05, say")
+    return value
+
+
+def execute(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
     scenario = scenario_of(options)
 
@@ -51,6 +66,36 @@ def execute(options: argparse.Namespace) -> None:
     finally:
         folder.discard_if_empty()
     print(json.dumps(summary) if options.json else _report(summary, folder))
+    return _judged(summary, folder, options.tolerance)
+
+
+def _judged(
+    summary: Mapping[str, Any], folder: RunFolder, tolerance: float | None
+) -> ExitCode:
+    """The exit code of a walk that came to its end, and why it is not zero."""
+    from sim.evaluation.verdict import FAILURES
+
+    where = f"{summary['scenario']} on {summary['robot']}"
+    look = f"see {folder.path}"
+    if summary["verdict"] in FAILURES:
+        failed = SimulationError(f"the walk {summary['verdict_text']}", where, look)
+        return _told(failed, ExitCode.SIMULATION)
+    if tolerance is None or (off := _departure(summary)) <= tolerance:
+        return ExitCode.OK
+    what = f"{off:.3g} of the path off the quasi-static prediction, beyond {tolerance}"
+    return _told(SimulationError(what, where, look), ExitCode.TOLERANCE)
+
+
+def _departure(summary: Mapping[str, Any]) -> float:
+    """Farthest from the quasi-static prediction, as a share of the path."""
+    length = summary["path_length"] or summary["distance_walked"]
+    farthest: float = summary["error"]["quasi_static"]["farthest"]
+    return farthest / length if length else 0.0
+
+
+def _told(error: SimulationError, code: ExitCode) -> ExitCode:
+    print(f"stratawalk: error: {one_line(error)}", file=sys.stderr)
+    return code
 
 
 def _can_film(wanted: bool | None) -> bool:

@@ -18,6 +18,7 @@ from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
 from sim.evaluation.passage import clearances
 from sim.evaluation.phases import count_changes, swing_slip
+from sim.evaluation.verdict import judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, twist_model
 from sim.motion.poses import rotate, seen_from, wrap
@@ -179,7 +180,10 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         name: _error(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
     }
+    verdict = judge(evaluation)
     return {
+        "verdict": verdict.word,
+        "verdict_text": verdict.text,
         "scenario": scenario.name,
         "robot": setup.robot.name,
         "fields": scenario.fields,

@@ -23,8 +23,21 @@ def describe(summary: Mapping[str, Any]) -> str:
         summary: Contents of summary.json.
     """
     return "\n".join(
-        [*_headline(summary), "", HEADER, *_rows(summary), *_clearance(summary)]
+        [
+            _verdict(summary),
+            *_headline(summary),
+            "",
+            HEADER,
+            *_rows(summary),
+            *_clearance(summary),
+        ]
     )
+
+
+def _verdict(summary: Mapping[str, Any]) -> str:
+    """The verdict as the first line; a walk of an old folder has none."""
+    text: str = summary.get("verdict_text", "not judged")
+    return text[:1].upper() + text[1:]
 
 
 def _headline(summary: Mapping[str, Any]) -> list[str]:

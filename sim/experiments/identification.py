@@ -9,6 +9,7 @@ physics does not depend on speed, so that slower experiments are not needed.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -22,6 +23,7 @@ from models import (
 )
 from planner import Array, Flow
 from sim.errors import SimulationError
+from sim.experiments.confirmation import confirmed_reach, with_reach
 from sim.motion.poses import tilt
 from sim.motion.schedule import MotionLimits, Schedule, Scheduler
 from sim.physics.engine import Engine
@@ -50,10 +52,26 @@ def identify(setup: Setup) -> IdentifiedTwists:
     for name in (name for name, twist in equations.twists.items() if any(twist)):
         stratum = system.stratum_of[name]
         try:
-            fields[name] = measure(setup, stratum, name)
+            fields[name] = confirmed(setup, name, measure(setup, stratum, name))
         except (MeasurementError, SimulationError) as error:
             failed[name] = FailedField(stratum, str(error))
     return IdentifiedTwists(fields, failed)
+
+
+def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
+    """The field with the range over which a stroke back agrees with it.
+
+    Args:
+        setup: Robot, world and limits.
+        name: Name of the field.
+        field: What was measured.
+
+    Raises:
+        MeasurementError: If it does not predict that stroke.
+    """
+    farthest = whole_range(setup, field.direction)
+    stroke = partial(swing, setup, name)
+    return with_reach(field, confirmed_reach(setup, field, stroke, farthest))
 
 
 def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
@@ -69,8 +87,37 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
             stratum.
         SimulationError: If the physics diverges.
     """
-    direction, limits = setup.equations.swings[field], _brisk(setup.limits)
+    direction = setup.equations.swings[field]
     span = _span(setup, direction)
+    way, pose, slip = swing(setup, field, span)
+    return MeasuredField(
+        stratum=stratum,
+        direction=direction,
+        span=span,
+        twist=_fit(way, pose, span),
+        slip=slip,
+    )
+
+
+def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
+    """Swing a field through the physics, from one end to the other.
+
+    Args:
+        setup: Robot, world and limits.
+        field: Name of the field.
+        span: It is swung from -span to span [rad]; a negative one swings it back.
+
+    Returns:
+        How far along it the legs are, shape (T,) [rad]; the body's pose then, (T, 3);
+        and the slip of all feet on the whole way [m].
+
+    Raises:
+        MeasurementError: If the robot falls, or stands on other feet than those of the
+            stratum.
+        SimulationError: If the physics diverges.
+    """
+    direction, limits = setup.equations.swings[field], _brisk(setup.limits)
+    stratum = setup.equations.system.stratum_of[field]
     scheduler = Scheduler(limits, setup.at_rest)
     scheduler.hold(limits.hold)
     for flow in _approach(setup, direction, -span):
@@ -85,13 +132,8 @@ def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
     qpos = on_the_way.qpos
     d = np.array(direction)
     way = setup.channels.swing(qpos) @ d / (d @ d)
-    return MeasuredField(
-        stratum=stratum,
-        direction=direction,
-        span=span,
-        twist=_fit(way, setup.pose(qpos), span),
-        slip=float((moments.slip[-1] - recording.slip_after(begin)).sum()),
-    )
+    slip = float((moments.slip[-1] - recording.slip_after(begin)).sum())
+    return way, setup.pose(qpos), slip
 
 
 def _brisk(limits: MotionLimits) -> MotionLimits:
@@ -120,14 +162,19 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
 
 
 def _span(setup: Setup, direction: tuple[float, ...]) -> float:
-    """Largest swing to either side within the range of every group that moves."""
+    """How far to swing to measure, within the range of every group that moves."""
+    return min(SPAN, whole_range(setup, direction))
+
+
+def whole_range(setup: Setup, direction: tuple[float, ...]) -> float:
+    """How far to swing either way, within the range of every group that moves."""
     ranges = [setup.robot.swing_range[group] for group in setup.robot.groups]
     reach = [
         min(-low, high) / abs(share)
         for (low, high), share in zip(ranges, direction, strict=True)
         if share
     ]
-    return min(SPAN, *reach)
+    return min(reach)
 
 
 def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list[Flow]:

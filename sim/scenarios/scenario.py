@@ -84,6 +84,9 @@ class Scenario:
         "least distance from obstacles a plan may predict [m]; -1 asks for none",
         0.002,
     )
+    allow_unstable: bool = setting(
+        Flag(), "walk plans that are predicted to tip over or to collide", False
+    )
     sample_every: int = setting(
         Number(1, 1_000_000, whole=True), "physics steps between recorded rows", 20
     )

@@ -15,11 +15,12 @@ from models import Robot
 from planner import Array, Flow, Plan
 from sim.motion.poses import seen_from
 from sim.motion.sampling import inspections
-from sim.motion.schedule import Schedule, Scheduler
+from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_segment
+from sim.planning.soundness import require_sound, require_sound_flows
 from sim.preparation.effort import check_effort
 from sim.preparation.laying import lay
 from sim.preparation.setup import Setup, prepare
@@ -132,9 +133,11 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
     Raises:
         UsageError: If a setting is impossible, or the walk takes too many steps.
         ModelError: If the robot cannot be used.
-        SimulationError: If the physics diverges.
+        SimulationError: If the plan tips the robot over or makes legs collide, or the
+            physics diverges.
     """
     setup = prepare(scenario_of(robot, plan, **changes), robot)
+    require_sound(setup, plan)
     return carry_out(Walker(setup, progress), plan)
 
 
@@ -183,5 +186,7 @@ def _replanned(walker: Walker) -> int:
         step = plan_segment(walker.setup, segment, walker.pose, walker.swing)
         walker.seconds["plan"] += time.perf_counter() - began
         saturated += step.fraction < 1
+        legs = LegState(walker.swing, walker.setup.robot.card.bottom)
+        require_sound_flows(walker.setup, step.plan.segments(), legs)
         walker.go(list(step.plan.segments()), first=segment)
     return saturated

@@ -95,7 +95,11 @@ def faller(tmp_path_factory):
         assert old in card
         card = card.replace(old, new)
     (folder / "hexapod.toml").write_text(card)
-    overrides = {"robot": str(folder / "hexapod.xml"), "segments": 1}
+    overrides = {
+        "robot": str(folder / "hexapod.xml"),
+        "segments": 1,
+        "allow_unstable": True,
+    }
     return load_scenario("line", overrides | {"path.goal": [0.01, 0.0, 0.0]})
 
 

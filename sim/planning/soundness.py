@@ -1,0 +1,133 @@
+"""Plans that are predicted to tip over, or whose legs come to touch, are refused.
+
+Both follow from the commanded angles alone, with the body level and the contacts as
+planned: no prediction of where the body goes takes part.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import mujoco
+import numpy as np
+
+from planner import Array, Flow, Plan
+from sim.errors import SimulationError
+from sim.motion.sampling import inspections
+from sim.motion.schedule import LegState, Schedule, Scheduler
+from sim.motion.stability import stability_margin
+from sim.preparation.laying import lay
+from sim.preparation.setup import Setup
+
+TIPPING = -1e-6  # [m], of a margin that is less than rounding
+APART = 5e-3  # [rad] by which configurations differ that are looked at
+ALLOW = "or walk it all the same with --allow-unstable"
+
+Pairs = dict[tuple[int, int], float]  # geoms that touch, and how deep [m]
+
+
+def require_sound(setup: Setup, planned: Plan) -> None:
+    """Refuse an open-loop plan that tips over or makes legs collide.
+
+    Args:
+        setup: Who is to walk it; a scenario that allows unstable plans is passed over.
+        planned: Flows of the whole path.
+
+    Raises:
+        SimulationError: It says when, and where.
+    """
+    require_sound_flows(setup, planned.segments(), setup.at_rest)
+
+
+def require_sound_flows(
+    setup: Setup, segments: Iterable[Iterable[Flow]], begin: LegState
+) -> None:
+    """The same for flows from some state of the legs; times count from their start."""
+    if setup.scenario.allow_unstable:
+        return
+    scheduler = Scheduler(setup.limits, begin)
+    lay(setup, scheduler, segments)
+    schedule = scheduler.finish()
+    if schedule.phases:
+        rows = inspections(schedule) - 1 - schedule.start
+        _refuse_tipping(setup, schedule, rows)
+        _refuse_collisions(setup, schedule, rows)
+
+
+def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
+    phase = schedule.phase_of(rows)
+    planted = np.array([setup.robot.planted(p.stratum) for p in schedule.phases])
+    stance = setup.kinematics.stance(*schedule.angles(rows))
+    margin = stability_margin(stance.feet, planted[phase], stance.center_of_mass)
+    worst = int(margin.argmin())
+    if margin[worst] < TIPPING:
+        stratum = schedule.phases[phase[worst]].stratum
+        raise SimulationError(
+            f"the plan tips the robot over: its margin on S{stratum} is predicted as "
+            f"{1e3 * margin[worst]:.1f} mm",
+            f"{setup.scenario.name} on {setup.robot.name}, "
+            f"{_time(setup, rows[worst]):.1f} s after the start",
+            f"more segments swing the legs less; {ALLOW}",
+        )
+
+
+def _refuse_collisions(setup: Setup, schedule: Schedule, rows: Array) -> None:
+    angles = np.concatenate(schedule.angles(rows), axis=1)
+    _, first = np.unique(np.round(angles / APART), axis=0, return_index=True)
+    groups = len(setup.robot.groups)
+    chosen = np.sort(first)
+    apart = Collisions(setup)
+    for row, angle in zip(rows[chosen], angles[chosen], strict=True):
+        for (one, other), depth in apart(angle[:groups], angle[groups:]).items():
+            names = (_name(setup.model, geom) for geom in (one, other))
+            raise SimulationError(
+                f"the plan makes legs collide: {' and '.join(names)} overlap by "
+                f"{1e3 * depth:.1f} mm",
+                f"{setup.scenario.name} on {setup.robot.name}, "
+                f"{_time(setup, row):.1f} s after the start",
+                f"more segments swing the legs less; {ALLOW}",
+            )
+
+
+class Collisions:
+    """Which parts of a robot overlap at given angles that do not where it stands."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup, self._model = setup, setup.model
+        self._data = mujoco.MjData(setup.model)
+        self._start = np.array(setup.model.key("start").qpos)
+        at_rest = np.zeros(len(setup.robot.groups))
+        self._always = frozenset(self._overlaps(at_rest, at_rest))
+
+    def __call__(self, swing: Array, lift: Array) -> Pairs:
+        """Overlapping geoms at angles of the groups, shape (G,) each [rad]."""
+        found = self._overlaps(swing, lift)
+        return {pair: d for pair, d in found.items() if pair not in self._always}
+
+    def _overlaps(self, swing: Array, lift: Array) -> Pairs:
+        robot, model, data = self._setup.robot, self._model, self._data
+        data.qpos[:] = self._start
+        for joint, angle in robot.leg_angles(swing, lift).items():
+            data.joint(joint).qpos[0] = robot.standing_angle(joint) + angle
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_collision(model, data)
+        return dict(self._own())
+
+    def _own(self) -> Iterator[tuple[tuple[int, int], float]]:
+        model = self._model
+        root = model.body(self._setup.robot.root).id
+        for contact in self._data.contact[: self._data.ncon]:
+            geoms = sorted(int(geom) for geom in contact.geom)
+            own = all(model.body_rootid[model.geom_bodyid[g]] == root for g in geoms)
+            if own and contact.dist < 0 and not contact.exclude:
+                yield (geoms[0], geoms[1]), -float(contact.dist)
+
+
+def _time(setup: Setup, row: int) -> float:
+    return float(row) * setup.limits.timestep
+
+
+def _name(model: mujoco.MjModel, geom: int) -> str:
+    body = model.body(int(model.geom_bodyid[geom])).name
+    return model.geom(geom).name or f"a geom of {body or 'a body without a name'}"
