@@ -13,7 +13,7 @@ from models.errors import MeasurementError
 from models.motion.identified import IdentifiedTwists, MeasuredField
 from sim.commands.identify import fields
 from sim.evaluation.comparison import describe
-from sim.experiments.identification import identify, measure
+from sim.experiments.identification import confirmed, identify, measure
 from sim.experiments.predictions import twist_model
 from sim.folder import RunFolder
 from sim.planning.open_loop import plan_open_loop
@@ -81,6 +81,26 @@ def test_beyond_its_span_a_field_is_that_of_its_end():
     assert ends == pytest.approx([-0.2, 0.1, 0.2])
 
 
+def test_fields_of_the_hexapod_are_confirmed_over_the_whole_joint_range(identified):
+    reaches = [field.reach for field in identified.fields.values()]
+    assert reaches == pytest.approx([0.45] * 4, abs=0.01)
+
+
+def test_a_field_that_a_stroke_back_does_not_follow_is_refused(setup, identified):
+    field = identified.fields["g1_1"]
+    half = replace(field, twist=tuple(part / 2 for part in field.twist))
+    with pytest.raises(MeasurementError, match="a stroke back, which it was not"):
+        confirmed(setup, "g1_1", half)
+
+
+def test_a_swing_beyond_what_was_confirmed_is_refused():
+    fields = {"a": replace(constant("1", (1.0, 0.0), (0.1, 0.0, 0.5)), reach=0.3)}
+    twists, rates = IdentifiedTwists(fields), np.array([[1.0, 0.0]])
+    assert twists("1", np.array([[0.3, 0.9]]), rates).shape == (1, 3)
+    with pytest.raises(MeasurementError, match="field a swings to 0.35 rad"):
+        twists("1", np.array([[-0.35, 0.0]]), rates)
+
+
 @pytest.fixture(scope="module")
 def faller(tmp_path_factory):
     """A hexapod whose card claims that it stands on its front legs alone."""
@@ -95,12 +115,9 @@ def faller(tmp_path_factory):
         assert old in card
         card = card.replace(old, new)
     (folder / "hexapod.toml").write_text(card)
-    overrides = {
-        "robot": str(folder / "hexapod.xml"),
-        "segments": 1,
-        "allow_unstable": True,
-    }
-    return load_scenario("line", overrides | {"path.goal": [0.01, 0.0, 0.0]})
+    overrides = {"robot": str(folder / "hexapod.xml"), "segments": 1}
+    tips = {"path.goal": [0.01, 0.0, 0.0], "allow_unstable": True}
+    return load_scenario("line", overrides | tips)
 
 
 def test_a_field_on_which_the_robot_falls_is_null_with_the_reason(faller):
