@@ -153,12 +153,12 @@ def test_summary_names_the_verdict_first(short_walk):
 
 
 def clumsy(folder):
-    """The hexapod on spheres so large that neighbouring feet are 10 mm apart."""
+    """The hexapod on spheres so large that neighbouring feet are almost in touch."""
     for name in ("scene.xml", "hexapod.xml", "hexapod.toml"):
         shutil.copy(FOLDER / name, folder / name)
     path = folder / "hexapod.xml"
     text = path.read_text().replace('contype="0"', 'contype="1"')
-    path.write_text(text.replace('type="sphere" size="0.008"', 'size="0.075"'))
+    path.write_text(text.replace('type="sphere" size="0.008"', 'size="0.0805"'))
     return path
 
 
