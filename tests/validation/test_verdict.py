@@ -9,7 +9,7 @@ import pytest
 
 from models.description.robot import FOLDER
 from sim.cli import main
-from sim.evaluation.evaluation import evaluate, summarise
+from sim.evaluation.assessment import evaluate, summarise
 from sim.evaluation.verdict import judge
 from sim.planning.soundness import Collisions
 from sim.preparation.setup import prepare
