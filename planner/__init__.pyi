@@ -39,6 +39,11 @@ from .extension.extended import (
     extend as extend,
 )
 from .extension.steering import Steering as Steering
+from .extension.strokes import (
+    AFFORDABLE as AFFORDABLE,
+    DirectionCost as DirectionCost,
+    stroke_costs as stroke_costs,
+)
 from .files import (
     require_space as require_space,
     whole_file as whole_file,

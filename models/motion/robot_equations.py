@@ -69,6 +69,19 @@ class Equations:
         rest = self.system.dimension - len(POSE)
         return Path(lambda s: np.pad(path.at(s), ((0, 0), (0, rest))), path.corners)
 
+    @property
+    def strokes(self) -> dict[str, float]:
+        """How far each field swings from one end of the joint range to the other."""
+        widths = [high - low for low, high in self.limits.values()]
+        return {
+            name: min(
+                width / abs(rate)
+                for width, rate in zip(widths, direction, strict=True)
+                if rate
+            )
+            for name, direction in self.swings.items()
+        }
+
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
         return hypot(*self.twists[field][:2])

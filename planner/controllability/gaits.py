@@ -17,6 +17,7 @@ import numpy as np
 
 from planner.controllability.closure import LieClosure, involutive_closure
 from planner.controllability.decoupling import coupled, lifts, tangent_field
+from planner.controllability.exact import exact_rank
 from planner.errors import point
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import (
@@ -113,6 +114,8 @@ def gait_controllability(
         else algebras[walk.strata[0]]
     )
     closed = column_space(union.columns)
+    if max(filtered.shape[1], closed.shape[1]) < dimension:
+        closed = _exactly(system, walk.strata, union, x, closed)
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
     missing = () if controllable else system.missing(reached, x, walk.strata[0])
@@ -205,6 +208,30 @@ def _closure(
         max_depth,
         until=lambda algebra: rank(algebra.columns) == size,
     )
+
+
+def _exactly(
+    system: StratifiedSystem,
+    strata: Sequence[str],
+    union: LieClosure,
+    x: Array,
+    closed: Array,
+) -> Array:
+    """The closure's span, larger where exact arithmetic finds what rounding hid."""
+    home = strata[0]
+    generators = [
+        field
+        for stratum in dict.fromkeys(strata)
+        for name in system.strata[stratum]
+        if (field := tangent_field(system, name, home)) is not None
+    ]
+    found = exact_rank([*generators, *union.fields], system.state, x)
+    if found is None or found <= closed.shape[1]:
+        return closed
+    size = system.dimension - len(system.level_set(home).functions)
+    if found < size:
+        return closed
+    return null_space(system.level_set(home).gradients(x).T)
 
 
 def _unjudged(

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 from sim.commands.trusted import add_trust_argument, robot_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from planner import Array, Controllability, StratifiedSystem
+    from planner import Array, Controllability, DirectionCost, StratifiedSystem
 
 Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
@@ -51,7 +53,8 @@ def execute(options: argparse.Namespace) -> None:
     from planner import MAX_DEPTH, gait_controllability
     from sim.commands.problems import coordinates, refused
 
-    system, gait, start, static_stability = _subject(options)
+    subject = _subject(options)
+    system, gait, start = subject.system, subject.gait, subject.start
     if options.gait:
         gait = _gait(system, options.gait)
     with refused(options.system):
@@ -62,20 +65,54 @@ def execute(options: argparse.Namespace) -> None:
             configuration(system, "--at", at, start).tolist(),
             MAX_DEPTH if options.depth is None else options.depth,
         )
+    costs = _costs(subject, report) if report.controllable else ()
+    theory = [cost.direction for cost in costs if cost.in_theory_only]
     if options.json:
-        print(
-            json.dumps(
-                {
-                    "system": options.system,
-                    **asdict(report),
-                    "static_stability": static_stability,
-                }
-            )
-        )
+        facts = asdict(report) | {
+            "controllable": report.controllable and not theory,
+            "in_theory_only": theory,
+            "strokes": {cost.direction: asdict(cost) for cost in costs},
+            "static_stability": subject.static_stability,
+        }
+        print(json.dumps({"system": options.system, **facts}))
         return
-    print(describe(options.system, report))
-    if static_stability:
-        print(describe_static_stability(static_stability))
+    print(describe(options.system, report, theory))
+    print(*describe_costs(costs), sep="\n", end="\n" * bool(costs))
+    if subject.static_stability:
+        print(describe_static_stability(subject.static_stability))
+
+
+@dataclass(frozen=True)
+class _Subject:
+    """What is judged.
+
+    Attributes:
+        system: System that walks.
+        gait: Its strata in order.
+        start: Where to look at it; None for the middle.
+        elements: Elements that it is steered by; none if nobody said.
+        strokes: Length of a stroke of each field, 1 for those left out.
+        static_stability: Of a robot, the least load on a foot of each stratum.
+    """
+
+    system: StratifiedSystem
+    gait: Sequence[str]
+    start: Array | None
+    elements: Sequence[str]
+    strokes: Mapping[str, float]
+    static_stability: Loads
+
+
+def _costs(subject: _Subject, report: Controllability) -> Sequence[DirectionCost]:
+    """What each direction costs in strokes; nothing where that cannot be said."""
+    from planner import PlannerError, choose_elements, stroke_costs
+
+    system = subject.system
+    try:
+        elements = subject.elements or choose_elements(system, report.at).elements
+        return stroke_costs(system, elements, report.at, subject.strokes)
+    except (PlannerError, ValueError):
+        return ()
 
 
 def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
@@ -91,23 +128,31 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
         raise UsageError(what, "--gait", remedy) from None
 
 
-def _subject(
-    options: argparse.Namespace,
-) -> tuple[StratifiedSystem, Sequence[str], Array | None, Loads]:
-    """The system behind a word, its gait, where to look at it, and a robot's loads."""
+def _subject(options: argparse.Namespace) -> _Subject:
+    """The system behind a word."""
     from sim.commands.problems import find, is_system
 
     source, settings = options.system, options.set
     if not source.endswith(".xml") and is_system(source, _robots(), "robot"):
         problem = find(source, settings)
-        return problem.system, problem.gait, problem.states[0], {}
+        elements = problem.elements or ()
+        return _Subject(
+            problem.system, problem.gait, problem.states[0], elements, {}, {}
+        )
     if settings:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
     from models import StaticStability, equations
 
     robot = robot_of(options, source)
-    static_stability = StaticStability(robot).at_rest_and_best()
-    return equations(robot).system, robot.card.gait, None, static_stability
+    described = equations(robot)
+    return _Subject(
+        system=described.system,
+        gait=robot.card.gait,
+        start=None,
+        elements=described.elements,
+        strokes=described.strokes,
+        static_stability=StaticStability(robot).at_rest_and_best(),
+    )
 
 
 def _robots() -> Sequence[str]:
@@ -116,9 +161,17 @@ def _robots() -> Sequence[str]:
     return shipped_robots()
 
 
-def describe(name: str, report: Controllability) -> str:
-    """The verdict, both tests, and what is missing, line by line."""
+def describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
+    """The verdict, both tests, and what is missing, line by line.
+
+    Args:
+        name: Name of the system or robot.
+        report: Result of the tests.
+        theory: Directions that no range of the inputs can use.
+    """
     yes = f"controllable, as the {report.decided_by} shows"
+    if theory:
+        yes = f"controllable in theory only: no joint range can use {', '.join(theory)}"
     no = "not controllable" if report.conclusive else "not shown to be controllable"
     tests = {
         "filtration": (report.filtration, "strata closed one by one (Sec. 4)"),
@@ -138,6 +191,15 @@ def describe(name: str, report: Controllability) -> str:
         lines.append(f"{'missing':12}{', '.join(report.missing)}")
         lines.append(f"{'to do':12}{'; or '.join(report.advice)}")
     return "\n".join(lines)
+
+
+def describe_costs(costs: Sequence[DirectionCost]) -> Iterator[str]:
+    """What a unit of each direction costs, and which element gives it."""
+    for number, cost in enumerate(costs):
+        head = "" if number else "strokes"
+        count = f"{cost.strokes:.4g} a unit" if cost.strokes < inf else "never"
+        only = ", in theory only" if cost.in_theory_only else ""
+        yield f"{head:12}{cost.direction} {count}, by {cost.element}{only}"
 
 
 def describe_static_stability(static_stability: Loads) -> str:

@@ -60,6 +60,17 @@ def test_every_robot_is_checked(facts, name):
     assert report["rank"] == report["dimension"]
 
 
+def test_what_no_joint_range_can_use_is_controllable_in_theory_only(stratawalk):
+    words = ("check", "paper-hexapod", "--set", "yaw_gain=1e-6")
+    code, out, err = stratawalk(*words)
+    assert (code, err) == (0, "")
+    assert "controllable in theory only: no joint range can use y" in out
+    report = json.loads(stratawalk(*words, "--json")[1])
+    assert report["controllable"] is False
+    assert report["in_theory_only"] == ["y", "theta"]
+    assert report["strokes"]["y"]["element"] == "[g12_1,g12_2]"
+
+
 def test_uncontrollable_is_an_answer_and_not_an_error(stratawalk, tmp_path):
     (tmp_path / "line.toml").write_text(LINE)
     code, out, err = stratawalk("check", "line.toml")

@@ -1,0 +1,101 @@
+"""What a unit of motion in each direction costs in strokes of the inputs.
+
+A direction that brackets give exactly may still be out of reach in practice: where the
+bracket is tiny, no range of the joints makes enough of it. The rank of a matrix does
+not tell the two apart; the number of strokes does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.extension.extended import extend
+from planner.numerics.arrays import Array
+from planner.systems.elements import Tree, leaves, parse
+from planner.systems.strata import StratifiedSystem
+
+AFFORDABLE = 10_000.0
+"""Strokes for a unit of a direction, beyond which it is given in theory only."""
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionCost:
+    """What moving a coordinate by one unit takes.
+
+    Attributes:
+        direction: Name of the coordinate.
+        element: Element that most of the strokes are of.
+        strokes: Number of strokes; infinite where the elements do not give it.
+    """
+
+    direction: str
+    element: str
+    strokes: float
+
+    @property
+    def in_theory_only(self) -> bool:
+        """Whether no reasonable number of strokes gives it."""
+        return not self.strokes <= AFFORDABLE
+
+
+def stroke_costs(
+    system: StratifiedSystem,
+    elements: Sequence[str],
+    at: ArrayLike,
+    strokes: Mapping[str, float],
+) -> tuple[DirectionCost, ...]:
+    """Cost of a unit of each coordinate that is no stroke itself.
+
+    Args:
+        system: System to move.
+        elements: Elements that it is steered by.
+        at: Configuration, shape (n,).
+        strokes: Length of a stroke of each field in the units of its input; 1 for
+            those left out.
+
+    Raises:
+        PlannerError: An element vanishes everywhere, or cannot be followed.
+    """
+    extended = extend(system, elements)
+    matrix = extended.columns(np.asarray(at, dtype=float))  # (n, p)
+    trees = [parse(name, system) for name in elements]
+    prices = np.array([_price(tree, strokes) for tree in trees])
+    joints = {index for index, _ in extended.shape.free.values()}
+    moved = np.flatnonzero(np.abs(matrix).max(axis=1) > 0)
+    return tuple(
+        _cost(str(system.state[i]), matrix, prices, int(i), elements)
+        for i in moved
+        if int(i) not in joints
+    )
+
+
+def _cost(
+    name: str, matrix: Array, prices: Array, row: int, elements: Sequence[str]
+) -> DirectionCost:
+    unit = np.eye(len(matrix))[row]
+    scaled = matrix / prices  # one stroke of each
+    size = np.abs(scaled).max(axis=1, keepdims=True)
+    rows = size[:, 0] > 0
+    amounts, *_ = np.linalg.lstsq(
+        (scaled / np.where(size > 0, size, 1.0))[rows],
+        (unit / np.where(size[:, 0] > 0, size[:, 0], 1.0))[rows],
+        rcond=None,
+    )
+    missed = np.abs(scaled @ amounts - unit).max()
+    total = float(np.abs(amounts).sum()) if missed < 1e-6 else inf
+    return DirectionCost(name, elements[int(np.abs(amounts).argmax())], total)
+
+
+def _price(tree: Tree, strokes: Mapping[str, float]) -> float:
+    """Strokes for a unit of an element: those of its word, over the area they span."""
+    area = float(np.prod([strokes.get(leaf, 1.0) for leaf in leaves(tree)]))
+    return _letters(tree) / area
+
+
+def _letters(tree: Tree) -> int:
+    return 1 if isinstance(tree, str) else 2 * (_letters(tree[0]) + _letters(tree[1]))
