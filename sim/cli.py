@@ -1,6 +1,6 @@
-"""The command `stratawalk`: parses, dispatches, and ends with one line and a code.
+"""The command `stratawalk`: parses its arguments and executes a command.
 
-What a command does is in `sim.commands`.
+Errors end it with one line and an exit code. The commands are in `sim.commands`.
 """
 
 from __future__ import annotations

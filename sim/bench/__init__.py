@@ -1,1 +1,1 @@
-"""Speed, memory and other planners on the same task, side by side in one run."""
+"""Measurements of speed and memory, and other planners on the same tasks."""

@@ -1,8 +1,8 @@
-"""Common ground for planners of different kinds: the hexapod's body as arcs on a floor.
+"""The common task of different planners: the hexapod's body moves along arcs.
 
 A loaded tripod swings the body along a circle, tripod 1 to the left and tripod 2 to the
-right, forward and back. Legs in the air may swing at no cost, so a plan is a sequence
-of sweeps under load, and what it costs is how far they sweep.
+right, forward and back. Legs in the air may swing at no cost, so that a plan is a
+sequence of sweeps under load whose cost is the angle swept.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def travel(sweeps: Sequence[Sweep]) -> float:
 
 
 def joined(sweeps: Sequence[Sweep]) -> list[Sweep]:
-    """Sweeps of one tripod in a row as one; those that cancel disappear."""
+    """Successive sweeps of one tripod joined; those that cancel disappear."""
     together: list[Sweep] = []
     for side, swing in sweeps:
         if together and together[-1][0] == side:

@@ -1,8 +1,8 @@
 """CasADi and IPOPT as a peer: sweeps optimised by multiple shooting.
 
 Poses between sweeps are unknowns like the sweeps' angles, so that a poor first guess
-does not bend the whole way. The best of many guesses stands for the optimum. Needs the
-extra `peers`.
+does not distort the whole path. The best result of many guesses stands for the optimum.
+This needs the extra `peers`.
 """
 
 from __future__ import annotations

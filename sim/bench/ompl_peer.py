@@ -2,8 +2,8 @@
 
 The propagator is the stratified kinematics, called from C++ in Python, so these
 planners see far fewer samples in a second than they would natively. The closed form of
-Reeds and Shepp may also go straight, which takes both tripods in ever smaller sweeps:
-no plan has less swing travel. Needs the extra `peers`.
+Reeds and Shepp may also go straight, which both tripods approach by ever smaller
+sweeps: no plan has less swing travel. This needs the extra `peers`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ ROOM = 3.0  # radii around start and goal
 
 
 def reeds_shepp(task: Task) -> float:
-    """Swing travel that no plan can undercut [rad]."""
+    """Lower bound on the swing travel of all plans [rad]."""
     space = base.ReedsSheppStateSpace(task.arcs.radius)
     length = space.distance(_state(space, START), _state(space, task.goal))
     return float(length / task.arcs.stride)

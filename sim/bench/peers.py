@@ -2,8 +2,8 @@
 
 The stratified planner knows the two tripods as vector fields only; plans that are to
 meet the goal are aimed. Joint ranges are left out: swings in the air cost nothing here,
-so that a long sweep can be cut in as many as the range asks for. What is compiled
-beforehand is not timed, on either side.
+so that a long sweep can be divided as the range requires. Compilation is not timed on
+either side.
 """
 
 from __future__ import annotations
@@ -39,15 +39,15 @@ SEGMENTS = 40  # likewise
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """How one planner did.
+    """The result of one planner.
 
     Attributes:
-        task: What it had to reach.
-        planner: What planned.
+        task: Name of the task.
+        planner: Name of the planner.
         seconds: Wall time.
         end_error: Distance from the goal, in the task's unit.
         swing_travel: Of loaded tripods [rad].
-        sweeps: Number of sweeps, between which the feet change; None if without end.
+        sweeps: Number of sweeps, between which the feet change; None if infinite.
         over_optimum: Swing travel over that of the optimum; None if it is not known.
     """
 
@@ -82,7 +82,7 @@ class Absent:
 
 @dataclass(frozen=True, slots=True)
 class Solver:
-    """A planner at work on a task.
+    """A planner and its task.
 
     Attributes:
         name: What to call it.
@@ -96,7 +96,7 @@ class Solver:
 
 
 def measure() -> Iterator[Peer | Absent]:
-    """All planners on all tasks; what is not installed, first of all."""
+    """All planners on all tasks, preceded by those that are not installed."""
     present = {name: find_spec(name) is not None for name in ("casadi", "ompl")}
     yield from (Absent(name) for name, found in present.items() if not found)
     for task, extended, segments in tasks():

@@ -1,7 +1,7 @@
 """Speed of the planner: its algebra, its compilation, plans short and long.
 
-Also what plans cost: swing travel under load of the shortest words beside the printed
-ones, on the shipped scenarios.
+The cost of plans is measured as well: swing travel under load of the shortest words and
+of the printed ones, on the shipped scenarios.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ SCENARIOS = ("line", "ellipse", "diagonal")
 
 
 def measure() -> Iterator[Row]:
-    """All measurements; compilation first, before anything is remembered."""
+    """All measurements; compilation comes first, before anything is cached."""
     yield from compilation()
     yield from algebra()
     yield from plans(prepare(load_scenario("line")))

@@ -1,7 +1,7 @@
 """Measurements: one row each, times as medians, ratios from interleaved pairs.
 
-Interleaving disturbs both sides of a ratio alike where a machine speeds up or slows
-down meanwhile. Judges nothing: a slow machine is not an error.
+Interleaving affects both sides of a ratio alike if the machine changes its speed. A
+slow machine is not an error; nothing is judged here.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 
 def timed(work: Callable[[], T], repeats: int = REPEATS) -> tuple[T, float]:
-    """What some work gives, and the median of its time [s]."""
+    """Result of some work, and the median of its time [s]."""
     times = []
     for _ in range(repeats):
         began = time.perf_counter()

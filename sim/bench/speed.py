@@ -1,4 +1,4 @@
-"""Speed and memory, measured side by side in one run; targets beside what has one.
+"""Speed and memory, measured side by side in one run, with targets where they exist.
 
 The simulation against a bare loop, the planner, and the command as a whole.
 """
@@ -68,7 +68,7 @@ def simulation(setup: Setup) -> Iterator[Row]:
 
 
 def command() -> Iterator[Row]:
-    """The command from outside: time to answer, memory of a run."""
+    """The command as a process: its response time, and the memory of a run."""
     start = [sys.executable, "-m", "sim.cli"]
 
     def answer() -> None:

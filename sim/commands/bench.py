@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Print every measurement as it comes."""
+    """Print every measurement when it is done."""
     from dataclasses import asdict
 
     rows = _peers() if options.peers else _measurements()

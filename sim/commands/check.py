@@ -1,4 +1,4 @@
-"""`stratawalk check`: can a gait reach every direction, and if not, what is missing."""
+"""`stratawalk check`: the controllability of a gait, and what it lacks."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Judge the gait by both tests of Sec. 4 and print what they say."""
+    """Test the gait by both criteria of Sec. 4 and print the results."""
     from dataclasses import asdict
 
     from models import configuration
@@ -129,7 +129,7 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
 
 
 def _subject(options: argparse.Namespace) -> _Subject:
-    """The system behind a word."""
+    """The system that is named."""
     from sim.commands.problems import find, is_system
 
     source, settings = options.system, options.set
@@ -162,7 +162,7 @@ def _robots() -> Sequence[str]:
 
 
 def describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
-    """The verdict, both tests, and what is missing, line by line.
+    """The verdict, both tests, and the missing directions, line by line.
 
     Args:
         name: Name of the system or robot.
@@ -203,7 +203,7 @@ def describe_costs(costs: Sequence[DirectionCost]) -> Iterator[str]:
 
 
 def describe_static_stability(static_stability: Loads) -> str:
-    """How surely a robot stands on each stratum."""
+    """The static stability of a robot on each stratum."""
     shares = (
         f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
         for stratum, (rest, best) in static_stability.items()

@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Draw the figures and say where they are."""
+    """Draw the figures and print their folder."""
     from sim.figures.draw import draw
     from sim.folder import claim
     from sim.progress import bar

@@ -1,4 +1,4 @@
-"""`stratawalk identify`: a robot's fields as measured, beside what predicts them."""
+"""`stratawalk identify`: a robot's measured fields beside their predictions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Options that `run` and `plan` share, and the scenario they add up to."""
+"""Options that `run` and `plan` share, and the scenario that they select."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NAMED = (
 def add_scenario_arguments(
     parser: argparse.ArgumentParser, metavar: str = "SCENARIO"
 ) -> None:
-    """Add what decides a scenario: its name or file, and what to replace in it.
+    """Add the arguments that select a scenario and replace its settings.
 
     Args:
         parser: Parser of the command.

@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Plan the scenario, or the system, and print what the plan does."""
+    """Plan the scenario or the system and print the result."""
     if system_plan.is_for_systems(options):
         system_plan.execute(options)
         return
@@ -98,7 +98,7 @@ def _replanned(setup: Setup) -> Sequence[Flow]:
 
 
 def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
-    """What flows do on the exact kinematics, in the words of summary.json."""
+    """Results of flows on the exact kinematics, under the names of summary.json."""
     from planner import contact_switches, play
     from sim.motion.poses import wrap
 
@@ -126,7 +126,7 @@ def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
 
 
 def _travel(setup: Setup, flows: Sequence[Flow]) -> dict[str, float]:
-    """Way of the loaded and the lifted groups' angles, and of the body on them."""
+    """Swing travel of loaded and of lifted groups, and distance walked."""
     groups, equations = setup.robot.groups, setup.equations
     travel = {"swing_travel": 0.0, "air_travel": 0.0, "distance_walked": 0.0}
     for flow in flows:

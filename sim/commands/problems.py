@@ -1,4 +1,4 @@
-"""Systems as the command line names them: shipped ones, or anybody's file."""
+"""Systems of the command line: shipped ones by name, others by file."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
             values[name] = float(value)
         except ValueError:
             raise UsageError(
-                f"{word!r} is no coordinate", option, "write NAME=VALUE, as in x=1"
+                f"{word!r} is not a coordinate", option, "write NAME=VALUE, as in x=1"
             ) from None
     return values
 
@@ -147,7 +147,7 @@ def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Pl
 
 @contextmanager
 def refused(where: str) -> Iterator[None]:
-    """Turn refusals of bad arguments into those of the command line.
+    """Turn errors of bad arguments into errors of the command line.
 
     Raises:
         UsageError: A `ValueError` came up, with its words.

@@ -1,4 +1,4 @@
-"""`stratawalk robots`: the robots that come with the package, or one in numbers."""
+"""`stratawalk robots`: the shipped robots, or one robot in numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`stratawalk run`: plan, walk in MuJoCo, compare, film; leaves a run folder."""
+"""`stratawalk run`: plan, walk in MuJoCo, compare and film, into a run folder."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def _told(error: SimulationError, code: ExitCode) -> ExitCode:
 
 
 def _can_film(wanted: bool | None) -> bool:
-    """Whether to film; a film that was asked for and cannot be drawn is an error."""
+    """Whether to film; it is an error if a requested film cannot be drawn."""
     if wanted is False:
         return False
     from sim.pictures.direction import check

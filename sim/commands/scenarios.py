@@ -1,4 +1,4 @@
-"""`stratawalk scenarios`: what can be walked; with a name, that one in full."""
+"""`stratawalk scenarios`: the shipped scenarios, or one of them in full."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The part of `stratawalk plan` that is for systems, and for plans saved of them."""
+"""The part of `stratawalk plan` for systems and for saved plans of systems."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SETTLED = dict.fromkeys(
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that systems have and scenarios have not."""
+    """Add the options that apply to systems only."""
     group = parser.add_argument_group("for systems")
     for option in ("start", "goal"):
         group.add_argument(
@@ -64,7 +64,7 @@ def is_for_systems(options: argparse.Namespace) -> bool:
 
     source = options.scenario
     if source.endswith(".json"):
-        _refuse(options, SETTLED, "cannot change what is saved")
+        _refuse(options, SETTLED, "cannot change a saved plan")
     elif not is_system(source, shipped_scenarios()):
         _refuse(options, FOR_SYSTEMS, "is for systems")
         return False
@@ -83,7 +83,7 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Plan the system, or read a plan of one, and print what it does."""
+    """Plan the system, or read a saved plan, and print the result."""
     from planner import load_plan, save_plan
     from sim.commands.problems import refused
 
@@ -127,7 +127,7 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
 
 
 def summarise(name: str, planned: Plan) -> dict[str, Any]:
-    """What a plan does on the exact kinematics.
+    """Results of a plan on the exact kinematics.
 
     Args:
         name: What the system is called.
@@ -157,7 +157,7 @@ def _named(planned: Plan, state: Array) -> dict[str, float]:
 
 
 def describe(facts: Mapping[str, Any]) -> str:
-    """The facts in a few lines; coordinates that neither move nor err are left out."""
+    """The facts in a few lines; coordinates that do not move are left out."""
     ends = zip(facts["start"].items(), facts["end"].values(), strict=True)
     moved = [f"{n} {b:z.4f}" for (n, a), b in ends if abs(b - a) > 5e-5]
     share = facts["error"] / facts["distance"] if facts["distance"] else 0.0

@@ -1,8 +1,8 @@
 """The paper's Figs. 5 to 9 drawn again: on its kinematics, and beside physics.
 
 One module a figure, each with two sheets: `paper` in the paper's units (l = 1) and
-`metres` with physics beside prediction. What is drawn is computed by functions that
-need no drawing.
+`metres` with physics beside prediction. The
+functions that compute the numbers do not draw.
 """
 
 NAMES = ("stability", "line", "ellipse", "diagonal", "corridor")

@@ -1,4 +1,4 @@
-"""Fig. 9: through an L-shaped passage that a coarse plan would not fit through."""
+"""Fig. 9: an L-shaped passage in which a coarse plan collides."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def paper() -> Sheet:
 
 
 def label(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
-    """Titles of the two maps and the two courses of clearance below them."""
+    """Titles of the two maps and of the two plots of clearance below them."""
     coarse, fine = segments
     first, second = f"{coarse} segments, hits", f"{fine} segments, clear"
     below = ("clearance of (a)", "clearance of (b)")
@@ -145,7 +145,7 @@ def _fill(axes: Axes, area: shapely.Geometry, scale: float, **style: object) -> 
 def finish_clearance(
     axes: Axes, unit: str, along: str, limits: tuple[float, float]
 ) -> None:
-    """Scales of a course of clearance, the walls' surface marked."""
+    """Scales of a plot of clearance, with the surface of the walls marked."""
     axes.axhline(0, color=WALL, linewidth=0.8)
     axes.set(xlabel=along, ylabel=f"clearance  [{unit}]", xlim=(0, 1), ylim=limits)
     axes.legend(loc="upper center", ncols=2)
@@ -182,7 +182,7 @@ def _paper_table(made: Passage, walks: Mapping[str, PaperWalk]) -> Table:
 
 
 def metres(walks: Mapping[str, Walked]) -> Sheet:
-    """The scenario as shipped, and with the segments that it starts from."""
+    """The scenario as shipped, and with its initial number of segments."""
     around = passage().around
     coarse, fine = made = [walks[name] for name in WALKS]
     figure, axes = sheet_of("ab\ncd", 5.2, height_ratios=[2.4, 1])

@@ -1,4 +1,4 @@
-"""Draw all figures, or one: walk what they need, then write pictures and tables."""
+"""Drawing of all figures or one: the walks, then pictures and tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def draw(
     Args:
         folder: Empty folder to write to.
         only: One of `NAMES`; None draws them all.
-        progress: Told the stage and how much of it is done.
+        progress: Called with each stage and the finished part of it.
 
     Raises:
         PlannerError: If a walk has no plan.

@@ -1,4 +1,4 @@
-"""The passage of Fig. 9 in the paper's units: where its walks are clear of the walls.
+"""The passage of Fig. 9 in the paper's units, and the clearance of walks through it.
 
 The robot is `hexapod` on the paper's kinematics, measured in its pivots' distance.
 """
@@ -52,7 +52,7 @@ class Passage:
         return walk(recut(self.path, cuts), len(cuts) - 1, samples=samples)
 
     def slack(self, cuts: Array) -> Slack:
-        """What a walk leaves of the least clearance, and what the nominal path does."""
+        """Slack of the least clearance along a walk, and along the nominal path."""
         walked = self.through(cuts)
         segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
         _, bound = self.clearance(walked.states[:, :3], walked.states[:, 3:])

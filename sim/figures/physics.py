@@ -1,4 +1,4 @@
-"""Walks in the physics that the figures show, made side by side on all cores."""
+"""Walks in the physics for the figures, computed in parallel."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Walked:
-    """What the figures need of a finished walk; rows from the start of the walk on.
+    """The data of a finished walk that the figures need, from the start of the walk.
 
     Attributes:
         summary: As in summary.json, timing left out.
@@ -92,11 +92,11 @@ def perform(job: Job) -> Walked:
 def perform_all(
     jobs: Mapping[str, Job], progress: Progress = silent
 ) -> dict[str, Walked]:
-    """Make walks side by side, one a core.
+    """Compute walks in parallel, one on each core.
 
     Args:
         jobs: What to walk, by name.
-        progress: Told the stage and how much of it is done.
+        progress: Called with each stage and the finished part of it.
 
     Raises:
         PlannerError: If one of them has no plan.

@@ -1,4 +1,4 @@
-"""A sheet: one drawing, the numbers in it, and what its caption has to say."""
+"""A sheet: one drawing with its numbers and its caption."""
 
 from __future__ import annotations
 
@@ -64,8 +64,8 @@ class Sheet:
 
     Attributes:
         name: Of its files, such as `fig6-line-paper`.
-        title: What it shows, in a few words.
-        caption: What to see, what the paper leaves open, and what was chosen.
+        title: Its content in a few words.
+        caption: What it shows, what the paper leaves open, and what was chosen.
         figure: The drawing.
         table: Its numbers.
     """

@@ -1,4 +1,4 @@
-"""The paper's stance judged twice: by its closed forms and by its support polygons."""
+"""Static stability of the paper's stance by closed forms and by support polygons."""
 
 from __future__ import annotations
 

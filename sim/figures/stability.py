@@ -1,4 +1,4 @@
-"""Fig. 5: on which angles a tripod stands, by closed forms and by support polygons."""
+"""Fig. 5: angles at which a tripod is statically stable, by both criteria."""
 
 from __future__ import annotations
 

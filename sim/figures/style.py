@@ -1,4 +1,4 @@
-"""How figures look: sizes for print, colours that the colour-blind tell apart."""
+"""The style of figures: sizes for print, and colours for the colour-blind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tube: how far a walk swings out of its nominal path within its segments.
+"""The tube: the deviation of a walk from its nominal path within its segments.
 
 A bracket of size h needs strokes of size sqrt(h) (eq. 20), so the tube's width falls as
 the square root of the segments' length and not as the length itself.

@@ -1,1 +1,1 @@
-"""Obstacles: their shapes, the robot's outline, the room between, the way around."""
+"""The outline of the robot, and its clearance from obstacles."""

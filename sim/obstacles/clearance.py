@@ -1,8 +1,8 @@
-"""How far a robot's outline stays from obstacles, at instants and in between.
+"""Clearance of a robot's outline from obstacles, at samples of a motion and between.
 
-Between two instants no part can come closer than its distances at both and the way in
-between allow: half the sum of the distances less half the way. So a sweep of samples
-bounds the clearance of the whole motion from below.
+Between two samples no part comes closer than half the sum of its distances at both,
+less half the distance it moves. The samples of a motion therefore bound the clearance
+of the whole motion from below.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from sim.obstacles.solids import hulls
 from sim.preparation.setup import Setup
 from sim.scenarios.obstacles import Obstacle
 
-ARC = 1.01  # a way may be longer than the chord between samples by this factor
+ARC = 1.01  # largest ratio of the distance moved to the chord between samples
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Sweep:
     """An outline at consecutive samples of a motion."""
 
     clearance: Array  # of each part, shape (T, P) [m]; negative where it overlaps
-    way: Array  # most that any point of the outline moved, shape (T - 1,) [m]
+    way: Array  # largest distance that a point of it moved, shape (T - 1,) [m]
 
     @property
     def least(self) -> Array:
@@ -37,7 +37,7 @@ class Sweep:
 
     @property
     def bound(self) -> Array:
-        """What the clearance between samples cannot fall below, shape (T - 1,) [m]."""
+        """Lower bound on the clearance between samples, shape (T - 1,) [m]."""
         ends = self.clearance[:-1] + self.clearance[1:]
         return (ends.min(axis=1, initial=np.inf) - ARC * self.way) / 2
 
@@ -51,7 +51,7 @@ class Surroundings:
 
     @cached_property
     def area(self) -> shapely.Geometry:
-        """The floor that the obstacles cover."""
+        """The part of the floor that the obstacles cover."""
         return shapely.union_all([obstacle.area for obstacle in self.obstacles])
 
     def postures(self, pose: Array, raised: Array) -> Array:
@@ -109,7 +109,7 @@ def surroundings(setup: Setup) -> Surroundings:
 
 
 def _distance(cores: Array, area: shapely.Geometry) -> Array:
-    """Signed distance: where a core lies inside, minus how deep its corners are."""
+    """Signed distance: for a core inside, minus the depth of its deepest corner."""
     distance = shapely.distance(cores, area)
     inside = np.flatnonzero(distance == 0)
     if inside.size:

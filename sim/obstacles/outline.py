@@ -1,4 +1,4 @@
-"""The robot seen from above in the postures that poses and angles of its legs give."""
+"""The outline of a robot seen from above, for given poses and angles of its legs."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sim.obstacles.solids import Solids
 
 @dataclass(frozen=True)
 class Outline:
-    """A robot in some model, and what it covers standing or walking."""
+    """A robot in a model, and the floor that it covers."""
 
     robot: Robot
     model: mujoco.MjModel
@@ -53,7 +53,7 @@ class Outline:
         return qpos
 
     def radius(self, qpos: Array) -> float:
-        """Of the circle about the root's origin that holds the robot [m]."""
+        """Radius of the circle about the root's origin that contains the robot [m]."""
         center, cores = qpos[self._root : self._root + 2], self.solids.cores(qpos[None])
         return max(
             float(np.linalg.norm(core[0] - center, axis=-1).max()) + part.radius

@@ -1,9 +1,9 @@
-"""Solid parts of a robot seen from above: the floor that they stand over.
+"""Solid parts of a robot seen from above, and the floor below them.
 
 Every part is a convex core widened by a radius: a point for a sphere, a segment for a
-capsule, the hull of its corners for a box or a mesh. So distances are exact and nothing
-round is cut into polygons. Cylinders and ellipsoids are covered by the capsule and the
-box around them.
+capsule, the hull of its corners for a box or a mesh. Distances are therefore exact, and
+nothing round is approximated by polygons. Cylinders and ellipsoids are covered by the
+capsule and the box around them.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Solids:
-    """What of a robot can collide with anything.
+    """The parts of a robot that can collide.
 
     Attributes:
         model: World that holds the robot.
@@ -50,7 +50,7 @@ class Solids:
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Geoms of the robot that can collide with anything."""
+        """Geoms of the robot that can collide."""
         model = self.model
         of_robot = np.flatnonzero(model.body_rootid[model.geom_bodyid] == self.root)
         solid = model.geom_contype | model.geom_conaffinity
@@ -69,7 +69,7 @@ class Solids:
         places = np.empty((len(qpos), len(geoms), 3))
         turns = np.empty((len(qpos), len(geoms), 9))
         data = mujoco.MjData(self.model)
-        for row, configuration in enumerate(qpos):  # the engine knows one at a time
+        for row, configuration in enumerate(qpos):  # MuJoCo takes one at a time
             data.qpos = configuration
             mujoco.mj_kinematics(self.model, data)
             places[row], turns[row] = data.geom_xpos[geoms], data.geom_xmat[geoms]

@@ -1,1 +1,1 @@
-"""Steps of the engine, and what is measured and kept of them."""
+"""Steps of the engine, and the measurement and recording of their results."""

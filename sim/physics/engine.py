@@ -1,7 +1,7 @@
-"""Step a model through commands given ahead, in stretches that can be interrupted.
+"""The engine: steps a model through given commands, in stretches of many steps.
 
-The engine steps whole stretches; nothing here looks at single steps. MuJoCo never
-raises when a simulation goes bad, so every stretch ends with a look at its warnings.
+There is no Python loop over single steps. MuJoCo raises no error when a simulation
+diverges; its warnings are therefore checked after every stretch.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ STRETCH = 4000  # steps handed to the engine at once: a tenth of a second of wor
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What the engine reports of consecutive steps."""
+    """States and sensor readings of consecutive steps."""
 
     qpos: Array  # (n, nq), after each step
     qvel: Array  # (n, nv), after each step
@@ -30,7 +30,7 @@ class Record:
 
 
 class State(NamedTuple):
-    """Where a simulation is."""
+    """The state of a simulation."""
 
     qpos: Array  # (nq,)
     qvel: Array  # (nv,)
@@ -55,7 +55,7 @@ class Engine:
         return State(*(np.array(self._batch.bind(name)[0]) for name in State._fields))
 
     def sense(self) -> Array:
-        """What sensors say of the state now, under the last command, (nsensordata,)."""
+        """Sensor readings of the state under the last command, (nsensordata,)."""
         data = self._batch.get_data(0)
         mujoco.mj_forward(self.model, data)
         return np.array(data.sensordata)
@@ -99,7 +99,7 @@ class Engine:
             step = int(moved[-1]) + 1 if len(moved) else 0
             name = mujoco.mjtWarning(int(risen[0])).name.removeprefix("mjWARN_")
             failure = self._failure(f"simulation diverged, warning {name}", step)
-            self.steps += step + 1  # the engine made this one and no more
+            self.steps += step + 1  # the engine completed this step and no further one
             raise failure
 
     def _failure(self, what: str, step: int) -> SimulationError:

@@ -1,9 +1,9 @@
-"""From sensors to what the feet did: contact, where it is, and how fast it slips.
+"""Measurement of the feet from sensors: contact, contact points and slip.
 
 A foot is in contact while the summed normal force of its geoms exceeds one per cent of
 the weight; shorter interruptions than `BOUNCE` do not end a contact, they are counted.
 Slip is the tangential speed of the foot's material at the contact point, integrated
-while in contact.
+over the time in contact.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ BOUNCE = 0.02  # [s]
 
 @dataclass(frozen=True, slots=True)
 class Readings:
-    """Feet and weight over consecutive steps, in world coordinates."""
+    """Feet and centre of mass over consecutive steps, in world coordinates."""
 
     force: Array  # normal force, (n, F) [N]
     speed: Array  # tangential speed at the contact, (n, F) [m/s]
@@ -94,7 +94,7 @@ class ContactLog(NamedTuple):
 
 
 def last_touched(point: Array, touching: Array, before: Array | None = None) -> Array:
-    """Contact points, and where nothing touches those of the last touch.
+    """Contact points; where a foot does not touch, the last point that it touched.
 
     Args:
         point: Shape (n, F, 2) [m].
@@ -149,6 +149,6 @@ def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:
 
 
 def _after(before: Array | None, loaded: Array) -> Array:
-    """Flags with one row more, for what was before."""
+    """Flags with one more row in front, for the time before."""
     none = np.zeros((1, loaded.shape[1]), dtype=bool)
     return np.concatenate([none if before is None else before, loaded])

@@ -1,9 +1,10 @@
-"""Play commands on the engine and keep what evaluation needs, and no more.
+"""Recordings: commands are played on the engine, and what evaluation needs is kept.
 
-The engine senses a state in the step that leaves it, so what is known of the state
-after n steps comes with step n + 1; the last state is sensed by itself. Contacts are
-decided once no later step can make a gap in one a bounce. What is kept grows with the
-moments asked for and with changes of contact, not with steps.
+The engine computes the sensors of a state in the step that leaves it. The readings of
+the state after n steps therefore come with step n + 1, and those of the last state are
+computed separately. A contact is final once no later step can turn an interruption of
+it into a bounce. Memory grows with the recorded moments and the changes of contact, not
+with the number of steps.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ T = TypeVar("T", bound=Iterable[Array])
 
 
 class Moments(NamedTuple):
-    """The robot after some numbers of steps, in world coordinates; shapes (T, ...)."""
+    """States of the robot at recorded moments, in world coordinates, (T, ...)."""
 
     step: Array  # (T,)
     qpos: Array  # (T, nq)
@@ -51,10 +52,10 @@ class Moments(NamedTuple):
 
 
 class Marks(NamedTuple):
-    """Why moments are kept, shape (T,) each, bool."""
+    """Reasons why moments are recorded, shape (T,) each, bool."""
 
     sampled: Array  # as every n-th
-    inspected: Array  # as asked for
+    inspected: Array  # as requested
 
 
 @dataclass(frozen=True)
@@ -146,7 +147,7 @@ class Recorder:
         )
 
     def _sense(self, first: int, qpos: Array, qvel: Array, sensordata: Array) -> None:
-        """Take in consecutive states, and what the engine sensed of them."""
+        """Add consecutive states and their sensor readings."""
         self._touches.read(sensordata)
         self._own_touches.read(sensordata)
         readings = self._sensors.read(sensordata)
@@ -166,7 +167,7 @@ class Recorder:
         )
 
     def _decide(self, last: bool = False) -> None:
-        """Judge the states whose contacts no later step can change."""
+        """Evaluate the states whose contacts no later step can change."""
         states = Moments(*_joined(self._pending))
         loaded, before = states.contact, self._contact
         contact = bridge(loaded, self._shortest, before)
@@ -212,7 +213,7 @@ class Recorder:
 
 
 def _joined(parts: list[T]) -> Iterator[Array]:
-    """Each column of consecutive parts as one array; the parts are used up."""
+    """Each column of consecutive parts as one array; the parts are emptied."""
     columns = [list(column) for column in zip(*parts, strict=True)]
     parts.clear()
     for column in columns:

@@ -1,7 +1,7 @@
-"""Try whether a robot stands where it starts, on its feet and on nothing else.
+"""A test that a robot stands at its start, on its feet and on nothing else.
 
-Half a second of physics with the servos holding: long enough for soft legs to give way
-and for a body above no feet to tip.
+It takes half a second of physics with the servos holding, which is long enough for soft
+legs to give way and for an unsupported body to tip over.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from sim.world.sensors import contact_sensor
 from sim.world.walls import PREFIX
 
 SETTLING = 0.5  # [s]
-MOST = 4000  # steps, where the timestep is tiny
+MOST = 4000  # steps, for tiny timesteps
 
 
 def check_standing(
@@ -33,12 +33,12 @@ def check_standing(
 ) -> None:
     """Refuse a robot that does not stand at keyframe `start`.
 
-    A simulation that diverges is not judged: the walk will say when and why it does.
+    A simulation that diverges is not refused here; the walk reports when and why.
 
     Args:
         kinematics: Of the robot.
         model: Its world.
-        lift_angle: Of lifted legs [rad]; they must clear the ground when others sag.
+        lift_angle: Of lifted legs [rad]; they clear the ground even if others sag.
 
     Raises:
         ModelError: If it tips, sags or lies on something, or the engine breaks down.
@@ -119,7 +119,7 @@ def _sagged(sag: float, rise: float) -> Iterator[tuple[str, str]]:
 def _lying(
     robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
 ) -> Iterator[tuple[str, str]]:
-    """Anything but feet that touches, and anything but the floor that is touched."""
+    """Contacts of parts that are no feet, or with things that are not the floor."""
     feet, floor = _feet(robot, model), _floor(robot, model)
     for own, other in _touched(robot, model, data):
         if own not in feet:

@@ -1,6 +1,6 @@
-"""Where the camera stands: the whole walk in view, its long side across the picture.
+"""The camera: the whole walk is in view, with its long side across the picture.
 
-For walks much longer than the robot the camera stays close and follows. Pure geometry.
+On walks that are much longer than the robot, the camera stays close and follows it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Words and numbers on a film: title, legend, clock, stratum, contacts and margin.
+"""Captions of a film: title, legend, clock, stratum, contacts and stability margin.
 
-Three panels. What never changes on a panel is drawn once; the rest is written anew on
-every picture.
+There are three panels. Their constant parts are drawn once, the others on every
+picture.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Captions:
 
 
 def _legend(walk: FilmedWalk) -> Panel:
-    """Top left: what is walked, and what the colours mean."""
+    """Top left: the walk, and the meaning of the colours."""
     scenario, entries = walk.scenario, _entries(walk)
     robot = Path(scenario.robot).stem  # of a user's own, the file
     about = f"{robot}, {scenario.fields} fields, {walk.segments} segments"
@@ -94,7 +94,7 @@ def _clock(walk: FilmedWalk, playback: float) -> Panel:
 
 
 def _bar(walk: FilmedWalk) -> Panel:
-    """At the bottom: stratum, feet in contact, and what is measured at the moment."""
+    """At the bottom: stratum, feet in contact, and present measurements."""
     width, height = WIDTH - 2 * EDGE, 92
     still, draw = _empty(width, height)
     off = np.hypot(*(walk.achieved - walk.ideal)[:, :2].T)
@@ -175,7 +175,7 @@ def _area(draw: Draw, y: int, colour: Colour) -> None:
 
 
 def _empty(width: int, height: int) -> tuple[Image.Image, Draw]:
-    """A panel without words, and something to draw on it with."""
+    """An empty panel and a drawing context for it."""
     still = Image.new("RGBA", (width, height))
     draw = ImageDraw.Draw(still)
     draw.rounded_rectangle((0, 0, width - 1, height - 1), ROUND, PANEL)

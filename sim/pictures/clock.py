@@ -1,4 +1,4 @@
-"""Which moment of a walk each picture of its film shows, and how fast it plays."""
+"""The clock of a film: the moment that each picture shows, and the playback speed."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""Processes that draw the pieces of a film, watched until all are done.
+"""Processes that draw the pieces of a film, supervised until all have finished.
 
-Each has a driver of its own, so one that crashes or hangs costs an error, not the run.
+Each process has a driver of its own; one that crashes or hangs causes an error, and the
+run itself survives.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ KEPT = "the run itself is kept"
 
 @dataclass(frozen=True)
 class Piece:
-    """Consecutive pictures of a film, and the file they go to."""
+    """Consecutive pictures of a film, and the file that receives them."""
 
     folder: Path  # of the run
     look: str
@@ -52,7 +53,7 @@ class Worker:
     complaints: IO[bytes]  # its standard error
 
     def check(self) -> None:
-        """Say why it failed, if it did.
+        """Raise an error if the process failed.
 
         Raises:
             FilesError: If the disk is full.
@@ -78,7 +79,7 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
     Args:
         pieces: What to draw.
         driver: Name of the OpenGL driver.
-        progress: Told how many pictures were just drawn.
+        progress: Called with the number of pictures just drawn.
 
     Raises:
         FilesError: If the disk is full.

@@ -1,7 +1,7 @@
 """The film of a finished walk, drawn from its run folder alone.
 
-Directs: finds a driver, has the pictures drawn, and puts the film under its name once
-it is complete. What is on the pictures is for the other modules here.
+This module finds a driver, starts the processes that draw, and gives the film its name
+once it is complete. The other modules of this room decide what the pictures show.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SHORTEST = 90  # pictures that are worth a process
 
 
 def check() -> str:
-    """Make sure, in half a second, that films can be made here.
+    """Test in half a second whether films can be made on this machine.
 
     Returns:
         Name of the OpenGL driver that will draw.
@@ -50,7 +50,7 @@ def film_folder(
     Args:
         folder: Run folder; it receives `video.mp4`.
         look: `draft`, or `final` with shadows and smooth edges, four times slower.
-        progress: Told how much is done, from 0 to 1.
+        progress: Called with the finished part, from 0 to 1.
 
     Returns:
         The film's path.
@@ -92,7 +92,7 @@ def film_folder(
 
 @contextmanager
 def _scratch(folder: Path) -> Iterator[Path]:
-    """A hidden folder on the film's disk; one that a killed film left is emptied."""
+    """A hidden folder on the film's disk; remains of an earlier film are removed."""
     scratch = folder / ".video.pieces"
     shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir()

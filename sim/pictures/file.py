@@ -1,7 +1,7 @@
-"""Films as files: encoded in pieces, joined, and counted before they count as done.
+"""Films as files: encoded in pieces, joined, and checked by counting pictures.
 
-An encoder that dies leaves a file that looks right, or none at all, and reports
-success; only the number of pictures tells. Knows nothing of what they show.
+An encoder that dies leaves a file that seems valid, or none at all, and reports
+success; only the number of pictures shows the failure.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPE
 
 
 def check_encoder() -> None:
-    """Make sure that films can be encoded here.
+    """Test whether films can be encoded on this machine.
 
     Raises:
         RenderError: If there is no ffmpeg, it does not run, or it lacks the codec.
@@ -62,7 +62,7 @@ def encoding(path: Path) -> Iterator[Any]:
 
 
 def join(pieces: Sequence[Path], film: Path) -> None:
-    """Put pieces one after the other, without encoding them again.
+    """Join pieces without encoding them again.
 
     Args:
         pieces: Films in one folder, which also takes a list of them.
@@ -79,7 +79,7 @@ def join(pieces: Sequence[Path], film: Path) -> None:
 
 
 def count_pictures(film: Path) -> int:
-    """Number of pictures that a film really holds; 0 if it cannot be read."""
+    """Number of pictures in a film; 0 if it cannot be read."""
     try:
         report = _ffmpeg(
             "-progress",
@@ -101,7 +101,7 @@ def count_pictures(film: Path) -> int:
 
 
 def _ffmpeg(*arguments: str) -> str:
-    """What ffmpeg prints.
+    """Output of ffmpeg.
 
     Raises:
         RenderError: If it fails.

@@ -1,9 +1,8 @@
-"""Which OpenGL driver draws the pictures: EGL first, OSMesa second.
+"""The choice of an OpenGL driver: EGL first, OSMesa second.
 
-MuJoCo ties its driver at `import mujoco`, and fails there on a value of MUJOCO_GL that
-does not fit the machine. So physics imports it without any driver, and pictures are
-drawn by processes of their own that are started with the driver found here. Draws
-nothing but one small frame for a trial; the film is in `pictures.direction`.
+MuJoCo binds its driver at `import mujoco`, which fails if MUJOCO_GL does not suit the
+machine. The physics therefore imports MuJoCo without a driver, and pictures are drawn
+by separate processes that are started with the driver found here.
 """
 
 from __future__ import annotations
@@ -25,18 +24,18 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def choose() -> None:
-    """Keep drivers out of this process, whatever MUJOCO_GL says.
+    """Keep drivers out of this process, whatever the value of MUJOCO_GL.
 
-    To be called before anything imports mujoco. What MUJOCO_GL said is kept as a wish
-    for the processes that draw; `osmesa` puts that one first, `disabled` forbids
-    pictures, and a value that makes no sense is no wish.
+    Must be called before mujoco is imported. The value of MUJOCO_GL is kept for the
+    processes that draw: `osmesa` is then tried first, `disabled` forbids pictures, and
+    any unknown value is ignored.
     """
     os.environ.setdefault(WISH, os.environ.get("MUJOCO_GL", ""))
     os.environ["MUJOCO_GL"] = "disabled"
 
 
 def probe() -> str:
-    """The first driver that really draws a frame here, tried in a short child process.
+    """The first driver that draws a frame on this machine, tested in a child process.
 
     Costs half a second the first time and nothing afterwards.
 
@@ -74,7 +73,7 @@ def _first_that_draws(backends: tuple[str, ...]) -> str:
 
 
 def _trial(backend: str) -> str | None:
-    """Why a driver does not draw, in a few words; None if it does."""
+    """The reason why a driver does not draw, in a few words; None if it draws."""
     command = [sys.executable, "-P", "-m", "sim.pictures.gl"]
     try:
         trial = subprocess.run(

@@ -1,6 +1,6 @@
 """Flat drawings on the floor, as triangles that appear and vanish with the frames.
 
-Ribbons, dashes, discs and polygons in, triangles out. Knows neither walks nor MuJoCo.
+Ribbons, dashes, discs and polygons are turned into triangles.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
-"""What a walk leaves on the floor: outline, footprints, paths, support, weight, goal.
+"""Marks on the floor: outline, footprints, paths, support polygon, weight and goal.
 
-Turns a walk into coloured ink, frame by frame; where the camera stands and how the ink
-gets into a picture is for `pictures.stage`.
+A walk is turned into coloured ink, frame by frame; `pictures.stage` draws it.
 """
 
 from __future__ import annotations
@@ -41,7 +40,7 @@ def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
     """Everything that is drawn on the floor, the lowest first.
 
     Args:
-        walk: What happened.
+        walk: Finished walk.
         clock: Which row each frame shows.
         frames: Frames to be drawn; what moves with the robot is drawn for these only.
     """
@@ -82,13 +81,13 @@ def _goal(walk: FilmedWalk) -> Iterator[Mark]:
 
 
 def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
-    """Where the body should have been; wider than the way it took, and under it."""
+    """The predicted path of the body, wider than the actual one and below it."""
     for i, (name, poses) in enumerate(walk.predicted.items()):
         yield Mark(name, _path(walk, clock, poses, WIDE[i]), style.PREDICTED[i])
 
 
 def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Ink:
-    """The way of the body's centre so far."""
+    """The path of the body's centre so far."""
     rows = _thinned(poses, SPACING * walk.reach)
     frames = clock.frame_of(rows)
     return ribbon(poses[rows, :2], frames, width * walk.reach, JUMP * walk.reach)

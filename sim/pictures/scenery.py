@@ -1,6 +1,6 @@
-"""The set of a film: the run's model with calm light, a light floor, and ink on it.
+"""The scene of a film: the run's model with even light, a light floor, and ink on it.
 
-Builds a model to look at, never to step: its states are those of the run's own.
+The model is only drawn, never stepped; its states are those of the run.
 """
 
 from __future__ import annotations

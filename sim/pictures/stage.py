@@ -1,6 +1,7 @@
 """Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names.
 
-Never steps: every picture is a saved state. What is seen is for `pictures.scenery`.
+Nothing is stepped: every picture shows a recorded state. `pictures.scenery` decides
+what is visible.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ class Stage:
         return picture[::-1]  # OpenGL counts rows from below
 
     def _let_ink_cast_no_shadow(self) -> None:
-        """Not even on itself, where it lies nearer to the floor than depth is fine."""
+        """Exclude ink, which lies closer to the floor than depth can resolve."""
         for geom in self._scene.geoms[: self._scene.ngeom]:
             if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._ink:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
@@ -106,7 +107,7 @@ class Stage:
         self._model.light_pos[0] = self._camera.target[frame] - away * SUN
 
     def _show(self, mark: Mark, frame: int) -> None:
-        """Let the driver see only the triangles that are visible in this frame."""
+        """Pass only the triangles that are visible in this frame to the driver."""
         model = self._model
         mesh = model.mesh(mesh_name(mark)).id
         first, count = mark.ink.visible(frame)

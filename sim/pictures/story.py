@@ -1,7 +1,4 @@
-"""A finished walk as the film needs it: read from a run folder, in world coordinates.
-
-Reads scenario, card, arrays and flows; draws nothing.
-"""
+"""A finished walk for a film, read from its run folder, in world coordinates."""
 
 from __future__ import annotations
 
@@ -27,7 +24,7 @@ PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static predi
 
 
 class FlowRow(NamedTuple):
-    """One line of flows.csv, as far as pictures tell of it."""
+    """One line of flows.csv, as far as films show it."""
 
     kind: str  # hold, lift, swing or land
     stratum: str  # groups in contact
@@ -37,7 +34,7 @@ class FlowRow(NamedTuple):
 
 @dataclass(frozen=True)
 class FilmedWalk:
-    """What happened, row by row: shapes (T, ...), poses and positions in the world."""
+    """A walk, row by row: shapes (T, ...), poses and positions in the world."""
 
     model: Path  # MJCF file
     card: Card

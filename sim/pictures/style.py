@@ -1,4 +1,4 @@
-"""How films look: size, speed, colours, and the two qualities on offer."""
+"""The style of films: size, speed, colours, and two levels of quality."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TAIL = 1.5  # [s] that the last picture stays
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a film spends on beauty."""
+    """The quality of a film's pictures."""
 
     shadows: bool
     samples: int  # of every pixel, against jagged edges
@@ -62,7 +62,7 @@ def footprint(index: int) -> Colour:
 
 
 def tint(colour: Colour, strength: float) -> Colour:
-    """The colour thinned with the floor's, for marks that should stay in the back."""
+    """The colour mixed with the floor's, for marks in the background."""
     r, g, b = (
         round(strength * c + (1 - strength) * p)
         for c, p in zip(colour, PAPER, strict=True)

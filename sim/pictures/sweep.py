@@ -1,6 +1,6 @@
-"""The floor under a walking robot: its outline now, and what it has swept over so far.
+"""The floor under a walking robot: its present outline, and the area swept so far.
 
-Where obstacles stand, what was swept over must not reach them.
+The swept area shows whether the robot kept clear of obstacles.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The current stratum in words: which groups of legs stand, swing, lift or land."""
+"""The present stratum in words: which groups of legs stand, swing, lift or land."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def describe(flow: FlowRow, groups: Sequence[str], legs_per_group: int) -> str:
     """One clause for each group, those that do the same named together.
 
     Args:
-        flow: What is being carried out.
+        flow: Flow that is being carried out.
         groups: Names of all groups.
         legs_per_group: Chooses the noun; 0 where the groups differ.
 

@@ -1,7 +1,7 @@
-"""A process of its own that draws and encodes some pictures of a film.
+"""A separate process that draws and encodes some pictures of a film.
 
-Started by `pictures.crew` with the driver chosen in MUJOCO_GL, so that a driver that
-crashes, leaks or hangs does it here. Prints a dot for every picture.
+`pictures.crew` starts it with the driver chosen in MUJOCO_GL, so that crashes, leaks
+and hanging drivers affect this process alone. It prints a dot for every picture.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def main() -> None:
     """Read the command line that `pictures.direction` composes."""
     folder, look, start, stop, piece = sys.argv[1:]
     log = mujoco.MjLogConfig.get()
-    log.logto_file = False  # it would litter the current folder
+    log.logto_file = False  # it would otherwise appear in the current folder
     log.set()
     draw(Path(folder), look, range(int(start), int(stop)), Path(piece))
 

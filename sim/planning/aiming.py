@@ -1,8 +1,9 @@
-"""Steer on a prediction: aim beside the nominal path so that the prediction meets it.
+"""Steering on a prediction: plans whose predicted motion meets the nominal path.
 
-The planner's fields are constant; the legs' are not. Every segment's aim is shifted by
-what the prediction misses, in the frame of the segment's start, and all segments are
-planned again, until the predicted end of each meets the nominal one. Still open loop.
+The twists of the planner's fields are constant; those of real legs are not. The aim of
+every segment is shifted by the error of its predicted end, in the frame of the
+segment's start, and all segments are planned again until every predicted end lies on
+the nominal path. The resulting plan is still open loop.
 """
 
 from __future__ import annotations
@@ -27,9 +28,9 @@ from planner import (
 from sim.motion.poses import compose, relative
 from sim.preparation.setup import Setup
 
-ROUNDS = 12  # each divides the miss by two or more, where nothing jumps
+ROUNDS = 12  # each at least halves the error, unless the prediction jumps
 MISS = 1e-7  # [m] and [rad]
-JUMP = 0.1  # of a segment, by which it may end beside the path
+JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
 
 
 def plan_along(
@@ -38,8 +39,8 @@ def plan_along(
     """One plan for a whole path of configurations.
 
     Args:
-        setup: What to walk.
-        path: Where.
+        setup: Robot and scenario.
+        path: Configurations to pass through.
         coordinates: Hall coordinates to follow; those of the scenario if not given.
 
     Raises:
@@ -82,18 +83,17 @@ def plan_towards(
 def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     """A plan whose every segment is predicted to end on the nominal path.
 
-    Follows backward coordinates throughout, or the shortest words: choosing the cheaper
-    coordinates anew in each round would make the prediction jump. It still jumps where
-    a bracket changes its sign; a segment there may end beside the path by a small part
-    of its length.
+    Backward coordinates, or the shortest words, are used throughout: if the cheaper
+    coordinates were chosen anew in each round, the prediction would jump. It still
+    jumps where a bracket changes its sign; there a segment may end beside the path by
+    a small part of its length.
 
     Args:
         setup: What to walk.
         twists: Prediction to steer on.
 
     Raises:
-        PlannerError: If there is no plan, or one that must be aimed at leaves the joint
-            range.
+        PlannerError: If there is no plan, or one of the plans leaves the joint range.
         ConvergenceError: If no aim makes the prediction meet the nominal path.
     """
     nominal = setup.nominal()
@@ -108,7 +108,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
         except RangeError:
             if best is None or least <= tolerable:
                 raise
-            break  # aims that run away
+            break  # the aims diverge
         ends = segment_ends(setup, planned, twists)
         misses = np.abs(ends - goals).max(axis=1)
         if misses.max() < least:
@@ -131,8 +131,8 @@ def steer_towards(
 ) -> Step:
     """Plan one segment whose predicted end is the target; arguments as `plan_towards`.
 
-    A segment cut short by the joint range is left as it is. Where the prediction jumps
-    because other words become cheaper, the closest attempt is taken.
+    A segment that the joint range cuts short is left as it is. Where the prediction
+    jumps because other words become cheaper, the closest attempt is taken.
 
     Raises:
         PlannerError: If the target cannot be approached from there.

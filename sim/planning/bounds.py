@@ -1,7 +1,7 @@
-"""Walks within bounds: stability margin and clearance, kept along predicted motion.
+"""Lower bounds on the stability margin and the clearance of the predicted motion.
 
-The nominal path is divided finely enough for the motion along it to keep what the
-scenario asks for; the planner says how finely, this module what is left over.
+The nominal path is divided so finely that the motion along it keeps the bounds of the
+scenario. The planner decides how finely, from the slack that this module computes.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ from sim.planning.forecast import ForeseenStretch, foresee
 from sim.preparation.setup import Setup
 
 ROUNDING = 1e-9  # [rad]
-FINEST = 1e-3  # of the path; segments as short as this that are not followed never are
+FINEST = 1e-3  # of the path; shorter segments would not be followed either
 
 
 class Bound(Protocol):
-    """A lower bound on something along a walk."""
+    """A lower bound on a quantity along a walk."""
 
     def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
-        """What is left of the bound in each segment; refuses what nothing can keep."""
+        """Slack in each segment; a bound that no division can keep is refused."""
         ...
 
 
@@ -61,7 +61,7 @@ def within_bounds(setup: Setup) -> Setup:
         except RangeError as error:
             if error.segments is None:
                 raise
-            return [_reach(tried)]  # there is no motion to look at yet
+            return [_reach(tried)]  # without a plan there is no predicted motion
         except ResolutionError as error:
             if np.diff(cuts)[list(error.segments)].min() < FINEST:
                 raise
@@ -75,7 +75,7 @@ def within_bounds(setup: Setup) -> Setup:
 
 
 def _reach(setup: Setup) -> Slack:
-    """What the strokes of each segment leave of the joint range [rad]."""
+    """Slack of the joint range in each segment [rad]."""
     planned = plan(
         setup.extended,
         setup.nominal(),
@@ -94,21 +94,21 @@ def _reach(setup: Setup) -> Slack:
         angle = shape.trajectory(shape.names.index(name), flows, 0.0)[1:]
         np.minimum.at(walking, segment, np.minimum(high - angle, angle - low))
         standing = min(standing, high, -low)
-    if walking.min() >= 0:  # aims beside the path left it, where it comes closest
+    if walking.min() >= 0:  # only the steered plan leaves the range; divide its worst
         walking[walking.argmin()] = -ROUNDING
     full = np.full(len(walking), standing)
     return Slack("joint range", 0.0, full, walking, law=1.0)
 
 
 def _unresolved(setup: Setup, segments: Sequence[int]) -> Slack:
-    """Segments to be cut because no inputs follow the path along them."""
+    """Segments to be divided because no inputs follow the path along them."""
     walking = np.zeros(setup.scenario.segments)
     walking[list(segments)] = -1.0
     return Slack("resolution", 0.0, np.ones_like(walking), walking, law=1.0)
 
 
 def _cut_short(setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
-    """How much of each segment's way lies beyond the joint range."""
+    """Part of each segment that lies beyond the joint range."""
     too_long = np.zeros(setup.scenario.segments)
     for stage in stages:
         too_long[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
@@ -130,21 +130,21 @@ class MarginBound:
     least: float
 
     def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
-        """Margins of the predicted motion against the most that could be."""
+        """Margins of the predicted motion, compared with the largest possible ones."""
         margins = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
             segment = stage.segment(stage.rows)
             np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
         if margins.min() >= self.least:
             room = np.ones(setup.scenario.segments)
-            return self._leeway(room, margins)
+            return self._slack(room, margins)
         stratum, most = _standing_margin(setup)
         if most <= self.least:
             raise self._refusal(stratum, most, float(margins.min()))
         standing = np.full(setup.scenario.segments, most - self.least)
-        return self._leeway(standing, margins)
+        return self._slack(standing, margins)
 
-    def _leeway(self, standing: Array, margins: Array) -> Slack:
+    def _slack(self, standing: Array, margins: Array) -> Slack:
         left = margins - self.least
         return Slack("min_margin", self.least, standing, left, unit="m")
 
@@ -152,12 +152,13 @@ class MarginBound:
         cannot = f"min_margin of {self.least:.4g} m cannot be kept: "
         if walking > standing:
             return BoundError(
-                f"{cannot}the walk poses its legs for every lift, keeps {walking:.4g} "
-                "m, and shorter segments need the same lifts; ask for less"
+                f"{cannot}the walk repositions its legs before every lift-off, keeps "
+                f"{walking:.4g} m, and shorter segments need the same lift-offs; "
+                "ask for less"
             )
         return BoundError(
             f"{cannot}standing on S{stratum} with all legs at angle 0 the margin is "
-            f"{standing:.4g} m, the most that shorter segments come to; ask for less"
+            f"{standing:.4g} m, which shorter segments cannot exceed; ask for less"
         )
 
 

@@ -1,4 +1,4 @@
-"""A least clearance, kept along the predicted motion of body and legs."""
+"""A lower bound on the clearance along the predicted motion of body and legs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ClearanceBound:
     least: float
 
     def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
-        """Clearance of the swept outline against that of the nominal path."""
+        """Clearance of the swept outline, compared with that of the nominal path."""
         standing = self._standing(setup)
         walking = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
@@ -33,7 +33,7 @@ class ClearanceBound:
         return Slack("min_clearance", self.least, room, left, unit="m")
 
     def _standing(self, setup: Setup) -> Array:
-        """Clearance along the nominal path, whatever is raised, (segments,) [m]."""
+        """Clearance along the nominal path on any stratum, shape (segments,) [m]."""
         segments = setup.scenario.segments
         samples = 1 + -(-NOMINAL_SAMPLES // segments)
         inner = np.arange(segments)[:, None] + np.linspace(0, 1, samples)
@@ -58,12 +58,12 @@ class ClearanceBound:
         return BoundError(
             f"the nominal path itself, standing on S{stratum}, has {part} "
             f"{1e3 * clearance:.1f} mm from obstacle {obstacle} at {point(pose)}, "
-            f"where more than {1e3 * self.least:.1f} mm are asked; make {missing:.1f} "
+            f"where {1e3 * self.least:.1f} mm must be exceeded; make {missing:.1f} "
             "mm more room there, or lower min_clearance"
         )
 
     def _swept(self, stage: ForeseenStretch) -> tuple[Array, Array]:
-        """Rows, and what the clearance after each does not fall below (T,) [m]."""
+        """Rows, and a lower bound on the clearance after each of them, (T,) [m]."""
         rows = stage.rows
         clearance = self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
         return rows[:-1], clearance

@@ -1,8 +1,8 @@
-"""A walk foreseen: its commands and predicted motion, before anything moves.
+"""The forecast of a walk: its commands and predicted motion, before anything moves.
 
-Follows the prediction that the scenario steers on. Replanned walks are foreseen as if
-every segment ended where it is predicted to, and one that the joint range cuts short as
-if the rest of its way had been made good.
+The forecast uses the prediction that the scenario steers on. For a walk that replans,
+every segment is taken to end at its predicted pose; a segment that the joint range cuts
+short is taken to reach its target nevertheless.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class ForeseenStretch:
     """A stretch of commands and the motion predicted for it."""
 
     predictor: Predictor
-    fraction: float = 1.0  # of its way that it goes, less if the joint range is short
+    fraction: float = 1.0  # of its way; below 1 if the joint range cuts it short
 
     @property
     def schedule(self) -> Schedule:
@@ -38,14 +38,14 @@ class ForeseenStretch:
 
     @cached_property
     def rows(self) -> Array:
-        """Steps at which to look: the end of every phase, and evenly on the way."""
+        """Steps to inspect: the end of every phase, and even distances before it."""
         return inspections(self.schedule) - 1 - self.schedule.start
 
     def segment(self, rows: Array) -> Array:
-        """Segment that decides what happens at each step, shape (T,).
+        """Segment that determines the configuration at each step, shape (T,).
 
-        Until the first swing of a segment that is the one before, which left the legs
-        where they are.
+        Before the first swing of a segment it is the previous one, which left the legs
+        in their present angles.
         """
         deciding, swung = [], -1
         for phase in self.schedule.phases:
@@ -60,7 +60,7 @@ class ForeseenStretch:
 
 
 def foresee(setup: Setup) -> list[ForeseenStretch]:
-    """The stages of a walk in time order: one open loop, one a segment replanned.
+    """The stretches of a walk in time order: one open loop, or one for each segment.
 
     Raises:
         PlannerError: If there is no plan.

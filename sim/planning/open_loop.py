@@ -1,6 +1,6 @@
-"""What a walk needs planned: the whole path at once, or its next segment.
+"""Plans for walks: of the whole path, or of the next segment.
 
-The scenario says on which prediction to steer; the ideal one is the planner's own.
+The scenario names the prediction to steer on. The planner itself uses the ideal one.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ def plan_open_loop(setup: Setup) -> Plan:
 def plan_segment(
     setup: Setup, segment: int, pose: np.ndarray, swing: tuple[float, ...]
 ) -> Step:
-    """Plan one segment from the pose reached to where the nominal path has it end.
+    """Plan one segment from the pose reached to its end on the nominal path.
 
-    Its predicted end is the target: what printed words miss does not wait for the next
-    segment, as there may be none.
+    The predicted end meets the target. The error of the paper's words is not left to
+    the next segment, since there may be none.
 
     Args:
         setup: What to walk.
@@ -52,7 +52,7 @@ def plan_segment(
 
 
 def segment_target(setup: Setup, segment: int) -> np.ndarray:
-    """Pose where the nominal path has a segment end, shape (3,).
+    """Pose of the nominal path at the end of a segment, shape (3,).
 
     Raises:
         PlannerError: If segments cut the path's corners.
@@ -67,10 +67,10 @@ def _require_segments(setup: Setup) -> None:
 
 
 def _steered_on(setup: Setup) -> TwistModel | None:
-    """The prediction to steer on; None where plans follow the ideal one by themselves.
+    """The prediction to steer on; None where the planner's own is enough.
 
-    What printed words miss nearly cancels from one to the next; what the shortest miss
-    adds up.
+    Errors of printed words nearly cancel from one segment to the next; those of the
+    shortest words add up.
     """
     scenario = setup.scenario
     if scenario.steer == "ideal" and scenario.words == "printed":

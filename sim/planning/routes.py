@@ -1,9 +1,9 @@
-"""A nominal path where none is given: around obstacles, along curves legs can walk.
+"""Routes: nominal paths around obstacles for scenarios that give only a goal.
 
-Found by OMPL's RRT-Connect among the curves of Reeds and Shepp, arcs and straight lines
-with the heading along them, forward or backward, and shortened by OMPL's simplifier. A
-robot that goes where it is heading needs no brackets, so its tube is narrow; room for
-what is left of it is kept on both sides.
+A route is found by OMPL's RRT-Connect among the curves of Reeds and Shepp, that is arcs
+and straight lines with the heading along them, forward or backward, and shortened by
+OMPL's simplifier. A robot that walks along its heading needs no brackets; its tube is
+narrow, and room for it is kept on both sides.
 """
 
 from __future__ import annotations
@@ -31,9 +31,10 @@ CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
 
 
 def routed(setup: Setup) -> Setup:
-    """Find the nominal path of a scenario that names its goal alone.
+    """Find the nominal path of a scenario that gives only a goal.
 
-    Any other setup is left as it is. Without obstacles the path is the straight line.
+    Any other setup is returned unchanged. Without obstacles the path is a straight
+    line.
 
     Raises:
         BoundError: If no way is found, or the robot cannot stand at start or goal.
@@ -50,7 +51,7 @@ def routed(setup: Setup) -> Setup:
 
 
 def _around(around: Surroundings, setup: Setup) -> NominalPath:
-    """The first way found, asking for as much room as there may be."""
+    """The first route found, with as much room on both sides as possible."""
     scenario = setup.scenario
     least, goal = max(scenario.min_clearance, 0.0), scenario.path.goal
     postures = list(setup.raised.values())
@@ -71,7 +72,7 @@ def _around(around: Surroundings, setup: Setup) -> NominalPath:
 def _require_room(
     around: Surroundings, name: str, pose: Pose, postures: Sequence[Array], least: float
 ) -> None:
-    """Refuse a start or a goal at which the robot cannot stand, or raise its legs."""
+    """Refuse a start or goal where the robot cannot stand or raise its legs."""
     qpos = np.concatenate([around.postures(np.array([pose]), up) for up in postures])
     clearances = around.sweep(qpos).least
     worst = int(clearances.argmin())
@@ -86,7 +87,7 @@ def _require_room(
 
 
 class _Search:
-    """Searches for a way that keeps a distance from obstacles."""
+    """Searches for a route that keeps a distance from obstacles."""
 
     def __init__(
         self,
@@ -107,11 +108,11 @@ class _Search:
         shapely.prepare(self._near)
 
     def run(self, seed: int, segments: int) -> Array | None:
-        """Poses along the shortest way found, or None if none is found.
+        """Poses along the shortest route found, or None if none is found.
 
         Args:
             seed: Of the samples.
-            segments: Into how many the way can be divided at these poses.
+            segments: Number of segments that the route can be divided into.
 
         Returns:
             Shape (N, 3), yaw continuous.
@@ -129,7 +130,7 @@ class _Search:
         return self._joined([_pose(state) for state in best.getStates()])
 
     def _once(self, seed: int, done: Callable[[], bool]) -> Any:
-        """A way, shortened, as OMPL has it; None if none is found until `done`."""
+        """A shortened route as an OMPL path; None if none is found until `done`."""
         base, geometric, util = _ompl()
         util.setLogLevel(util.LOG_NONE)
         util.RNG.setSeed(seed + 1)  # 0 would mean the time of day
@@ -138,7 +139,7 @@ class _Search:
         setup = geometric.SimpleSetup(space)
         setup.setStateValidityChecker(lambda state: self.is_free(*_pose(state)))
         information = setup.getSpaceInformation()
-        # between poses looked at no point of the outline moves farther than the room
+        # between the poses tested no point of the outline moves farther than the room
         step = self.room / (1 + 1 / TIGHTEST)
         information.setStateValidityCheckingResolution(step / space.getMaximumExtent())
         ends = [_state(space, pose) for pose in (nominal.START, self.goal)]
@@ -155,7 +156,7 @@ class _Search:
         return way
 
     def is_free(self, x: float, y: float, yaw: float) -> bool:
-        """Whether the robot, standing there, keeps its distance."""
+        """Whether the robot keeps its distance when it stands there."""
         if not shapely.intersects_xy(self._near, x, y):
             return True
         cos, sin = math.cos(yaw), math.sin(yaw)
@@ -164,7 +165,7 @@ class _Search:
         return not shapely.intersects(self._area, placed)
 
     def _bounds(self, base: Any) -> Any:
-        """A robot's width around start, goal and all obstacles."""
+        """Start, goal and all obstacles, with the width of a robot around them."""
         places = shapely.multipoints([nominal.START[:2], self.goal[:2]])
         west, south, east, north = shapely.union(self._area, places).bounds
         bounds = base.RealVectorBounds(2)
@@ -208,6 +209,6 @@ def _state(space: Any, pose: Pose) -> Any:
 
 
 def _after(trials: int) -> Callable[[], bool]:
-    """Ends a search after so many trials, not after a time, for the same way again."""
+    """Ends a search after a number of trials, not a time, so that it is repeatable."""
     count = iter(range(trials))
     return lambda: next(count, None) is None

@@ -1,1 +1,1 @@
-"""Everything that is decided before the first step."""
+"""Everything that can be decided before the first physics step."""

@@ -1,6 +1,6 @@
-"""How much a walk asks for before it is walked: physics steps, and memory for its rows.
+"""The cost of a walk, before it is walked: physics steps, and memory for its rows.
 
-Refuses what no machine, or not this one, would live to see the end of.
+Walks that would take too many steps or too much memory are refused.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario, settings
 
 MOST_STEPS = 1_000_000_000  # eight hours at 35,000 a second
-COPIES = 2  # of a row, while rows are judged and written; 1.8 measured
+COPIES = 2  # of each row during evaluation and writing; 1.8 were measured
 
 
 def check_effort(setup: Setup, steps: int) -> None:
-    """Refuse a simulation that is too long to carry out or to remember.
+    """Refuse a simulation that takes too many steps or too much memory.
 
     Args:
         setup: What is simulated, and how often its state is kept.
@@ -51,12 +51,12 @@ def _row_size(setup: Setup) -> int:
 
 
 def _memory() -> int:
-    """Half of what the machine has [bytes]; the rest is for others."""
+    """Half of the machine's memory [bytes]; the rest is left to other programs."""
     return int(os.sysconf("SC_PHYS_PAGES")) * int(os.sysconf("SC_PAGE_SIZE")) // 2
 
 
 def _slowest(scenario: Scenario) -> str:
-    """The setting that makes a walk longest, against its default."""
+    """The setting that lengthens the walk most, compared with its default."""
     default = {item.name: item.default for item in settings()}
     longer = {
         f"{verb} {name}, now {getattr(scenario, name):g}": (

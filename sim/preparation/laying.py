@@ -1,4 +1,4 @@
-"""From the flows of a plan to the phases of a schedule, flows of one field joined."""
+"""The flows of a plan as phases of a schedule, joined where the field is the same."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from sim.preparation.setup import Setup
 
 
 def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) -> None:
-    """Lay the flows of consecutive segments, and put all feet down at their end."""
+    """Schedule the flows of consecutive segments, and put all feet down at the end."""
     for number, flow in joined(segments, scheduler.segment):
         scheduler.segment = number
         scheduler.flow(flow, setup.equations.swings[flow.field])
@@ -22,7 +22,7 @@ def joined(
 ) -> list[tuple[int, Flow]]:
     """Flows with their segments; consecutive flows of one field become one.
 
-    A flow that goes on into the next segment belongs to the one it starts in.
+    A flow that continues in the next segment belongs to the segment it starts in.
     """
     done: list[tuple[int, Flow]] = []
     for number, flows in enumerate(segments, start=first):

@@ -1,4 +1,4 @@
-"""A scenario with nothing left open that a number or a word can say."""
+"""A scenario with all settings filled in that it left to its robot."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from sim.scenarios.scenario import Scenario
 
 
 def resolved(setup: Setup, scenario: Scenario, robot: str) -> Scenario:
-    """What a scenario left to its robot, filled in; carried out, it gives the same.
+    """The scenario with the settings of its robot; it gives the same walk.
 
-    Open remain the height of a lift, which the card says as an angle, servos of which
-    one robot has several, and what is not asked for.
+    Some settings remain open: the height of a lift, which the card gives as an angle,
+    servos that differ from joint to joint, and bounds that are not asked for.
 
     Args:
-        setup: What the scenario has come to.
-        scenario: Before its path was divided for its bounds.
-        robot: What is to name the robot.
+        setup: The scenario with everything decided.
+        scenario: The scenario before its path was divided to keep its bounds.
+        robot: Name or file of the robot.
     """
     servo = setup.world.servo
     stiffness, damping = (None, None) if servo is None else servo

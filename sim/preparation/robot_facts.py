@@ -1,4 +1,4 @@
-"""A robot in numbers: what its file and its card make of it, standing at its start."""
+"""A robot in numbers, as its file and its card describe it, standing at its start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Everything that is decided before the first step: robot, equations, model, limits."""
+"""Setups: robot, equations, model and limits, decided before the first step."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from sim.world.model import World, build, load as load_world
 
 @dataclass(frozen=True, eq=False)
 class Setup:
-    """A scenario made concrete.
+    """A scenario with everything decided that precedes planning.
 
-    Setups are equal that walk the same robot in the same world, whatever the path: what
-    was measured in one holds for the other.
+    Two setups are equal if they have the same robot in the same world, whatever their
+    paths are; measurements made in one hold for the other.
     """
 
     scenario: Scenario
@@ -53,13 +53,13 @@ class Setup:
 
     @property
     def stance(self) -> StanceRule:
-        """The scenario's, or how the robot's equations are best carried out."""
+        """The stance of the scenario, or the one that suits the robot's equations."""
         asked, own = self.scenario.stance, self.equations.stance
         return own if asked is None or (asked, own) == ("centred", "stepped") else asked
 
     @property
     def coordinates(self) -> Coordinates:
-        """Those of the printed words that switch contacts least, or the shortest."""
+        """Hall coordinates with the fewest contact switches, or the shortest words."""
         words = self.scenario.words
         return "fewest" if words == "printed" else words
 
@@ -92,7 +92,7 @@ class Setup:
 
     @property
     def channels(self) -> Channels:
-        """Where the model takes commands."""
+        """The commands of the model."""
         return Channels(self.robot, self.model)
 
     def commands(self, schedule: Schedule, steps: int | None = None) -> Iterator[Array]:

@@ -1,8 +1,8 @@
 """Nominal paths of the body that a scenario can name: line, ellipse and others.
 
 A path is a callable of s in [0, 1] that returns the pose (x [m], y [m], yaw [rad]) in
-the frame of the start pose; yaw is continuous, not wrapped. The curves themselves,
-how one is cut into segments, and how it is followed are for the planner.
+the frame of the start pose; yaw is continuous, not wrapped. The planner
+provides the curves, divides them into segments and follows them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from sim.scenarios.tables import (
 
 Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
-LARGEST = 1e6  # [m] or [rad]; far beyond, rounding would swallow single steps
+LARGEST = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 AXES = "two lengths above 0 [m]"
 
 
@@ -37,8 +37,8 @@ class NominalPath:
     """A curve of poses that starts at (0, 0, 0).
 
     Attributes:
-        kind: What `decode` knows it by.
-        parameter: Value that it is made from, as a scenario file gives it.
+        kind: Its kind, as in a scenario file.
+        parameter: The value that it is made from, as in a scenario file.
         goal: Pose at s = 1.
         length: Arc length of the (x, y) curve itself [m].
         curve: The poses as the planner takes them.
@@ -104,9 +104,9 @@ def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
 
 
 def route(goal: Sequence[float]) -> NominalPath:
-    """Any way to a goal that keeps clear of obstacles; `planning.routes` finds it.
+    """Any route to a goal that avoids the obstacles; `planning.routes` finds it.
 
-    Until then, and where nothing stands in the way, the straight line.
+    Until it is found, and without obstacles, it is the straight line.
 
     Raises:
         UsageError: If the goal is not a pose.

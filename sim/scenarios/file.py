@@ -1,7 +1,7 @@
-"""Scenarios as TOML files: shipped ones by name, anybody's by path, and back to text.
+"""Scenarios as TOML files: reading them by name or path, and writing them.
 
-A file may leave out what has a default. The text written holds every setting, so that
-it reads back as the same scenario.
+A file may leave out every setting that has a default. A text that is written contains
+all settings, so that reading it gives the same scenario.
 """
 
 from __future__ import annotations
@@ -146,8 +146,8 @@ def _replace(table: dict[str, Any], key: str, value: object) -> None:
 
 def _decode(table: dict[str, Any], where: str) -> Scenario:
     if "strata" in table:
-        what = "a system of strata is no scenario"
-        raise UsageError(what, where, "use the commands plan and check on it")
+        what = "a system with strata is no scenario"
+        raise UsageError(what, where, "use the commands plan or check for it")
     for key in table:
         if key not in _keys():
             raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, _keys()))

@@ -1,7 +1,7 @@
-"""Obstacles that a scenario can put on the floor: walls, boxes, polygons.
+"""Obstacles that a scenario can place on the floor: walls, boxes and polygons.
 
-All are upright prisms in the frame of the start pose. An obstacle is cut into convex
-pieces once, so that the engine and the planner see the same solids.
+All are upright prisms in the frame of the start pose. Each obstacle is divided into
+convex pieces once, so that the engine and the planner use the same solids.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ Point = tuple[float, float]
 THICKNESS = 0.02  # of a wall [m], if it says nothing
 HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
-LEAST = 1e-4  # [m]; thinner walls are slips of the pen
+LEAST = 1e-4  # [m]; smaller sizes are taken for mistakes
 
 
 @dataclass(frozen=True)
 class Box:
-    """A rectangle on the floor: a piece that the engine knows as a box."""
+    """A rectangle on the floor; the engine has a box for it."""
 
     center: Point  # [m]
     half: Point  # sizes along its own axes [m]
@@ -66,11 +66,11 @@ Piece = Box | Prism
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Something that stands on the floor.
+    """An obstacle on the floor.
 
     Attributes:
-        kind: What `decode` knows it by.
-        given: Values that it is made from, as a scenario file gives them.
+        kind: Its kind, as in a scenario file.
+        given: The values that it is made from, as in a scenario file.
         height: Above the floor [m].
         pieces: Convex solids that it consists of.
     """

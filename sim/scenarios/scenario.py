@@ -1,7 +1,7 @@
 """A scenario: which robot walks which nominal path, with which settings.
 
 Declares every setting once, with its limits and its meaning. Reading and writing files
-is `scenarios.file`; running one is `walking.walker`.
+is done by `scenarios.file`, running one by `sim.simulate`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from sim.scenarios.settings import Choice, Flag, Number, Text, setting
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario:
-    """Everything that decides a run, flat and immutable.
+    """Everything that determines a run, immutable.
 
     A setting that is None is left to the robot (its servo, its lift) or to the run.
 

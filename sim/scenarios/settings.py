@@ -1,6 +1,6 @@
-"""What one setting may be: its type, its limits, its unit, and how it is refused.
+"""Kinds of settings: types, limits and the texts of refusals.
 
-Knows no particular setting; `scenarios.scenario` declares them.
+The settings themselves are declared in `scenarios.scenario`.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ def is_number(value: object) -> TypeGuard[float]:
 
 
 class Kind(Protocol):
-    """Decides whether a value will do, and says what would."""
+    """Decides whether a value is allowed, and describes what is."""
 
     def accept(self, value: object) -> object:
-        """The value in its own type; raises ValueError if it will not do."""
+        """The value in its own type; raises ValueError if it is not allowed."""
         ...
 
     def __str__(self) -> str:

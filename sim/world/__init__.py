@@ -1,5 +1,5 @@
-"""The world that a run simulates: a robot on its floor, commanded and measured.
+"""The world that a run simulates: a robot on its floor with servos and sensors.
 
-`model` is the way in. `floor`, `servos`, `sensors`, `start` and `assets` each add what
-a robot's file lacks; `channels` says which actuator turns which leg.
+`model` builds it. `floor`, `servos`, `sensors`, `start` and `assets` each add what the
+robot's file lacks; `channels` assigns actuators to legs.
 """

@@ -1,4 +1,4 @@
-"""Which actuator turns which leg: from angles of groups to commands, and back."""
+"""The assignment of actuators to legs: commands for angles of groups, and back."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from models import Robot, actuator_of
 
 @dataclass(frozen=True)
 class Channels:
-    """Where a model takes commands: its leg joints' places in ctrl."""
+    """Commands of a model: the places of its leg joints in ctrl."""
 
     robot: Robot
     model: mujoco.MjModel
@@ -25,7 +25,7 @@ class Channels:
             lift: How far each group is raised, shape (T, G) [rad].
 
         Returns:
-            Shape (T, nu); actuators that are no leg joint's keep the keyframe's value.
+            Shape (T, nu); actuators of other joints keep the keyframe's value.
         """
         robot, model = self.robot, self.model
         rows = np.tile(model.key("start").ctrl, (len(swing), 1))
@@ -37,7 +37,7 @@ class Channels:
         return np.ascontiguousarray(rows)
 
     def swing(self, qpos: np.ndarray) -> np.ndarray:
-        """Where the legs are, not where they are told to be: servos lag.
+        """Actual angles of the groups; servos lag behind their commands.
 
         Args:
             qpos: Shape (T, nq).

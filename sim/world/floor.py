@@ -1,6 +1,7 @@
-"""The floor: a horizontal plane that every foot can touch; the scene's where none is.
+"""The floor: a horizontal plane of the robot's file, or that of the shipped scene.
 
-Other planes stay what they are: upright ones walls, untouchable ones pictures.
+Every foot must be able to touch it. Other planes remain: vertical ones are walls, and
+planes without contact are decoration.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ WALL = np.deg2rad(45)  # a plane tilted more is a wall, and no attempt at a floo
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """What the robot stands on."""
+    """The plane that the robot stands on."""
 
     name: str  # of the plane
     height: float  # [m]
@@ -74,7 +75,7 @@ def _check_feet(spec: mujoco.MjSpec, robot: Robot) -> None:
 
 
 def _planes(spec: mujoco.MjSpec, robot: Robot) -> list[_Plane]:
-    """Planes that do not move, where they are at the start."""
+    """Planes that do not move, with their places at the start."""
     model = compile_model(spec, str(robot.path))  # numbers the geoms
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -90,7 +91,7 @@ def _planes(spec: mujoco.MjSpec, robot: Robot) -> list[_Plane]:
 
 
 def _meet(geom: mujoco.MjsGeom, other: mujoco.MjsGeom) -> bool:
-    """Whether the engine looks for contacts of two geoms."""
+    """Whether the engine detects contacts of two geoms."""
     return bool(geom.contype & other.conaffinity or other.contype & geom.conaffinity)
 
 
@@ -120,7 +121,7 @@ def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
 
 def _join_scene(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     joined = scene()
-    joined.option.timestep = spec.option.timestep  # else the two would conflict
+    joined.option.timestep = spec.option.timestep  # otherwise the two would conflict
     floor = joined.geom("floor")
     for foot in _feet(spec, robot):
         floor.contype |= foot.conaffinity

@@ -1,7 +1,7 @@
 """The model that a run simulates: a robot on the floor, with the run's settings.
 
-Adds to the robot's file what walking and measurement need and is not there yet. The run
-simulates the model compiled from the text.
+What walking and measurement need is added to the robot's file where it is missing. The
+run simulates the model that is compiled from the text.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The robot as it was given: its MJCF, its card and all they include, byte for byte.
+"""Copies of the robot's files: its MJCF, its card and all included files, unchanged.
 
-A run folder keeps this beside model.xml, whose numbers MuJoCo rounds: what is run again
-from the copy is planned with the same digits, wherever the folder has gone.
+A run folder keeps them beside model.xml, whose numbers MuJoCo rounds. A rerun from the
+copies is planned with the same digits, wherever the folder has been moved.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ COPY = "robot"  # folder in the run folder
 
 
 def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
-    """What names the robot in a run folder, and the files that takes.
+    """Name or path of the robot in a run folder, and the files that it needs.
 
-    A shipped robot goes by its name, and takes none.
+    A shipped robot is referred to by its name and needs no files.
 
     Returns:
         Name of a shipped robot, or path of its MJCF relative to the run folder; content

@@ -1,4 +1,4 @@
-"""What measurement reads: contacts of feet and of legs, and the centre of mass."""
+"""Sensors for measurement: contacts of feet and legs, and the centre of mass."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
 
 
 def ensure_sensors(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
-    """Add what is missing; sensors of these names that read something else go.
+    """Add missing sensors, and replace those of the same names that differ.
 
     Args:
         spec: World with the robot in it.

@@ -1,7 +1,8 @@
-"""Position servos of the leg joints: a robot's own, or those that its card asks for.
+"""Position servos of the leg joints: the robot's own, or those of its card.
 
-Motors and other actuators of a leg joint give way to its servo. A servo behind a gear
-is replaced by the same servo on the joint itself, so that commands are angles.
+Motors and other actuators of a leg joint are removed in favour of its servo. A servo
+behind a gear is replaced by the same servo on the joint itself, so that commands are
+angles.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ def _gear_down(servo: mujoco.MjsActuator) -> None:
     servo.gear[0] = 1
     servo.gainprm[0] *= gear**2
     servo.biasprm[1] *= gear**2
-    if servo.biasprm[2] < 0:  # else a damping ratio, which no gear changes
+    if servo.biasprm[2] < 0:  # otherwise it is a damping ratio, which no gear changes
         servo.biasprm[2] *= gear**2
     servo.armature *= gear**2
     servo.ctrlrange = sorted(servo.ctrlrange / gear)

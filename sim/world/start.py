@@ -9,7 +9,7 @@ from models import ON_JOINT, Kinematics, Robot
 from sim.world.floor import Floor
 
 START = "start"
-AJAR = 1e-4  # [m]; feet of a robot's own keyframe that are off the floor by less stay
+AJAR = 1e-4  # [m]; smaller distances of the feet from the floor are left as they are
 
 
 def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> None:
@@ -19,8 +19,8 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> None:
 
     Args:
         spec: World with the robot in it and its servos in place.
-        robot: Who starts.
-        floor: What its feet are put on.
+        robot: Robot that starts.
+        floor: Floor that its feet are put on.
     """
     for key in list(spec.keys):
         spec.delete(key)

@@ -1,4 +1,4 @@
-"""Obstacles in the model: solid geoms, and sensors that tell when the robot touches."""
+"""Obstacles in the model: solid geoms, and sensors of their contact with the robot."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from sim.scenarios.obstacles import Box, Obstacle, Piece
 
 PREFIX = "obstacle_"
 COLOUR = (0.45, 0.48, 0.53, 1.0)
-EVERYTHING = 2**31 - 1  # whatever types of contact the robot answers to
-SUNK = 0.01  # [m] into the floor, so that no light shows below
+EVERYTHING = 2**31 - 1  # all contact types
+SUNK = 0.01  # [m] below the floor, so that no gap is visible
 
 
 def add_walls(spec: mujoco.MjSpec, root: str, obstacles: Sequence[Obstacle]) -> None:
-    """Put obstacles into a world, instead of those there, and watch all their pieces.
+    """Replace the obstacles of a world, with a contact sensor for every piece.
 
     Args:
         spec: World with the robot in it.
         root: Body that carries the robot's free joint.
-        obstacles: What to add; geoms are named `obstacle_I_J`, both from 1.
+        obstacles: Obstacles to add; geoms are named `obstacle_I_J`, both from 1.
     """
     for old in (*spec.worldbody.geoms, *spec.sensors, *spec.meshes):
         if old.name.startswith(PREFIX):
@@ -65,7 +65,7 @@ class Touches:
     """Counts how often contacts begin: with obstacles, or those of other sensors."""
 
     def __init__(self, model: mujoco.MjModel, prefix: str = PREFIX) -> None:
-        """Watch all sensors whose names begin so."""
+        """Watch all sensors whose names begin with the prefix."""
         sensors = (model.sensor(i) for i in range(model.nsensor))
         self._at = [s.adr[0] for s in sensors if s.name.startswith(prefix)]
         self._touching = np.zeros((1, len(self._at)), dtype=bool)
