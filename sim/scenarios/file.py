@@ -146,8 +146,8 @@ def _replace(table: dict[str, Any], key: str, value: object) -> None:
 
 def _decode(table: dict[str, Any], where: str) -> Scenario:
     if "strata" in table:
-        what = "a system with strata is no scenario"
-        raise UsageError(what, where, "use the commands plan or check for it")
+        what = "a system of strata is no scenario"
+        raise UsageError(what, where, "use the commands plan and check on it")
     for key in table:
         if key not in _keys():
             raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, _keys()))
