@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import os
 import runpy
+import select
 import signal
 import sys
 import traceback
@@ -57,9 +58,9 @@ def _terminate(number: int, frame: object) -> NoReturn:
 def _fail(error: BaseException, words: Sequence[str]) -> int:
     """Report an error as the command line asked for; its exit code."""
     code = exit_code(error)
-    if code is ExitCode.BROKEN_PIPE:
+    if isinstance(error, BrokenPipeError) and _reader_left():
         _silence_output()
-        return code
+        return ExitCode.OK
     with suppress(OSError):  # standard error may be on a full disk
         if "--debug" in words:
             traceback.print_exception(error)
@@ -76,6 +77,13 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
 def _facts(code: ExitCode, error: BaseException) -> dict[str, object]:
     kind = code.name.lower()
     return {"exit_code": int(code), "kind": kind, "message": one_line(error)}
+
+
+def _reader_left() -> bool:
+    """Whether the reader of standard output has closed it, having seen enough."""
+    output = select.poll()
+    output.register(sys.stdout.fileno(), select.POLLERR)
+    return bool(output.poll(0))
 
 
 def _silence_output() -> None:

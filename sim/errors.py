@@ -38,7 +38,6 @@ class ExitCode(IntEnum):
     SWEEP = 8  # a sweep ended with failed points
     BUG = 70  # ours
     INTERRUPTED = 130  # SIGINT
-    BROKEN_PIPE = 141  # whoever read the output went away
     TERMINATED = 143  # SIGTERM
 
 
@@ -99,7 +98,6 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     MeasurementError: ExitCode.SIMULATION,
     Terminated: ExitCode.TERMINATED,  # before what it is a kind of
     KeyboardInterrupt: ExitCode.INTERRUPTED,
-    BrokenPipeError: ExitCode.BROKEN_PIPE,
     OSError: ExitCode.FILES,
     MemoryError: ExitCode.SIMULATION,
 }

@@ -260,7 +260,7 @@ def test_list_of_systems_has_parameters(facts):
             6,
             "No such file or directory: gone/x.json; ch",
         ),
-        ("plan car --save .", 6, ": \\.; check the path"),
+        ("plan car --save .", 2, "already exists: \\.; give --save another name"),
         ("run mine.toml", 2, "a system of strata is no scenario: mine.toml; use the c"),
     ],
 )
