@@ -249,21 +249,6 @@ def test_film_that_cannot_be_drawn_is_refused_before_the_walk(stratawalk, tmp_pa
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
-    reading, writing = os.pipe()
-    os.close(reading)
-    done = subprocess.run(
-        [sys.executable, "-m", "sim.cli", "systems"],
-        cwd=tmp_path,
-        env=OUTSIDE | {"PYTHONPATH": os.getcwd()},
-        stdout=writing,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    os.close(writing)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
 @pytest.mark.physics
 @pytest.mark.parametrize(
     ("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
