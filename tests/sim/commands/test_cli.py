@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -274,7 +275,7 @@ def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
 
 
 def test_reader_that_leaves_is_no_error(tmp_path):
-    words = f"{sys.executable} -m sim.cli scenarios"
+    words = f"{shlex.quote(sys.executable)} -m sim.cli scenarios"
     done = subprocess.run(
         ["sh", "-c", f"{words} | true"],
         env=OUTSIDE | {"PYTHONPATH": os.getcwd(), "PYTHONUNBUFFERED": "1"},
