@@ -26,6 +26,10 @@ from .description.robot import (
     FOLDER as FOLDER,
     Robot as Robot,
 )
+from .description.servos import (
+    SERVO_KINDS as SERVO_KINDS,
+    ServoKind as ServoKind,
+)
 from .description.toml import parse_toml as parse_toml
 from .errors import (
     MeasurementError as MeasurementError,

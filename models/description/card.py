@@ -11,6 +11,9 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
+from models.description.servos import SERVO_KINDS
+from planner import unknown
+
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
 
@@ -87,12 +90,15 @@ class Servo:
 
     stiffness: float  # [N m/rad]
     damping: float  # [N m s/rad]
+    made: str = ""  # make of the servos that the robot is built with
 
     def __post_init__(self) -> None:
         if not (isfinite(self.stiffness) and self.stiffness > 0):
             raise ValueError(f"stiffness must be positive, got {self.stiffness}")
         if not (isfinite(self.damping) and self.damping >= 0):
             raise ValueError(f"damping must not be negative, got {self.damping}")
+        if self.made and self.made not in SERVO_KINDS:
+            raise ValueError(f"kind {self.made!r} {unknown(self.made, SERVO_KINDS)}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,6 +14,7 @@ from models.description.card import (
     Servo,
     Twist,
 )
+from models.description.servos import SERVO_KINDS
 from models.description.table import Table
 from models.description.toml import parse_toml
 from models.errors import ModelError
@@ -26,7 +27,7 @@ KEYS = {
     "group": ("legs", "twist"),
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
-    "servo": ("stiffness", "damping"),
+    "servo": ("stiffness", "damping", "kind"),
 }
 OPTIONAL = ("pattern",)
 
@@ -125,8 +126,14 @@ def _pattern(table: Table) -> PatternCard:
 
 def _servo(values: object) -> Servo:
     table = Table(values, "servo", KEYS["servo"])
-    stiffness, damping = table.number("stiffness"), table.number("damping")
-    return table.make(Servo, stiffness=stiffness, damping=damping)
+    kind = table.text("kind") if "kind" in table else ""
+    made = SERVO_KINDS.get(kind)
+    stiffness, damping = (
+        table.number(key) if made is None or key in table else getattr(made, key)
+        for key in ("stiffness", "damping")
+    )
+    given = {"stiffness": stiffness, "damping": damping, "made": kind}
+    return table.make(Servo, **given)
 
 
 def _twist(table: Table) -> Twist | None:

@@ -224,6 +224,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
             "goal": _departure(pose, goal),
         },
         "error_sources": _sources(evaluation),
+        "servo": setup.servo.table(),
         "simulated_time": walk.recording.steps * setup.limits.timestep,
         "timestep": setup.limits.timestep,
     }

@@ -27,6 +27,7 @@ class Record:
     qpos: Array  # (n, nq), after each step
     qvel: Array  # (n, nv), after each step
     sensordata: Array  # (n, nsensordata), of the state before each step
+    actuator_force: Array  # (n, nu), during each step
 
 
 class State(NamedTuple):
@@ -70,7 +71,7 @@ class Engine:
             SimulationError: If a command is not finite, or the simulation diverges.
         """
         self._check_commands(ctrl)
-        items = ("qpos", "qvel", "sensordata")
+        items = ("qpos", "qvel", "sensordata", "actuator_force")
         try:
             out = self._batch.rollout(len(ctrl), control=ctrl[None], record=items)
         except batch.SimulationError as error:

@@ -10,8 +10,9 @@ import numpy as np
 from models import TwistModel
 from planner import Plan, Step, grid, require_segments
 from sim.experiments.predictions import twist_model
-from sim.motion.poses import nearest_turn
-from sim.planning.aiming import plan_along, steer_along, steer_towards
+from sim.motion.poses import compose, nearest_turn
+from sim.planning.aiming import plan_along, segment_ends, steer_along, steer_towards
+from sim.planning.counts import angles_after, joined, on_counts
 from sim.preparation.setup import Setup
 
 
@@ -22,6 +23,8 @@ def plan_open_loop(setup: Setup) -> Plan:
         PlannerError: If there is none, or it leaves the joint range.
     """
     _require_segments(setup)
+    if setup.servo.resolution:
+        return _on_counts(setup)
     twists = _steered_on(setup)
     if twists is None:
         return plan_along(setup, setup.nominal())
@@ -48,7 +51,24 @@ def plan_segment(
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
     twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
-    return steer_towards(setup, twists, segment, target, here, swing)
+    step = steer_towards(setup, twists, segment, target, here, swing)
+    return on_counts(setup, step, swing)
+
+
+def _on_counts(setup: Setup) -> Plan:
+    """One plan whose strokes end on the servos' counts.
+
+    What rounding adds to each segment or takes away is made good by the next one, which
+    is planned from where the quasi-static prediction stands.
+    """
+    twists = twist_model(setup, "quasi_static")
+    pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
+    for segment in range(setup.scenario.segments):
+        plan = plan_segment(setup, segment, pose, swing).plan
+        pose = compose(pose, segment_ends(setup, plan, twists, swing)[-1])
+        swing = angles_after(setup, plan, swing)
+        plans.append(plan)
+    return joined(setup, plans)
 
 
 def segment_target(setup: Setup, segment: int) -> np.ndarray:

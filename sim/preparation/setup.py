@@ -26,6 +26,7 @@ from sim.physics.standing import check_standing
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
 from sim.world.model import World, build, load as load_world
+from sim.world.servo_settings import ServoSettings, servo_settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,7 @@ class Setup:
     world: World
     model: mujoco.MjModel
     limits: MotionLimits
+    servo: ServoSettings
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Setup) and self.model is other.model
@@ -144,6 +146,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     robot = load(scenario.robot) if robot is None else robot
     described = equations(robot, scenario.fields)
     extended = _extended(described, scenario)
+    servo = servo_settings(scenario, robot.card)
     world = build(robot, scenario)
     kinematics, model = Kinematics(robot), load_world(world)
     lift = _lift_angle(kinematics, scenario.lift_height)
@@ -156,6 +159,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
         kinematics=kinematics,
         world=world,
         model=model,
+        servo=servo,
         limits=MotionLimits(
             swing_speed=scenario.swing_speed,
             swing_acceleration=scenario.swing_acceleration,

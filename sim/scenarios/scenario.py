@@ -64,6 +64,18 @@ class Scenario:
     servo_damping: float | None = setting(
         Number(0, 1e6), "of every joint's servo [N m s/rad]", None
     )
+    servo: str | None = setting(
+        Text(), "ideal, own (the robot's), or a make by name", None
+    )
+    command_rate: float | None = setting(
+        Number(0, 1e5), "commands a second; 0 for one a physics step [1/s]", None
+    )
+    resolution: float | None = setting(
+        Number(0, 0.2), "angle of one count of a servo's command [rad]", None
+    )
+    feed_forward: bool | None = setting(
+        Flag(), "commands lead by what the load bends; of itself for soft servos", None
+    )
     swing_speed: float = setting(
         Number(0, 100, above=True), "highest speed of a swing joint [rad/s]", 0.5
     )

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from planner import Array
+from sim.drive.drive import Drive
+from sim.drive.lead import Lead
 from sim.motion.schedule import Phase, Schedule
 from sim.physics.recording import Recording
 from sim.preparation.setup import Setup
@@ -18,6 +20,7 @@ class Stretch:
 
     schedule: Schedule
     pose: Array  # in the start frame, (3,)
+    lead: Lead | None = None  # torques by which the commands lead
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,8 @@ def laid_commands(
     setup: Setup, stretches: Iterable[Stretch], steps: int
 ) -> Iterator[Array]:
     """The commands of stretches, as many as there were steps, shape (n, nu) each."""
+    drive = Drive(setup)
     for stretch in stretches:
         schedule = stretch.schedule
         done = min(schedule.stop, steps) - schedule.start
-        yield from setup.commands(schedule, done)
+        yield from drive.commands(schedule, stretch.lead, done)

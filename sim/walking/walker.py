@@ -13,6 +13,9 @@ import numpy as np
 
 from models import Robot
 from planner import Array, Flow, Plan
+from sim.drive.drive import Drive
+from sim.drive.lead import Lead
+from sim.drive.rehearsal import Rehearsal
 from sim.motion.poses import seen_from
 from sim.motion.sampling import inspections
 from sim.motion.schedule import LegState, Schedule, Scheduler
@@ -37,6 +40,8 @@ class Walker:
         engine = Engine(setup.model)
         sensors = Sensors(setup.model, setup.robot)
         self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
+        self._drive = Drive(setup)
+        self._rehearsal = Rehearsal(setup) if self._drive.rehearsed else None
         self._progress = progress
         self._stretches: list[Stretch] = []
         self._shape = setup.at_rest
@@ -110,14 +115,20 @@ class Walker:
         if not schedule.phases:
             return
         check_effort(self.setup, schedule.stop)
-        self._stretches.append(Stretch(schedule, self.pose))
-        self._shape = schedule.end
         began, length = time.perf_counter(), schedule.stop - schedule.start
         pieces = self.setup.commands(schedule)
         for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began
+
+    def _rehearsed(self, schedule: Schedule) -> Lead | None:
+        """Torques to lead by, once they are known to be within what servos have."""
+        if self._rehearsal is None:
+            return None
+        lead = self._rehearsal.lead(schedule)
+        self._drive.require_strength(schedule, lead)
+        return lead if self._drive.leads else None
 
 
 def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) -> Walk:

@@ -16,6 +16,7 @@ from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.floor import ensure_floor, scene
 from sim.world.sensors import ensure_sensors
+from sim.world.servo_settings import servo_settings
 from sim.world.servos import common_servo, ensure_servos
 from sim.world.start import ensure_start
 from sim.world.walls import add_walls
@@ -53,7 +54,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     _set_options(spec, scenario.timestep)
     floor = ensure_floor(spec, robot)
     _set_friction(spec, robot, floor.name, scenario.friction)
-    ensure_servos(spec, robot, scenario)
+    ensure_servos(spec, robot, servo_settings(scenario, robot.card))
     ensure_sensors(spec, robot, floor.name)
     ensure_start(spec, robot, floor)
     add_walls(spec, robot.root, scenario.obstacles)

@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 
 from models import ON_JOINT, ModelError, Robot, actuator_of
-from sim.scenarios.scenario import Scenario
+from sim.world.servo_settings import ServoSettings
 
 
-def ensure_servos(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None:
+def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
     """Leave one position servo on every leg joint, tuned as the scenario asks.
 
     Raises:
@@ -24,7 +24,7 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None
         for joint in leg.joints:
             servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
             _gear_down(servo)
-            _tune(servo, scenario.servo_stiffness, scenario.servo_damping)
+            _tune(servo, asked)
 
 
 def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
@@ -82,14 +82,15 @@ def _gear_down(servo: mujoco.MjsActuator) -> None:
     servo.forcerange = sorted(servo.forcerange * gear)
 
 
-def _tune(
-    servo: mujoco.MjsActuator, stiffness: float | None, damping: float | None
-) -> None:
-    """Set stiffness, damping or both; what is not given stays."""
-    if stiffness is not None:
-        servo.gainprm[0], servo.biasprm[1] = stiffness, -stiffness
-    if damping is not None:
-        servo.biasprm[2] = -damping
+def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
+    """Set stiffness, damping and largest torque; what is not given stays."""
+    if asked.stiffness is not None:
+        servo.gainprm[0], servo.biasprm[1] = asked.stiffness, -asked.stiffness
+    if asked.damping is not None:
+        servo.biasprm[2] = -asked.damping
+    if asked.torque is not None:
+        servo.forcelimited = True
+        servo.forcerange = (-asked.torque, asked.torque)
 
 
 def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:

@@ -1,0 +1,98 @@
+"""Servos that people build with, in numbers from their data sheets.
+
+A hobby servo is a proportional controller with a direct-current motor behind a gear
+train. Near its target it is a spring: the stall torque divided by the error at which
+its controller gives full voltage. Its damping is the slope of the motor's line from
+stall torque to no-load speed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isfinite, radians
+
+
+@dataclass(frozen=True, slots=True)
+class ServoKind:
+    """One make of servo, and how it takes commands.
+
+    Attributes:
+        stall_torque: Largest torque, at no speed [N m].
+        no_load_speed: Largest speed, at no torque [rad/s].
+        full_error: Error at which the controller gives all of the torque [rad].
+        command_rate: Commands taken in a second; 0 for one a physics step [1/s].
+        resolution: Angle of one count of a command; 0 for none [rad].
+        center: Count of angle zero.
+        source: Where the numbers come from.
+
+    Raises:
+        ValueError: A number is not finite, or of the wrong sign.
+    """
+
+    stall_torque: float
+    no_load_speed: float
+    full_error: float
+    command_rate: float = 0.0
+    resolution: float = 0.0
+    center: int = 0
+    source: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("stall_torque", "no_load_speed", "full_error"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0):
+                raise ValueError(f"{name} must be positive and finite, got {value}")
+        for name in ("command_rate", "resolution"):
+            if not 0 <= getattr(self, name) < inf:
+                raise ValueError(f"{name} must not be negative: {getattr(self, name)}")
+
+    @property
+    def stiffness(self) -> float:
+        """Torque an error near zero [N m/rad]."""
+        return self.stall_torque / self.full_error
+
+    @property
+    def damping(self) -> float:
+        """Torque that a speed takes away [N m s/rad]."""
+        return self.stall_torque / self.no_load_speed
+
+
+SERVO_KINDS = {
+    # 2.2 kgf cm, and 60 degrees in 0.08 s, at 6 V. The controller gives full voltage
+    # half a degree beyond its dead band of 5 us, which is half a degree as well. A
+    # PCA9685 at 60 Hz divides the frame into 4096 counts of 4.07 us; 350 of them, 190
+    # to 540, are 180 degrees.
+    "mg90": ServoKind(
+        stall_torque=0.216,
+        no_load_speed=13.1,
+        full_error=radians(0.6),
+        command_rate=60.0,
+        resolution=radians(180 / 350),
+        center=365,
+        source="TowerPro MG90S data sheet at 6 V; PCA9685 at 60 Hz",
+    ),
+    # 1.5 N m and 59 revolutions a minute at 12 V; 1024 counts over 300 degrees; with
+    # compliance slope 8 the torque is full eight counts from the goal.
+    "ax-12": ServoKind(
+        stall_torque=1.5,
+        no_load_speed=6.18,
+        full_error=8 * radians(300 / 1024),
+        command_rate=100.0,
+        resolution=radians(300 / 1024),
+        center=512,
+        source="ROBOTIS e-Manual, AX-12A at 12 V, compliance slope 8",
+    ),
+    # 0.52 N m and 103 revolutions a minute at 5 V; 4096 counts a turn. The controller
+    # gives gain / 128 of its 885 steps of voltage a count: all at 14 counts of error
+    # with a gain of 8000.
+    "xl-330": ServoKind(
+        stall_torque=0.52,
+        no_load_speed=10.8,
+        full_error=885 * 128 / 8000 * radians(360 / 4096),
+        command_rate=100.0,
+        resolution=radians(360 / 4096),
+        center=2048,
+        source="ROBOTIS e-Manual, XL330-M288-T at 5 V, position P gain 8000",
+    ),
+}
+"""Servos by name."""

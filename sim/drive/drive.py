@@ -1,0 +1,136 @@
+"""What servos are told, row by row: intended angles, lead, offsets, counts, held.
+
+The intended angles stay those of the schedule, which all predictions follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from planner import Array
+from sim.drive.lead import Lead
+from sim.drive.rehearsal import leg_actuators
+from sim.errors import SimulationError
+from sim.motion.schedule import Schedule
+from sim.physics.engine import STRETCH
+from sim.preparation.setup import Setup
+
+SLACK = 1e-9  # of a command's number, for rounding
+
+
+class Drive:
+    """Commands of one walk, stretch after stretch."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup, self._servo = setup, setup.servo
+        self._joints = leg_actuators(setup)
+        model = setup.model
+        self._stiffness = model.actuator_gainprm[self._joints, 0]
+        self._damping = -model.actuator_biasprm[self._joints, 2]
+        self._held: Array | None = None
+
+    @property
+    def plain(self) -> bool:
+        """Whether servos are told the intended angles and nothing else."""
+        servo = self._servo
+        return not (servo.rate or servo.resolution or self.leads)
+
+    @property
+    def leads(self) -> bool:
+        """Whether commands lead by what the load bends."""
+        return self._servo.leads(float(self._stiffness.min()))
+
+    @property
+    def rehearsed(self) -> bool:
+        """Whether the torques of the walk must be known beforehand."""
+        return self.leads or self._servo.torque is not None
+
+    def require_strength(self, schedule: Schedule, lead: Lead) -> None:
+        """Refuse a stretch that asks a servo for more torque than it has.
+
+        Raises:
+            SimulationError: Naming the joint, the phase and the torque.
+        """
+        most = self._servo.torque
+        if most is None:
+            return
+        rows = np.arange(len(lead.torque)) * lead.spacing
+        needed = np.abs(lead.torque[:, self._joints] + self._damped(schedule, rows))
+        knot, joint = np.unravel_index(needed.argmax(), needed.shape)
+        if needed[knot, joint] <= most:
+            return
+        phase = schedule.phases[int(schedule.phase_of(rows[[knot]])[0])]
+        name = self._setup.model.actuator(int(self._joints[joint])).name
+        seconds = (schedule.start + rows[knot]) * self._setup.limits.timestep
+        raise SimulationError(
+            f"servo {name!r} would need {needed[knot, joint]:.3g} N m in a "
+            f"{phase.kind} on S{phase.stratum} and has {most:.3g} N m",
+            f"t = {seconds:.2f} s",
+            "choose a stronger servo, a lighter robot, or a lower swing_speed",
+        )
+
+    def commands(
+        self, schedule: Schedule, lead: Lead | None, steps: int | None = None
+    ) -> Iterator[Array]:
+        """Rows of ctrl of one stretch, shape (n, nu), n to `STRETCH`.
+
+        Args:
+            schedule: Intended angles.
+            lead: Torques to lead by, if any.
+            steps: How many of its steps; all if not given.
+        """
+        if self.plain:
+            yield from self._setup.commands(schedule, steps)
+            return
+        count = schedule.stop - schedule.start if steps is None else steps
+        for begin in range(0, count, STRETCH):
+            rows = np.arange(begin, min(begin + STRETCH, count))
+            yield self._held_commands(schedule, lead, rows)
+
+    def _held_commands(
+        self, schedule: Schedule, lead: Lead | None, rows: Array
+    ) -> Array:
+        """Each command from its own step on, until the next one comes."""
+        given, row = np.unique(self._given(schedule.start + rows), return_inverse=True)
+        fresh = given >= schedule.start
+        told = np.empty((len(given), self._setup.model.nu))
+        told[fresh] = self._told(schedule, lead, given[fresh] - schedule.start)
+        if self._held is None:
+            self._held = self._told(schedule, lead, np.zeros(1, dtype=int))[0]
+        told[~fresh] = self._held
+        self._held = told[-1].copy()
+        return np.ascontiguousarray(told[row])
+
+    def _given(self, steps: Array) -> Array:
+        """Step at which the command came that holds during each step."""
+        if not self._servo.rate:
+            return steps
+        pace = self._servo.rate * self._setup.limits.timestep  # commands a step
+        number = np.floor(steps * pace + SLACK)
+        return np.ceil(number / pace - SLACK).astype(int)
+
+    def _told(self, schedule: Schedule, lead: Lead | None, rows: Array) -> Array:
+        """Commands that are given at steps of a schedule, shape (n, nu)."""
+        channels, joints = self._setup.channels, self._joints
+        told = channels.ctrl(*schedule.angles(rows))
+        if lead is not None:
+            borne = lead.at(rows)[:, joints] + self._damped(schedule, rows)
+            told[:, joints] += borne / self._stiffness
+        if self._servo.resolution:
+            counts = np.round(told[:, joints] / self._servo.resolution)
+            told[:, joints] = counts * self._servo.resolution
+        return told
+
+    def _damped(self, schedule: Schedule, rows: Array) -> Array:
+        """Torque that the servos' damping takes at steps of a schedule, (n, J)."""
+        last = schedule.stop - schedule.start - 1
+        ahead, behind = np.minimum(rows + 1, last), np.maximum(rows - 1, 0)
+        later, sooner = (
+            self._setup.channels.ctrl(*schedule.angles(step))[:, self._joints]
+            for step in (ahead, behind)
+        )
+        seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep
+        damped: Array = self._damping * (later - sooner) / seconds[:, None]
+        return damped

@@ -1,0 +1,74 @@
+"""The torques of a walk, found by walking it with servos that hardly give way.
+
+On servos as stiff as these the joints are where they should be, so the torques are
+those of the intended motion, friction between standing feet included. They do not
+depend on where on the floor the robot is, so a walk that is planned on the way is
+rehearsed stretch by stretch beside it.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+
+import mujoco
+import numpy as np
+
+from models import actuator_of
+from planner import Array
+from sim.drive.lead import Lead, smoothed
+from sim.motion.schedule import Schedule
+from sim.physics.engine import Engine
+from sim.preparation.setup import Setup
+
+GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
+
+
+class Rehearsal:
+    """A second robot that walks ahead on stiff servos."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup
+        self._engine = Engine(stiffened(setup))
+
+    def lead(self, schedule: Schedule) -> Lead:
+        """Walk a schedule and return the torques that it took.
+
+        Raises:
+            SimulationError: If the rehearsal diverges.
+        """
+        torques = [
+            self._engine.advance(ctrl).actuator_force
+            for ctrl in self._setup.commands(schedule)
+        ]
+        return smoothed(np.concatenate(torques), self._setup.limits.timestep)
+
+
+def stiffened(setup: Setup) -> mujoco.MjModel:
+    """The model with servos that hardly give way, critically damped, of any torque."""
+    model, joints = copy(setup.model), leg_actuators(setup)
+    stiffness = _reach(setup) * _weight(setup) / GIVES
+    inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[joints, 0]]]
+    model.actuator_gainprm[joints, 0] = stiffness
+    model.actuator_biasprm[joints, 1] = -stiffness
+    model.actuator_biasprm[joints, 2] = -2 * np.sqrt(stiffness * inertia)
+    model.actuator_forcelimited[joints] = 0
+    return model
+
+
+def leg_actuators(setup: Setup) -> Array:
+    """Actuators of all leg joints, shape (J,)."""
+    legs = setup.robot.card.legs.values()
+    return np.array([actuator_of(setup.model, j) for leg in legs for j in leg.joints])
+
+
+def _weight(setup: Setup) -> float:
+    root = setup.model.body(setup.robot.root).id
+    gravity = float(np.linalg.norm(setup.model.opt.gravity))
+    return gravity * float(setup.model.body_subtreemass[root])
+
+
+def _reach(setup: Setup) -> float:
+    """Longest distance of a foot from its swing axis [m]: the foot's way per radian."""
+    stance = setup.kinematics.stance(np.zeros(len(setup.robot.groups)))
+    own = np.linalg.norm(stance.rates, axis=-1) / np.abs(setup.robot.swing_gain)
+    return float(own.max())

@@ -1,0 +1,99 @@
+"""The servos of a simulated walk: ideal ones, the robot's own, or a known make."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, fields
+from typing import Any
+
+from models import SERVO_KINDS, Card, ServoKind
+from planner import unknown
+from sim.errors import UsageError
+from sim.scenarios.scenario import Scenario
+
+SOFT = 300.0  # [N m/rad]; errors of softer servos are told in docs/fidelity.md
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServoSettings:
+    """Servos as they are simulated; None leaves a number to the robot's file.
+
+    Attributes:
+        name: `ideal`, or the make.
+        stiffness: Torque an error [N m/rad].
+        damping: Torque a speed [N m s/rad].
+        torque: Largest torque [N m]; None for no limit but the file's.
+        speed: Speed at which no torque is left [rad/s]; None for no limit.
+        rate: Commands a second; 0 for one a physics step.
+        resolution: Angle of a count [rad]; 0 for none.
+        feed_forward: Whether commands lead by what the load bends; None decides by the
+            stiffness.
+    """
+
+    name: str
+    stiffness: float | None
+    damping: float | None
+    torque: float | None
+    speed: float | None
+    rate: float
+    resolution: float
+    feed_forward: bool | None
+
+    def leads(self, stiffness: float) -> bool:
+        """Whether commands lead, for servos of a stiffness [N m/rad]."""
+        return stiffness < SOFT if self.feed_forward is None else self.feed_forward
+
+    def table(self) -> dict[str, Any]:
+        """As summary.json has it."""
+        return asdict(self)
+
+
+def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
+    """The servos that a scenario asks for.
+
+    Args:
+        scenario: Its settings; a number given there wins over that of the make.
+        card: The robot's, which may name the make of its own servos.
+
+    Raises:
+        UsageError: If there is no such make, or the robot names none of its own.
+    """
+    own = card.servo.made if card.servo is not None else ""
+    name = scenario.servo or ("own" if own else "ideal")
+    made = {} if name == "ideal" else _made(own if name == "own" else name, scenario)
+
+    def number(key: str, asked: float | None = None) -> float | None:
+        return made.get(key) if asked is None else asked
+
+    return ServoSettings(
+        name=own if name == "own" else name,
+        stiffness=number("stiffness", scenario.servo_stiffness),
+        damping=number("damping", scenario.servo_damping),
+        torque=number("stall_torque"),
+        speed=number("no_load_speed"),
+        rate=number("command_rate", scenario.command_rate) or 0.0,
+        resolution=number("resolution", scenario.resolution) or 0.0,
+        feed_forward=scenario.feed_forward,
+    )
+
+
+def _made(name: str, scenario: Scenario) -> dict[str, float]:
+    """The numbers of a make."""
+    kind = _kind(name, scenario)
+    derived = {"stiffness": kind.stiffness, "damping": kind.damping}
+    return derived | {item.name: getattr(kind, item.name) for item in fields(kind)}
+
+
+def _kind(name: str, scenario: Scenario) -> ServoKind:
+    if not name:
+        raise UsageError(
+            "servo = 'own', but the robot's card names no make",
+            f"scenario {scenario.name!r}",
+            'give kind under [servo] in the card, or servo = "ideal"',
+        )
+    if name not in SERVO_KINDS:
+        raise UsageError(
+            f"servo = {name!r} {unknown(name, ('ideal', 'own', *SERVO_KINDS))}",
+            f"scenario {scenario.name!r}",
+            "choose one of them",
+        )
+    return SERVO_KINDS[name]
