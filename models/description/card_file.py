@@ -128,12 +128,12 @@ def _servo(values: object) -> Servo:
     table = Table(values, "servo", KEYS["servo"])
     kind = table.text("kind") if "kind" in table else ""
     made = SERVO_KINDS.get(kind)
-    stiffness, damping = (
-        table.number(key) if made is None or key in table else getattr(made, key)
+    own = {"stiffness": made.stiffness, "damping": made.lost_torque} if made else {}
+    given = {
+        key: own[key] if key in own and key not in table else table.number(key)
         for key in ("stiffness", "damping")
-    )
-    given = {"stiffness": stiffness, "damping": damping, "made": kind}
-    return table.make(Servo, **given)
+    }
+    return table.make(Servo, **given, made=kind)
 
 
 def _twist(table: Table) -> Twist | None:

@@ -2,8 +2,8 @@
 
 A hobby servo is a proportional controller with a direct-current motor behind a gear
 train. Near its target it is a spring: the stall torque divided by the error at which
-its controller gives full voltage. Its damping is the slope of the motor's line from
-stall torque to no-load speed.
+its controller gives full voltage. Controllers are tuned to step without overshooting,
+so they are taken to be critically damped, whatever inertia they move.
 """
 
 from __future__ import annotations
@@ -52,20 +52,20 @@ class ServoKind:
         return self.stall_torque / self.full_error
 
     @property
-    def damping(self) -> float:
-        """Torque that a speed takes away [N m s/rad]."""
+    def lost_torque(self) -> float:
+        """Torque that the motor loses with its speed [N m s/rad]."""
         return self.stall_torque / self.no_load_speed
 
 
 SERVO_KINDS = {
-    # 2.2 kgf cm, and 60 degrees in 0.08 s, at 6 V. The controller gives full voltage
-    # half a degree beyond its dead band of 5 us, which is half a degree as well. A
-    # PCA9685 at 60 Hz divides the frame into 4096 counts of 4.07 us; 350 of them, 190
-    # to 540, are 180 degrees.
+    # 2.2 kgf cm, and 60 degrees in 0.08 s, at 6 V. The dead band is 5 us, half a
+    # degree; the data sheet does not say when the voltage is full, here at three dead
+    # bands. A PCA9685 at 60 Hz divides the frame into 4096 counts of 4.07 us; 350 of
+    # them, 190 to 540, are 180 degrees.
     "mg90": ServoKind(
         stall_torque=0.216,
         no_load_speed=13.1,
-        full_error=radians(0.6),
+        full_error=3 * radians(0.45),
         command_rate=60.0,
         resolution=radians(180 / 350),
         center=365,

@@ -85,6 +85,41 @@ HEXAPOD_RADIAL = replace(
     plate=(0.075, 0.075, 0.008),
 )
 
+# The table-top robot of classrooms: twelve MG90-class servos in printed parts, six
+# equal radial legs on a round body. A servo weighs 13.4 g; six swing servos, two 18650
+# cells (48 g each), the electronics and the printed body make 0.30 kg, a lift servo and
+# the printed leg 25 g. As such robots are sold, with legs straight out, they walk and
+# turn and cannot step sideways. Here the horns are mounted turned, so that each tripod
+# has a pivot: where its inner leg swings half as far as the outer ones, which keeps all
+# of them on counts.
+CLASSROOM_PIVOT = 0.044559963  # 0.0754 m from the inner foot, 0.1509 m from the others
+CLASSROOM_PIVOTS = {
+    leg: (0.0, -CLASSROOM_PIVOT if leg in (1, 4, 5) else CLASSROOM_PIVOT)
+    for leg in FEET
+}
+CLASSROOM_STIFFNESS = 200.0  # of ideal servos; a leg sags by a thousandth of a radian
+CLASSROOM_ARMATURE = 240**2 * 4e-9  # 30,000 rpm to 13 rad/s; a rotor of 7 mm
+
+HEXAPOD_CLASSROOM = replace(
+    HEXAPOD,
+    name="hexapod-classroom",
+    legs={
+        number: Leg(hip=leg.hip, foot=leg.foot)
+        for number, leg in legs_on_a_circle(
+            RADIAL_BEARINGS, 0.06, 0.06, CLASSROOM_PIVOTS
+        ).items()
+    },
+    hip_height=0.045,
+    plate=(0.055, 0.055, 0.006),
+    body_mass=0.30,
+    leg_mass=0.025,
+    leg_radius=0.004,
+    foot_radius=0.007,
+    stiffness=CLASSROOM_STIFFNESS,
+    damping=2 * sqrt(CLASSROOM_STIFFNESS * 1.1 * CLASSROOM_ARMATURE),
+    armature=CLASSROOM_ARMATURE,
+)
+
 # Two tetrapods, 1-4-6-7 and 2-3-5-8: the tripods with two inner legs each. All
 # feet lie 0.2 m from their tetrapod's pivot.
 OCTOPOD_FEET = {
@@ -132,4 +167,11 @@ QUADRUPED = replace(
     swing_range=0.55,
 )
 
-MORPHOLOGIES = (HEXAPOD, HEXAPOD_PARALLEL, HEXAPOD_RADIAL, OCTOPOD, QUADRUPED)
+MORPHOLOGIES = (
+    HEXAPOD,
+    HEXAPOD_PARALLEL,
+    HEXAPOD_RADIAL,
+    HEXAPOD_CLASSROOM,
+    OCTOPOD,
+    QUADRUPED,
+)

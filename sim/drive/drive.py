@@ -57,7 +57,9 @@ class Drive:
         if most is None:
             return
         rows = np.arange(len(lead.torque)) * lead.spacing
-        needed = np.abs(lead.torque[:, self._joints] + self._damped(schedule, rows))
+        lost = most / (self._servo.speed or np.inf)  # with speed [N m s/rad]
+        turned = np.abs(self._speed(schedule, rows))
+        needed = np.abs(lead.torque[:, self._joints]) + lost * turned
         knot, joint = np.unravel_index(needed.argmax(), needed.shape)
         if needed[knot, joint] <= most:
             return
@@ -116,15 +118,16 @@ class Drive:
         channels, joints = self._setup.channels, self._joints
         told = channels.ctrl(*schedule.angles(rows))
         if lead is not None:
-            borne = lead.at(rows)[:, joints] + self._damped(schedule, rows)
+            damped = self._damping * self._speed(schedule, rows)
+            borne = lead.at(rows)[:, joints] + damped
             told[:, joints] += borne / self._stiffness
         if self._servo.resolution:
             counts = np.round(told[:, joints] / self._servo.resolution)
             told[:, joints] = counts * self._servo.resolution
         return told
 
-    def _damped(self, schedule: Schedule, rows: Array) -> Array:
-        """Torque that the servos' damping takes at steps of a schedule, (n, J)."""
+    def _speed(self, schedule: Schedule, rows: Array) -> Array:
+        """Intended speed of the joints at steps of a schedule, (n, J) [rad/s]."""
         last = schedule.stop - schedule.start - 1
         ahead, behind = np.minimum(rows + 1, last), np.maximum(rows - 1, 0)
         later, sooner = (
@@ -132,5 +135,5 @@ class Drive:
             for step in (ahead, behind)
         )
         seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep
-        damped: Array = self._damping * (later - sooner) / seconds[:, None]
-        return damped
+        speed: Array = (later - sooner) / seconds[:, None]
+        return speed

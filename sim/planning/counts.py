@@ -14,6 +14,8 @@ import numpy as np
 from planner import Array, Flow, Plan, Step, grid, merged
 from sim.preparation.setup import Setup
 
+MOST = 4  # counts that are tried as one, for legs of other gains
+ON_COUNT = 0.02  # counts, by which a leg may be off
 SLACK = 1e-9  # [rad]; of the joint range, for rounding
 
 
@@ -59,18 +61,30 @@ def angles_after(
 
 
 def _count(setup: Setup, group: int, angle: float) -> float:
-    """The angle nearest to one of a group at which its fastest leg is on a count."""
+    """The angle nearest to one of a group at which its legs are on counts.
+
+    Where gains allow it that is so of all of them, else of the one that swings most.
+    """
     robot, resolution = setup.robot, setup.servo.resolution
     legs = np.flatnonzero(robot.group_of_leg == group)
     fastest = legs[np.abs(robot.swing_gain[legs]).argmax()]
     gain = robot.swing_gain[fastest]
     joint = robot.card.legs[robot.legs[fastest]].swing
     standing = robot.standing_angle(joint)
+    resolution *= _together(np.abs(robot.swing_gain[legs] / gain))
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
     count = np.round((standing + gain * angle) / resolution)
     around = (resolution * (count + np.array([0, 1, -1])) - standing) / gain
     within = (around >= low - SLACK) & (around <= high + SLACK)
     return float(around[within][np.abs(around[within] - angle).argmin()])
+
+
+def _together(gains: Array) -> int:
+    """Counts of the fastest leg after which all legs of a group are on counts; or 1."""
+    for counts in range(1, MOST + 1):
+        if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
+            return counts
+    return 1
 
 
 def joined(setup: Setup, plans: list[Plan]) -> Plan:

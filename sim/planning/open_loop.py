@@ -61,6 +61,7 @@ def _on_counts(setup: Setup) -> Plan:
     What rounding adds to each segment or takes away is made good by the next one, which
     is planned from where the quasi-static prediction stands.
     """
+    plan_along(setup, setup.nominal())  # refused where the joint range is too short
     twists = twist_model(setup, "quasi_static")
     pose, swing, plans = np.zeros(3), setup.at_rest.swing, list[Plan]()
     for segment in range(setup.scenario.segments):

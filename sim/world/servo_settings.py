@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from models import SERVO_KINDS, Card, ServoKind
-from planner import unknown
+from planner import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
@@ -21,8 +21,9 @@ class ServoSettings:
         name: `ideal`, or the make.
         stiffness: Torque an error [N m/rad].
         damping: Torque a speed [N m s/rad].
+        damping_ratio: Damping against the critical one, where it is not given as such.
         torque: Largest torque [N m]; None for no limit but the file's.
-        speed: Speed at which no torque is left [rad/s]; None for no limit.
+        speed: Speed at which no torque is left [rad/s].
         rate: Commands a second; 0 for one a physics step.
         resolution: Angle of a count [rad]; 0 for none.
         feed_forward: Whether commands lead by what the load bends; None decides by the
@@ -32,6 +33,7 @@ class ServoSettings:
     name: str
     stiffness: float | None
     damping: float | None
+    damping_ratio: float | None
     torque: float | None
     speed: float | None
     rate: float
@@ -67,7 +69,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
     return ServoSettings(
         name=own if name == "own" else name,
         stiffness=number("stiffness", scenario.servo_stiffness),
-        damping=number("damping", scenario.servo_damping),
+        damping=scenario.servo_damping,
+        damping_ratio=1.0 if made and scenario.servo_damping is None else None,
         torque=number("stall_torque"),
         speed=number("no_load_speed"),
         rate=number("command_rate", scenario.command_rate) or 0.0,
@@ -79,8 +82,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
 def _made(name: str, scenario: Scenario) -> dict[str, float]:
     """The numbers of a make."""
     kind = _kind(name, scenario)
-    derived = {"stiffness": kind.stiffness, "damping": kind.damping}
-    return derived | {item.name: getattr(kind, item.name) for item in fields(kind)}
+    numbers = {item.name: getattr(kind, item.name) for item in fields(kind)}
+    return numbers | {"stiffness": kind.stiffness}
 
 
 def _kind(name: str, scenario: Scenario) -> ServoKind:
@@ -92,8 +95,8 @@ def _kind(name: str, scenario: Scenario) -> ServoKind:
         )
     if name not in SERVO_KINDS:
         raise UsageError(
-            f"servo = {name!r} {unknown(name, ('ideal', 'own', *SERVO_KINDS))}",
+            f"servo = {name!r} is unknown",
             f"scenario {scenario.name!r}",
-            "choose one of them",
+            did_you_mean(name, ("ideal", "own", *SERVO_KINDS)),
         )
     return SERVO_KINDS[name]

@@ -88,6 +88,8 @@ def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
         servo.gainprm[0], servo.biasprm[1] = asked.stiffness, -asked.stiffness
     if asked.damping is not None:
         servo.biasprm[2] = -asked.damping
+    if asked.damping_ratio is not None:
+        servo.biasprm[2] = asked.damping_ratio  # told apart from a damping by its sign
     if asked.torque is not None:
         servo.forcelimited = True
         servo.forcerange = (-asked.torque, asked.torque)
