@@ -6,18 +6,20 @@ The intended angles stay those of the schedule, which all predictions follow.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import ceil
 
 import numpy as np
 
 from planner import Array
 from sim.drive.lead import Lead
-from sim.drive.rehearsal import leg_actuators
-from sim.errors import SimulationError
+from sim.drive.rehearsal import carried_torque, leg_actuators
+from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Schedule
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 
 SLACK = 1e-9  # of a command's number, for rounding
+LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
 class Drive:
@@ -46,6 +48,31 @@ class Drive:
     def rehearsed(self) -> bool:
         """Whether the torques of the walk must be known beforehand."""
         return self.leads or self._servo.torque is not None
+
+    def require_gentleness(self) -> None:
+        """Refuse commands so far apart that every one of them kicks the robot loose.
+
+        Between two commands a joint falls behind, and the next one hurls it forward
+        with the servo's stiffness. While that is less than what friction holds at the
+        end of a leg, the feet stay where they are.
+
+        Raises:
+            UsageError: Saying which rate would do.
+        """
+        scenario, stiffness = self._setup.scenario, float(self._stiffness.max())
+        if not self._servo.rate:
+            return
+        kick = stiffness * scenario.swing_speed / self._servo.rate
+        held = max(scenario.friction, LEAST_FRICTION) * carried_torque(self._setup)
+        if kick <= held:
+            return
+        raise UsageError(
+            f"servos of {stiffness:g} N m/rad commanded {self._servo.rate:g} times a "
+            f"second kick with {kick:.2g} N m, and friction holds {held:.2g} N m",
+            f"scenario {scenario.name!r}",
+            f"raise command_rate to {ceil(self._servo.rate * kick / held)}, lower "
+            f"swing_speed, or set servo_stiffness to {stiffness * held / kick:.0f}",
+        )
 
     def require_strength(self, schedule: Schedule, lead: Lead) -> None:
         """Refuse a stretch that asks a servo for more torque than it has.

@@ -54,7 +54,7 @@ def smoothed(torque: Array, timestep: float) -> Lead:
         torque: Shape (n, nu) [N m].
         timestep: [s].
     """
-    window = max(round(SMOOTHED / timestep), 1)
+    window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
     spacing = max(round(SPACING / timestep), 1)
     smooth = uniform_filter1d(torque, window, axis=0, mode="nearest")
     return Lead(smooth[::spacing].copy(), spacing)

@@ -46,7 +46,7 @@ class Rehearsal:
 def stiffened(setup: Setup) -> mujoco.MjModel:
     """The model with servos that hardly give way, critically damped, of any torque."""
     model, joints = copy(setup.model), leg_actuators(setup)
-    stiffness = _reach(setup) * _weight(setup) / GIVES
+    stiffness = carried_torque(setup) / GIVES
     inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[joints, 0]]]
     model.actuator_gainprm[joints, 0] = stiffness
     model.actuator_biasprm[joints, 1] = -stiffness
@@ -59,6 +59,11 @@ def leg_actuators(setup: Setup) -> Array:
     """Actuators of all leg joints, shape (J,)."""
     legs = setup.robot.card.legs.values()
     return np.array([actuator_of(setup.model, j) for leg in legs for j in leg.joints])
+
+
+def carried_torque(setup: Setup) -> float:
+    """Torque of the whole weight at the end of a leg [N m]."""
+    return _reach(setup) * _weight(setup)
 
 
 def _weight(setup: Setup) -> float:

@@ -41,6 +41,7 @@ class Walker:
         sensors = Sensors(setup.model, setup.robot)
         self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
         self._drive = Drive(setup)
+        self._drive.require_gentleness()
         self._rehearsal = Rehearsal(setup) if self._drive.rehearsed else None
         self._progress = progress
         self._stretches: list[Stretch] = []
@@ -116,7 +117,10 @@ class Walker:
             return
         check_effort(self.setup, schedule.stop)
         began, length = time.perf_counter(), schedule.stop - schedule.start
-        pieces = self.setup.commands(schedule)
+        lead = self._rehearsed(schedule)
+        self._stretches.append(Stretch(schedule, self.pose, lead))
+        self._shape = schedule.end
+        pieces = self._drive.commands(schedule, lead)
         for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)

@@ -1,0 +1,176 @@
+"""What servos are told: lead, counts and rate, against their definitions."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.description.servos import SERVO_KINDS, ServoKind
+from planner.systems.flows import Flow
+from sim.drive.drive import Drive
+from sim.drive.lead import Lead, smoothed
+from sim.drive.rehearsal import Rehearsal, leg_actuators
+from sim.errors import SimulationError, UsageError
+from sim.motion.schedule import Scheduler
+from sim.physics.engine import Engine
+from sim.preparation.setup import prepare
+from sim.simulation import simulate
+from sim.walking.walker import Walker
+
+SOFT = {"servo_stiffness": 50.0, "servo_damping": 1.0}
+
+
+def swung(setup, angle=0.2):
+    """Tripod 1 swings under load, tripod 2 in the air."""
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.enter("1")
+    flow = next(f for f in setup.equations.swings if f == "g1_1")
+    scheduler.flow(Flow("1", flow, angle), setup.equations.swings[flow])
+    scheduler.enter("12")
+    return scheduler.finish()
+
+
+def rows(drive, schedule, lead=None):
+    return np.concatenate(list(drive.commands(schedule, lead)))
+
+
+def intended(setup, schedule):
+    return np.concatenate(list(setup.commands(schedule)))
+
+
+def test_ideal_servos_are_told_the_intended_angles(scenario):
+    setup = prepare(scenario())
+    drive, schedule = Drive(setup), swung(setup)
+    assert drive.plain
+    assert (rows(drive, schedule) == intended(setup, schedule)).all()
+
+
+@pytest.mark.parametrize("rate", [50.0, 60.0, 333.0])
+def test_a_command_starts_at_the_first_step_at_or_after_its_time(scenario, rate):
+    setup = prepare(scenario(command_rate=rate, feed_forward=False, **SOFT))
+    schedule = swung(setup)
+    told, wanted = rows(Drive(setup), schedule), intended(setup, schedule)
+    starts = np.ceil(np.arange(40) / rate / setup.limits.timestep - 1e-6).astype(int)
+    for start, stop in zip(starts[:-1], starts[1:], strict=True):
+        assert (told[start:stop] == wanted[start]).all()
+
+
+def test_commands_hold_across_the_stretches_of_a_walk(scenario):
+    setup = prepare(scenario(command_rate=7.0, feed_forward=False, **SOFT))
+    drive = Drive(setup)
+    first = Scheduler(setup.limits, setup.at_rest)
+    first.hold(0.25)  # commands come at 0, 1/7, 2/7 s, the last in the next stretch
+    held = rows(drive, first.finish())
+    later = Scheduler(setup.limits, setup.at_rest, len(held))
+    later.enter("1")
+    told = rows(drive, later.finish())
+    until = round(2 / 7 / setup.limits.timestep + 0.5) - len(held)
+    assert (told[:until] == held[-1]).all()
+    assert (told[until] != held[-1]).any()
+
+
+def test_counts_are_whole_multiples_of_the_resolution_from_joint_zero(scenario):
+    resolution = 0.009
+    given = {"resolution": resolution, "feed_forward": False}
+    setup = prepare(scenario(**given, **SOFT))
+    schedule = swung(setup)
+    told, wanted = rows(Drive(setup), schedule), intended(setup, schedule)
+    counts = told / resolution
+    assert np.abs(counts - np.round(counts)).max() < 1e-9
+    assert np.abs(told - wanted).max() <= resolution / 2 + 1e-12
+
+
+def test_commands_lead_by_torque_and_damping_over_stiffness(scenario):
+    setup = prepare(scenario(feed_forward=True, **SOFT))
+    schedule = swung(setup)
+    steps, joints = schedule.stop - schedule.start, leg_actuators(setup)
+    torque = np.full((2, setup.model.nu), 0.3)
+    told = rows(Drive(setup), schedule, Lead(torque, spacing=steps))
+    wanted = intended(setup, schedule)
+    middle = slice(1, -1)
+    speed = (wanted[2:] - wanted[:-2]) / (2 * setup.limits.timestep)
+    lead = (0.3 + 1.0 * speed[:, joints]) / 50.0
+    ahead = told[middle][:, joints] - wanted[middle][:, joints]
+    # rounding of differences of angles over a timestep
+    assert ahead == pytest.approx(lead, abs=1e-9)
+
+
+def test_smoothed_torques_keep_constants_and_straight_lines():
+    timestep, count = 0.0005, 2000
+    line = np.linspace(0, 1, count)[:, None] * [1.0, -2.0]
+    lead = smoothed(line + 3.0, timestep)
+    inner = np.arange(100, count - 100)
+    assert lead.at(inner) == pytest.approx(line[inner] + 3.0, abs=1e-9)
+    assert lead.at(np.array([0, count - 1])).shape == (2, 2)
+
+
+@pytest.mark.physics
+def test_a_rehearsal_with_soft_servos_measures_the_torques_of_stiff_ones(scenario):
+    soft, stiff = (prepare(scenario(**given)) for given in (SOFT, {}))
+    scheduler = Scheduler(stiff.limits, stiff.at_rest)
+    scheduler.enter("1")
+    scheduler.hold(0.5)
+    schedule = scheduler.finish()
+    rehearsed = Rehearsal(soft).lead(schedule).torque[-1]
+    engine = Engine(stiff.model)
+    for ctrl in stiff.commands(schedule):
+        borne = engine.advance(ctrl).actuator_force[-1]
+    # both robots' servos are about as stiff; what is left is friction held in stance
+    assert rehearsed == pytest.approx(borne, abs=0.05 * np.abs(borne).max())
+
+
+@pytest.mark.physics
+def test_soft_servos_with_lead_go_where_stiff_ones_go(scenario):
+    def off(**changes):
+        error = simulate(scenario(**changes)).summary["error"]["quasi_static"]
+        return error["farthest"]
+
+    led = off(command_rate=50.0, **SOFT)
+    # 14 mm of path; 0.05 mm measured with the lead and 0.6 mm without
+    assert led < 0.15e-3
+    assert led < off(command_rate=50.0, feed_forward=False, **SOFT) / 3
+
+
+def test_stiff_servos_on_few_commands_a_second_are_refused(scenario):
+    with pytest.raises(UsageError, match="kick with 10 N m, and friction") as refusal:
+        Walker(prepare(scenario(command_rate=50.0)))
+    assert "raise command_rate to 3" in refusal.value.remedy
+
+
+def test_a_servo_too_weak_is_refused_with_joint_phase_and_torque(scenario):
+    setup = prepare(scenario(servo="mg90"))  # for a robot three times as heavy
+    walker = Walker(setup)
+    with pytest.raises(SimulationError, match=r"servo 'lift_\d' would need .* N m in"):
+        walker.go([[Flow("1", "g1_1", 0.1)]])
+
+
+@pytest.mark.parametrize("name", SERVO_KINDS)
+def test_every_make_has_a_source_and_whole_counts(name):
+    kind = SERVO_KINDS[name]
+    assert kind.source
+    assert kind.stiffness == pytest.approx(kind.stall_torque / kind.full_error)
+    assert kind.resolution > 0
+    assert kind.command_rate > 0
+
+
+def test_a_make_of_no_torque_is_refused():
+    with pytest.raises(ValueError, match="stall_torque must be positive"):
+        ServoKind(stall_torque=0.0, no_load_speed=1.0, full_error=0.1)
+
+
+def test_an_unknown_make_is_refused_with_those_known(scenario):
+    with pytest.raises(UsageError, match="servo = 'mg9' is unknown") as refusal:
+        prepare(scenario(servo="mg9"))
+    assert "did you mean 'mg90'?" in refusal.value.remedy
+
+
+def test_what_is_simulated_stands_in_the_model(scenario):
+    setup = prepare(scenario(servo="ax-12"))
+    model, joints = setup.model, leg_actuators(setup)
+    kind = SERVO_KINDS["ax-12"]
+    assert model.actuator_gainprm[joints, 0] == pytest.approx(kind.stiffness)
+    assert model.actuator_forcerange[joints, 1] == pytest.approx(kind.stall_torque)
+    inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[joints, 0]]]
+    critical = 2 * np.sqrt(kind.stiffness * inertia)
+    # the compiler takes the ratio at the file's zero, not at the keyframe: 1.5 % apart
+    assert -model.actuator_biasprm[joints, 2] == pytest.approx(critical, rel=0.02)
+    assert isinstance(model, mujoco.MjModel)
