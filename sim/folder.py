@@ -10,9 +10,10 @@ import json
 import os
 import re
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import IO
 
@@ -79,8 +80,14 @@ class RunFolder:
         Raises:
             FilesError: If the disk is full or the folder cannot be written.
         """
+        sizes: list[int] = []
+        arrays = _measured(arrays, sizes)
+
+        def at_most() -> int:
+            return sum(sizes) + sum(_size(array) for _, array in arrays)
+
         with (
-            whole(self.path / name) as part,
+            whole(self.path / name, at_most=at_most) as part,
             zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive,
         ):
             for key, array in arrays:
@@ -103,6 +110,20 @@ class Pieces:
 
     shape: tuple[int, ...]
     pieces: Iterable[np.ndarray]
+
+
+def _measured(
+    arrays: Iterable[tuple[str, np.ndarray | Pieces]], sizes: list[int]
+) -> Iterator[tuple[str, np.ndarray | Pieces]]:
+    """The arrays as they come, their sizes noted."""
+    for key, array in arrays:
+        sizes.append(_size(array))
+        yield key, array
+
+
+def _size(array: np.ndarray | Pieces) -> int:
+    """Bytes that an array takes at most, compressed."""
+    return array.nbytes if isinstance(array, np.ndarray) else 8 * prod(array.shape)
 
 
 def _write_array(file: IO[bytes], array: np.ndarray | Pieces) -> None:
@@ -169,12 +190,15 @@ def _check_writable(folder: RunFolder) -> None:
 
 
 @contextmanager
-def whole(path: Path, size: int | None = None) -> Iterator[Path]:
+def whole(
+    path: Path, size: int | None = None, at_most: Callable[[], int] | None = None
+) -> Iterator[Path]:
     """A path to write to, which takes `path`'s name once the block has succeeded.
 
     Args:
         path: Final name, in a folder that exists.
         size: Bytes that will be written, if known: asked of the disk beforehand.
+        at_most: Bytes that may be written; asked for once the disk is full.
 
     Raises:
         FilesError: If the disk is full or the folder cannot be written.
@@ -183,6 +207,8 @@ def whole(path: Path, size: int | None = None) -> Iterator[Path]:
         with whole_file(path, size or 0) as part:
             yield part
     except OSError as error:
+        if size is None and at_most is not None:
+            size = at_most()
         raise _failure(error, path, size) from error
 
 
@@ -190,5 +216,5 @@ def _failure(error: OSError, path: Path, size: int | None) -> FilesError:
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         reason = f"cannot be written, {error.strerror}"
         return FilesError(reason, str(path), "choose another folder with --out")
-    needed = f", it needs {size / 1e6:.1f} MB" if size else ""
+    needed = f", it needs up to {size / 1e6:.1f} MB" if size else ""
     return FilesError(f"disk full{needed}", str(path), "free some space, or use --out")

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from models import Robot
+from sim.errors import SimulationError
 from sim.evaluation.assessment import Evaluation, Summary, trajectory
 from sim.evaluation.phases import table
 from sim.folder import Pieces, RunFolder, claim
@@ -61,6 +62,10 @@ class Writer:
         clock = Pieces((steps,), (row * timestep for row in rows))
         ctrl = Pieces((steps, walk.setup.model.nu), walk.commands())
         self.folder.write_arrays("commands.npz", [("time", clock), ("ctrl", ctrl)])
+        if isinstance(walk, Walker) and (last := walk.last_states) is not None:
+            ends = (np.arange(steps - len(last.qpos), steps) + 1) * timestep
+            states = [("time", ends), ("qpos", last.qpos), ("qvel", last.qvel)]
+            self.folder.write_arrays("divergence.npz", states)
 
     def evaluated(self, evaluation: Evaluation) -> None:
         """States and predictions, row by row and phase by phase."""
@@ -100,7 +105,10 @@ def run(
         RenderError: If a film is wanted and cannot be made.
     """
     writer = Writer(folder)
-    simulation = simulate(scenario, robot=robot, progress=progress, witness=writer)
+    try:
+        simulation = simulate(scenario, robot=robot, progress=progress, witness=writer)
+    except SimulationError as error:
+        raise _replayable(error, folder) from error
     writer.evaluated(simulation.evaluation)
     simulation.timing["render"] = 0.0
     writer.summarised(simulation.summary)
@@ -112,6 +120,15 @@ def run(
         simulation.timing["render"] = time.perf_counter() - began
         writer.summarised(simulation.summary)
     return simulation.summary
+
+
+def _replayable(error: SimulationError, folder: RunFolder) -> SimulationError:
+    """The error, and the command that makes it happen again."""
+    again = folder.path / "scenario.toml"
+    if not again.exists():
+        return error
+    remedy = f"{error.remedy}; again by: stratawalk run {again} --no-video"
+    return SimulationError(error.what, error.where, remedy)
 
 
 def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Path:

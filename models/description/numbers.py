@@ -24,6 +24,8 @@ TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
 TEXTS = ("name", "class", "childclass", "model", "prefix", "dclass")  # may say "nan"
 SECTIONS = ("opt", "vis", "stat")  # of a compiled model, beside its arrays
+QUATERNIONS = {int(mujoco.mjtJoint.mjJNT_FREE): 3, int(mujoco.mjtJoint.mjJNT_BALL): 0}
+"""Joints with a quaternion, and where in their coordinates it begins."""
 DERIVED = re.compile("0$|^bvh_|^oct_|^geom_aabb|^geom_rbound|mass$|inertia$")
 WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
@@ -80,6 +82,30 @@ def check_model(model: mujoco.MjModel, source: str) -> None:
         for name, value in _floats(getattr(model, section)):
             if not np.isfinite(value).all():
                 _refuse(f"{section}.{name}", source)
+
+
+def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -> None:
+    """Refuse a keyframe with a quaternion of zeros, which the engine takes as upright.
+
+    Args:
+        spec: As it was written.
+        model: The same, compiled.
+        source: Where it stands, for refusals.
+
+    Raises:
+        ModelError: With the keyframe and the joint.
+    """
+    for key in spec.keys:
+        for joint in (model.joint(i) for i in range(model.njnt)):
+            kind = int(joint.type[0])
+            if kind not in QUATERNIONS or len(key.qpos) != model.nq:
+                continue
+            start = joint.qposadr[0] + QUATERNIONS[kind]
+            if not np.any(key.qpos[start : start + 4]):
+                raise ModelError(
+                    f"keyframe {key.name!r} has a quaternion of zeros for joint "
+                    f"{joint.name!r}: {source}; write 1 0 0 0 for upright"
+                )
 
 
 def _refuse(what: str, source: str) -> None:

@@ -16,7 +16,7 @@ import mujoco
 
 from models.description.compiled import compile_model, read_spec
 from models.description.files import assets, included
-from models.description.numbers import check_text
+from models.description.numbers import check_quaternions, check_text
 from models.errors import ModelError
 
 TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
@@ -37,7 +37,9 @@ def examine(path: Path) -> list[Path]:
             check_text(text)
     model = compile_model(read_spec(path), str(path))
     run_once(model, path)
-    named = assets(read_spec(path), model)  # compiling may drop some from a spec
+    spec = read_spec(path)
+    check_quaternions(spec, model, str(path))
+    named = assets(spec, model)  # compiling may drop some from a spec
     for file in sorted(named):
         if not file.is_file():
             raise ModelError(

@@ -202,6 +202,12 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "wall_contacts": walk.recording.wall_contacts,
         "self_contacts": walk.recording.self_contacts,
         "saturated_segments": walk.saturated_segments,
+        "let_down": setup.world.let_down,
+        "fastest_swing": max(
+            (setup.limits.swing_peak(p.direction, p.amount) for p in swings),
+            default=0.0,
+        ),
+        "swing_speed": scenario.swing_speed,
         "walk_starts": walk.starts * setup.limits.timestep,
         "predicted": predicted | absent,
         "unpredicted": dict(evaluation.unpredicted),

@@ -9,6 +9,8 @@ HEADER = (
     f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics ends off by':28}"
     f"{'at most':>9}{'margin':>10}{'slip':>11}"
 )
+CAPPED = 0.9  # of the speed asked for; strokes that come to less are told
+TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told
 PREDICTIONS = {
     "ideal": "ideal",
     "quasi_static": "quasi-static",
@@ -55,6 +57,14 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
     if summary["saturated_segments"]:
         scaled = "segments scaled down to the joint range"
         lines.append(f"{'saturated':13}{summary['saturated_segments']} {scaled}")
+    if summary.get("fastest_swing", 0) < CAPPED * summary.get("swing_speed", 0):
+        lines.append(
+            f"{'swings':13}at {summary['fastest_swing']:.3g} rad/s at most: "
+            f"swing_acceleration caps the swing_speed of {summary['swing_speed']:g}"
+        )
+    if abs(down := summary.get("let_down", 0.0)) > TOLD:
+        how = "let down onto" if down > 0 else "lifted out of"
+        lines.append(f"{'start':13}{how} the floor by {1e3 * abs(down):.1f} mm")
     if touched := summary.get("self_contacts"):
         lines.append(
             f"{'collided':13}parts of the robot touched each other {touched} "

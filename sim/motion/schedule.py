@@ -39,6 +39,12 @@ class MotionLimits:
             farthest, self.swing_speed, self.swing_acceleration, self.timestep
         )
 
+    def swing_peak(self, direction: Sequence[float], amount: float) -> float:
+        """Highest speed that a joint comes to in a swing [rad/s]."""
+        steps, rise = self.swing_steps(direction, amount)
+        way = abs(amount) * max(map(abs, direction))
+        return way / ((steps - rise) * self.timestep) if steps else 0.0
+
 
 @dataclass(frozen=True, slots=True)
 class Phase:

@@ -17,6 +17,8 @@ from models import silence_the_engine
 from planner import Array
 from sim.errors import SimulationError
 
+OF_SPEED = (mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
+KEPT = 100  # states before a divergence
 STRETCH = 4000  # steps handed to the engine at once: a tenth of a second of work
 
 
@@ -48,6 +50,8 @@ class Engine:
             keyframe=model.key("start").id, stage=mujoco.mjtStage.mjSTAGE_NONE.value
         )
         self._warnings = self._batch.warning.copy()
+        self._before: Record | None = None  # what led to the state now
+        self.last: State | None = None  # states before a divergence, (n, ...) each
         self.steps = 0
 
     @property
@@ -78,6 +82,7 @@ class Engine:
             raise self._failure(str(error), 0) from error
         record = Record(*(out[item][0] for item in items))
         self._check_warnings(record)
+        self._before = record
         self.steps += len(ctrl)
         return record
 
@@ -99,9 +104,32 @@ class Engine:
             moved = np.flatnonzero((np.diff(record.qpos, axis=0) != 0).any(axis=1))
             step = int(moved[-1]) + 1 if len(moved) else 0
             name = mujoco.mjtWarning(int(risen[0])).name.removeprefix("mjWARN_")
-            failure = self._failure(f"simulation diverged, warning {name}", step)
+            at = self._joint(int(risen[0]), int(now[0, risen[0], 0]))
+            failure = self._failure(f"simulation diverged{at}, warning {name}", step)
+            self.last = self._last(record, step + 1)
             self.steps += step + 1  # the engine completed this step and no further one
             raise failure
+
+    def _joint(self, warning: int, place: int) -> str:
+        """Which joint a warning is about, in words; it tells a coordinate's place."""
+        model = self.model
+        if warning == mujoco.mjtWarning.mjWARN_BADQPOS:
+            joints = np.flatnonzero(model.jnt_qposadr <= place)
+        elif warning in OF_SPEED:
+            joints = np.flatnonzero(model.jnt_dofadr <= place)
+        else:
+            return ""
+        return f" at joint {model.joint(int(joints[-1])).name!r}" if len(joints) else ""
+
+    def _last(self, record: Record, count: int) -> State:
+        """States of the last steps up to one of a record, at most `KEPT`."""
+        parts = [record] if self._before is None else [self._before, record]
+        length = (0 if self._before is None else len(self._before.qpos)) + count
+        kept = slice(max(length - KEPT, 0), length)
+        return State(
+            np.concatenate([part.qpos for part in parts])[kept],
+            np.concatenate([part.qvel for part in parts])[kept],
+        )
 
     def _failure(self, what: str, step: int) -> SimulationError:
         time = (self.steps + step) * self.model.opt.timestep

@@ -6,7 +6,9 @@ legs to give way and for an unsupported body to tip over.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 
 import mujoco
 import numpy as np
@@ -17,6 +19,7 @@ from models import (
     Lifting,
     ModelError,
     Robot,
+    actuator_of,
     free_joint,
     silence_the_engine,
 )
@@ -25,6 +28,8 @@ from sim.world.sensors import contact_sensor
 from sim.world.walls import PREFIX
 
 SETTLING = 0.5  # [s]
+CHUNK = 50  # steps between two looks at whether Ctrl-C was pressed
+SHORTER = (0.002, 0.001, 0.0005)  # timesteps to try where a longer one fails [s]
 MOST = 4000  # steps, for tiny timesteps
 
 
@@ -42,11 +47,14 @@ def check_standing(
 
     Raises:
         ModelError: If it tips, sags or lies on something, or the engine breaks down.
-        UsageError: If it starts inside an obstacle.
+        UsageError: If it starts inside an obstacle, or the timestep is too long.
     """
     silence_the_engine()
     try:
         _check_standing(kinematics, model, lift_angle)
+    except ModelError as refusal:
+        _blame_the_timestep(kinematics, model, lift_angle, refusal)
+        raise
     except mujoco.FatalError as error:
         reason = " ".join(str(error).split())
         raise ModelError(
@@ -63,7 +71,8 @@ def _check_standing(
     _refuse_obstacles(model, data)
     _refuse(robot, _lying(robot, model, data))
     height = data.qpos[_height(robot, model)]
-    mujoco.mj_step(model, data, nstep=min(round(SETTLING / model.opt.timestep), MOST))
+    for _ in range(0, min(round(SETTLING / model.opt.timestep), MOST), CHUNK):
+        mujoco.mj_step(model, data, nstep=CHUNK)  # a large model is slow
     if any(warning.number for warning in data.warning):
         return
     sag = float(height - data.qpos[_height(robot, model)])
@@ -72,6 +81,28 @@ def _check_standing(
     _refuse(robot, _lying(robot, model, data))
     _refuse(robot, _aloft(robot, model, data))
     _refuse(robot, _sagged(sag, rise))
+    _refuse(robot, _too_soft(robot, model, data))
+
+
+def _blame_the_timestep(
+    kinematics: Kinematics,
+    model: mujoco.MjModel,
+    lift_angle: float,
+    refusal: ModelError,
+) -> None:
+    """Refuse the timestep instead, if the robot stands at a shorter one."""
+    asked = model.opt.timestep
+    for timestep in (step for step in SHORTER if step < asked):
+        finer = copy.copy(model)
+        finer.opt.timestep = timestep
+        with suppress(ModelError):
+            _check_standing(kinematics, finer, lift_angle)
+            raise UsageError(
+                f"timestep = {asked:g} is too long: the servos of {kinematics.robot} "
+                "shake it off its feet",
+                "timestep",
+                f"give at most {timestep:g}, at which it stands",
+            ) from refusal
 
 
 def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:
@@ -114,6 +145,23 @@ def _sagged(sag: float, rise: float) -> Iterator[tuple[str, str]]:
             f"{1e3 * rise:.1f} mm only",
             "stiffen its servos (servo_stiffness), or lift higher (lift_height)",
         )
+
+
+def _too_soft(
+    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
+) -> Iterator[tuple[str, str]]:
+    """Lift servos that their load would bend by more than they are to lift."""
+    load = np.abs(data.qfrc_bias - data.qfrc_constraint)
+    for leg in robot.card.legs.values():
+        stiffness = model.actuator_gainprm[actuator_of(model, leg.lift), 0]
+        torque = load[model.joint(leg.lift).dofadr[0]]
+        if torque > stiffness * robot.card.lift_angle:
+            yield (
+                f"joint {leg.lift!r} bears {torque:.3g} N m, for which its servo of "
+                f"{stiffness:.3g} N m/rad has to bend by more than lift_angle = "
+                f"{robot.card.lift_angle:g}",
+                f"stiffen it (servo_stiffness), to {10 * torque / UPRIGHT:.2g} or so",
+            )
 
 
 def _lying(

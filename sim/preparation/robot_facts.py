@@ -11,6 +11,7 @@ from sim.motion.stability import stability_margin
 from sim.preparation.setup import Setup
 
 Facts = dict[str, Any]
+TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told
 
 
 def facts(setup: Setup) -> Facts:
@@ -40,6 +41,7 @@ def facts(setup: Setup) -> Facts:
             for name, group in robot.card.groups.items()
         },
         "gait": list(robot.card.gait),
+        "let_down": setup.world.let_down,
         "fields": {
             name: [float(rate) for rate in twist]
             for name, twist in setup.equations.twists.items()
@@ -76,6 +78,7 @@ def describe(robot: Facts) -> str:
         "above the floor",
         f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
         f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
+        *_let_down(robot["let_down"]),
         f"{'gait':12}{' '.join(robot['gait'])}",
         f"{'margins':12}{', '.join(margins)}",
         "",
@@ -90,6 +93,14 @@ def describe(robot: Facts) -> str:
     for name, (forward, left, yaw) in robot["fields"].items():
         lines.append(f"{name:18}{forward:8.4f}{left:9.4f}{yaw:9.4f}")
     return "\n".join(lines)
+
+
+def _let_down(height: float) -> list[str]:
+    """What was done about a robot that is put above or into the floor."""
+    if abs(height) < TOLD:
+        return []
+    how = "let down onto" if height > 0 else "lifted out of"
+    return [f"{'start':12}{how} the floor by {1e3 * abs(height):.1f} mm"]
 
 
 def _leg_line(number: str, leg: Facts) -> str:

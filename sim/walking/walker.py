@@ -19,7 +19,7 @@ from sim.drive.rehearsal import Rehearsal
 from sim.motion.poses import seen_from
 from sim.motion.sampling import inspections
 from sim.motion.schedule import LegState, Schedule, Scheduler
-from sim.physics.engine import Engine
+from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_segment
@@ -64,6 +64,11 @@ class Walker:
     def steps(self) -> int:
         """Number of commands carried out."""
         return self._recorder.engine.steps
+
+    @property
+    def last_states(self) -> State | None:
+        """States that led to a divergence, after each of the last steps."""
+        return self._recorder.engine.last
 
     def commands(self) -> Iterator[Array]:
         """Commands carried out so far, as those of a finished walk."""

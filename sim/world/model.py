@@ -31,6 +31,7 @@ class World:
     text: str
     assets: Mapping[str, bytes]  # by path relative to the text's file
     servo: tuple[float, float] | None  # stiffness and damping, if all joints' are alike
+    let_down: float  # how far its robot had to be lowered onto the floor [m]
 
     @property
     def files(self) -> dict[str, bytes]:
@@ -56,11 +57,11 @@ def build(robot: Robot, scenario: Scenario) -> World:
     _set_friction(spec, robot, floor.name, scenario.friction)
     ensure_servos(spec, robot, servo_settings(scenario, robot.card))
     ensure_sensors(spec, robot, floor.name)
-    ensure_start(spec, robot, floor)
+    let_down = ensure_start(spec, robot, floor)
     add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
-    return World(str(spec.to_xml()), assets, common_servo(model, robot))
+    return World(str(spec.to_xml()), assets, common_servo(model, robot), let_down)
 
 
 def load(world: World) -> mujoco.MjModel:

@@ -12,7 +12,7 @@ START = "start"
 AJAR = 1e-4  # [m]; smaller distances of the feet from the floor are left as they are
 
 
-def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> None:
+def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     """Write keyframe `start`: the robot's own, at x = y = yaw = 0, feet on the floor.
 
     Other keyframes go, since their commands may no longer fit.
@@ -21,19 +21,24 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> None:
         spec: World with the robot in it and its servos in place.
         robot: Robot that starts.
         floor: Floor that its feet are put on.
+
+    Returns:
+        How far the robot was let down onto the floor, or lifted out of it if negative,
+        from where its file puts it [m].
     """
     for key in list(spec.keys):
         spec.delete(key)
-    spec.add_key(name=START, qpos=_qpos(robot, floor), ctrl=_ctrl(spec, robot))
+    qpos, down = Kinematics(robot).level_qpos, _above(robot, floor)
+    qpos[robot.root_address + 2] -= down
+    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))
+    return down
 
 
-def _qpos(robot: Robot, floor: Floor) -> np.ndarray:
-    kinematics = Kinematics(robot)
-    qpos = kinematics.level_qpos
-    sole = kinematics.stance(np.zeros(len(robot.groups))).height.min()
-    if abs(sole - floor.height) > AJAR:
-        qpos[robot.root_address + 2] += floor.height - sole
-    return qpos
+def _above(robot: Robot, floor: Floor) -> float:
+    """How far the lowest foot is above the floor; 0 where it is next to nothing [m]."""
+    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
+    above = float(stance.height.min() - floor.height)
+    return above if abs(above) > AJAR else 0.0
 
 
 def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
