@@ -100,8 +100,8 @@ def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -
             kind = int(joint.type[0])
             if kind not in QUATERNIONS or len(key.qpos) != model.nq:
                 continue
-            start = joint.qposadr[0] + QUATERNIONS[kind]
-            if not np.any(key.qpos[start : start + 4]):
+            start = int(joint.qposadr[0]) + QUATERNIONS[kind]
+            if not any(key.qpos[start + i] for i in range(4)):
                 raise ModelError(
                     f"keyframe {key.name!r} has a quaternion of zeros for joint "
                     f"{joint.name!r}: {source}; write 1 0 0 0 for upright"
