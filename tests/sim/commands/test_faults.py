@@ -1,13 +1,11 @@
 """Inputs and surroundings that once ended the command with a traceback."""
 
 import os
-import re
 import signal
 import subprocess
 import sys
 import time
 
-import numpy as np
 import pytest
 
 from models.description.robot import FOLDER
@@ -232,72 +230,3 @@ def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
     _, said = process.communicate(timeout=20)
     assert process.returncode == 130
     assert said.startswith("stratawalk: error: interrupted")
-
-
-SHORT = ("run", "line", "--segments", "2", "--no-video", "--out", "here")
-GOAL = ("--set", "path.goal=[0.01, 0.01, 0]")
-
-
-def sets(*words):
-    return [part for word in words for part in ("--set", word)]
-
-
-@pytest.mark.physics
-def test_a_divergence_leaves_what_led_to_it_and_says_how_to_see_it_again(
-    stratawalk, tmp_path
-):
-    wild = sets("timestep=0.01", "servo_stiffness=1e6", "servo_damping=0")
-    done = stratawalk(*SHORT, *GOAL, *wild)
-    assert done.returncode == 4
-    said = refusal(done)
-    assert re.search(r"diverged at joint '\w+', warning BADQACC: t = 0\.\d+ s", said)
-    again = said.rpartition("again by: stratawalk ")[2].split()
-    assert stratawalk(*again, "--out", "again").returncode == 4
-    states = [np.load(tmp_path / name / "divergence.npz") for name in ("here", "again")]
-    assert 0 < len(states[0]["time"]) <= 100
-    assert len(states[0]["qpos"]) == len(states[0]["qvel"]) == len(states[0]["time"])
-    for name in ("time", "qpos", "qvel"):
-        assert np.array_equal(states[0][name], states[1][name])
-
-
-SOFT = {
-    "servos too soft to lift": ("servo_stiffness=1e-9", 3, "bend by more than lift"),
-    "a timestep too long": ("timestep=0.004", 2, "give at most 0.002, at which it s"),
-}
-
-
-@pytest.mark.physics
-@pytest.mark.parametrize(("setting", "code", "said"), SOFT.values(), ids=SOFT)
-def test_settings_under_which_nothing_can_stand_are_named(
-    stratawalk, setting, code, said
-):
-    done = stratawalk(*SHORT, *GOAL, *sets(setting))
-    assert done.returncode == code
-    assert said in refusal(done)
-
-
-@pytest.mark.physics
-def test_a_speed_that_the_acceleration_caps_is_told(stratawalk):
-    done = stratawalk(*SHORT, *GOAL, *sets("swing_speed=6"))
-    assert "swing_acceleration caps the swing_speed of 6" in done.stdout
-
-
-STARTS = {
-    "in the air": ("0 0 0.5 1 0 0 0", "let down onto the floor by 440.0 mm"),
-    "in the ground": ("0 0 0.03 1 0 0 0", "lifted out of the floor by 30.0 mm"),
-}
-
-
-@pytest.mark.parametrize(("qpos", "said"), STARTS.values(), ids=STARTS)
-def test_a_robot_that_is_moved_at_its_start_is_told(stratawalk, robot, qpos, said):
-    done = stratawalk("robots", robot("0 0 0.06 1 0 0 0", qpos))
-    assert (done.returncode, done.stderr) == (0, "")
-    assert said in done.stdout
-
-
-def test_a_quaternion_of_zeros_is_no_way_to_stand(stratawalk, robot):
-    done = stratawalk("robots", robot("0 0 0.06 1 0 0 0", "0 0 0.06 0 0 0 0"))
-    assert done.returncode == 3
-    assert "keyframe 'start' has a quaternion of zeros for joint 'root'" in refusal(
-        done
-    )

@@ -1,0 +1,120 @@
+"""What walks and robots do wrong is said: divergence, softness, starts, caps."""
+
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from models.description.robot import FOLDER
+from sim.pictures import gl
+
+OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
+COMMAND = [sys.executable, "-m", "sim.cli"]
+
+
+@pytest.fixture
+def stratawalk(tmp_path):
+    """Run the real command in an empty folder."""
+
+    def run(*words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **environment):
+        return subprocess.run(
+            [*COMMAND, *words],
+            cwd=tmp_path,
+            env=OUTSIDE | {"PYTHONPATH": os.getcwd()} | environment,
+            stdout=stdout,
+            stderr=stderr,
+            text=True,
+        )
+
+    return run
+
+
+def refusal(done):
+    """The one line that a refused command prints."""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("stratawalk: error: ")
+    return line
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """Write the shipped hexapod with a text replaced in its MJCF or card."""
+
+    def write(old, new, encoding="utf-8"):
+        for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
+            text = (FOLDER / name).read_text().replace(old, new)
+            path = tmp_path / name.replace("hexapod", "mine")
+            path.write_text(text, encoding=encoding)
+        return "mine.xml"
+
+    return write
+
+
+SHORT = ("run", "line", "--segments", "2", "--no-video", "--out", "here")
+GOAL = ("--set", "path.goal=[0.01, 0.01, 0]")
+
+
+def sets(*words):
+    return [part for word in words for part in ("--set", word)]
+
+
+@pytest.mark.physics
+def test_a_divergence_leaves_what_led_to_it_and_says_how_to_see_it_again(
+    stratawalk, tmp_path
+):
+    wild = sets("timestep=0.01", "servo_stiffness=1e6", "servo_damping=0")
+    done = stratawalk(*SHORT, *GOAL, *wild)
+    assert done.returncode == 4
+    said = refusal(done)
+    assert re.search(r"diverged at joint '\w+', warning BADQACC: t = 0\.\d+ s", said)
+    again = said.rpartition("again by: stratawalk ")[2].split()
+    assert stratawalk(*again, "--out", "again").returncode == 4
+    states = [np.load(tmp_path / name / "divergence.npz") for name in ("here", "again")]
+    assert 0 < len(states[0]["time"]) <= 100
+    assert len(states[0]["qpos"]) == len(states[0]["qvel"]) == len(states[0]["time"])
+    for name in ("time", "qpos", "qvel"):
+        assert np.array_equal(states[0][name], states[1][name])
+
+
+SOFT = {
+    "servos too soft to lift": ("servo_stiffness=1e-9", 3, "bend by more than lift"),
+    "a timestep too long": ("timestep=0.004", 2, "give at most 0.002, at which it s"),
+}
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(("setting", "code", "said"), SOFT.values(), ids=SOFT)
+def test_settings_under_which_nothing_can_stand_are_named(
+    stratawalk, setting, code, said
+):
+    done = stratawalk(*SHORT, *GOAL, *sets(setting))
+    assert done.returncode == code
+    assert said in refusal(done)
+
+
+@pytest.mark.physics
+def test_a_speed_that_the_acceleration_caps_is_told(stratawalk):
+    done = stratawalk(*SHORT, *GOAL, *sets("swing_speed=6"))
+    assert "swing_acceleration caps the swing_speed of 6" in done.stdout
+
+
+STARTS = {
+    "in the air": ("0 0 0.5 1 0 0 0", "let down onto the floor by 440.0 mm"),
+    "in the ground": ("0 0 0.03 1 0 0 0", "lifted out of the floor by 30.0 mm"),
+}
+
+
+@pytest.mark.parametrize(("qpos", "said"), STARTS.values(), ids=STARTS)
+def test_a_robot_that_is_moved_at_its_start_is_told(stratawalk, robot, qpos, said):
+    done = stratawalk("robots", robot("0 0 0.06 1 0 0 0", qpos))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert said in done.stdout
+
+
+def test_a_quaternion_of_zeros_is_no_way_to_stand(stratawalk, robot):
+    done = stratawalk("robots", robot("0 0 0.06 1 0 0 0", "0 0 0.06 0 0 0 0"))
+    assert done.returncode == 3
+    assert "'start' has a quaternion of zeros for joint 'root'" in refusal(done)
