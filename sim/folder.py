@@ -207,14 +207,16 @@ def whole(
         with whole_file(path, size or 0) as part:
             yield part
     except OSError as error:
-        if size is None and at_most is not None:
-            size = at_most()
-        raise _failure(error, path, size) from error
+        if at_most is None:
+            raise _failure(error, path, size) from error
+        raise _failure(error, path, at_most(), "up to ") from error
 
 
-def _failure(error: OSError, path: Path, size: int | None) -> FilesError:
+def _failure(
+    error: OSError, path: Path, size: int | None, about: str = ""
+) -> FilesError:
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         reason = f"cannot be written, {error.strerror}"
         return FilesError(reason, str(path), "choose another folder with --out")
-    needed = f", it needs up to {size / 1e6:.1f} MB" if size else ""
+    needed = f", it needs {about}{size / 1e6:.1f} MB" if size else ""
     return FilesError(f"disk full{needed}", str(path), "free some space, or use --out")

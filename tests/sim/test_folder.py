@@ -2,6 +2,7 @@
 
 import errno
 import json
+import os
 import subprocess
 import sys
 import threading
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from sim.errors import FilesError, UsageError
-from sim.folder import RunFolder, claim, whole
+from sim.folder import Pieces, RunFolder, claim, whole
 
 
 def names(folder):
@@ -161,3 +162,26 @@ def test_only_an_empty_folder_is_discarded(tmp_path):
     for folder in (empty, full):
         folder.discard_if_empty()
     assert names(tmp_path) == ["full"]
+
+
+def test_a_disk_that_fills_up_is_told_how_much_the_file_may_need(tmp_path):
+    with (
+        pytest.raises(FilesError, match=r"disk full, it needs up to 5\.0 MB: .*a.npz"),
+        whole(tmp_path / "a.npz", at_most=lambda: 5_000_000),
+    ):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_what_arrays_may_need_counts_those_not_yet_written(tmp_path):
+    def arrays():
+        yield "first", np.zeros(1000)
+        yield "second", Pieces((250_000, 2), _full())
+        yield "third", np.zeros(125_000)
+
+    with pytest.raises(FilesError, match=r"disk full, it needs up to 5\.0 MB"):
+        RunFolder(tmp_path).write_arrays("a.npz", arrays())
+
+
+def _full():
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    yield
