@@ -82,6 +82,11 @@ from .planning.archive import (
     load_plan as load_plan,
     save_plan as save_plan,
 )
+from .planning.chains import (
+    ChainedForm as ChainedForm,
+    FlatOutputs as FlatOutputs,
+    chained_form as chained_form,
+)
 from .planning.convergence import (
     ConvergenceOrder as ConvergenceOrder,
     convergence_order as convergence_order,

@@ -32,6 +32,7 @@ from models.errors import ProblemError
 from models.systems.problem import Problem, Words
 from planner import (
     RESERVED,
+    FlatOutputs,
     PlannerError,
     StanceRule,
     StratifiedSystem,
@@ -42,9 +43,10 @@ from planner import (
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (
     *("description", "bottom", "gait", "elements", "start", "segments", "stance"),
-    *("degree", "words"),
+    *("degree", "words", "flat"),
     *("parameters", "limits", "level_sets"),
 )
+FLAT = ("along", "across", "rate", "slope")
 Reader = Callable[[str, object], sp.Expr]
 
 
@@ -86,7 +88,8 @@ def _decode(
     name: str, content: Mapping[str, Any], values: Mapping[str, object]
 ) -> Problem:
     table = Table(content, known=REQUIRED + OPTIONAL)
-    system = _system(table, values)
+    state, formula = _language(table, values)
+    system = _system(table, state, formula)
     table.get("goal")
     return Problem(
         name=name,
@@ -101,6 +104,7 @@ def _decode(
         stance=_stance(table),
         degree=table.whole("degree") if "degree" in table else None,
         words=_words(table),
+        flat=_flat(table, formula) if "flat" in table else None,
     )
 
 
@@ -114,14 +118,34 @@ def _words(table: Table) -> Words:
     return cast(Words, table.text("words")) if "words" in table else "printed"
 
 
-def _system(table: Table, values: Mapping[str, object]) -> StratifiedSystem:
+def _flat(table: Table, formula: Reader) -> FlatOutputs:
+    """Flat outputs, with their rates where the file gives these."""
+    given = table.table("flat")
+    for key in given.values:
+        if key not in FLAT:
+            raise ValueError(f"flat.{key} {unknown(key, FLAT)}")
+    for key in FLAT[:2]:
+        given.get(key)  # refuses a table that lacks it
+    values = {key: formula(f"flat.{key}", v) for key, v in given.values.items()}
+    return FlatOutputs(**values)
+
+
+def _language(
+    table: Table, values: Mapping[str, object]
+) -> tuple[tuple[sp.Symbol, ...], Reader]:
+    """The state, and what reads formulas over it."""
     parameters = table.table("parameters")
     for key in values:
         if key not in parameters:
             raise ValueError(f"parameter {key!r} {unknown(key, parameters.values)}")
     given = Table({**parameters.values, **values}, "parameters")
     state = tuple(sp.Symbol(name, real=True) for name in table.texts("state"))
-    formula = _reader(state, {name: given.exact(name) for name in given.values})
+    return state, _reader(state, {name: given.exact(name) for name in given.values})
+
+
+def _system(
+    table: Table, state: tuple[sp.Symbol, ...], formula: Reader
+) -> StratifiedSystem:
     strata = {
         stratum: {
             name: _field(f"field {name}", rates, state, formula)

@@ -13,6 +13,7 @@ from planner import (
     Array,
     Coordinates,
     Execution,
+    FlatOutputs,
     Gait,
     Path,
     ShapeCoordinates,
@@ -53,6 +54,7 @@ class Problem:
         degree: Degree of the nilpotent approximation; the elements' own if None.
         words: Flows of a segment: `printed`, those of the paper, `shortest` or
             `symmetric`.
+        flat: Flat outputs, where the system has a chained form to be steered in.
 
     Raises:
         ValueError: A coordinate or the stance is unknown, a value is not finite, a
@@ -72,6 +74,7 @@ class Problem:
     stance: StanceRule = "paper"
     degree: int | None = None
     words: Words = "printed"
+    flat: FlatOutputs | None = None
 
     def __post_init__(self) -> None:
         Gait(self.system, self.gait)

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from models.systems.problem import Problem, State
-from planner import StratifiedSystem
+from planner import FlatOutputs, StratifiedSystem
 
 ONLY = "0"  # the one stratum, without contacts that change
 MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree
@@ -82,6 +82,21 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
         fields={"drive": [*forward, *following, 0], "steer": [*still, 1]},
         goal={"y": 0.01},
         segments=4,
+        flat=_last_axle(headings, length),
+    )
+
+
+def _last_axle(headings: Sequence[sp.Symbol], length: float) -> FlatOutputs:
+    """The middle of the last axle: where it goes, everything before it must steer."""
+    x, y = sp.symbols("x y")
+    towed = headings[1:]
+    hitched = zip(headings, towed, strict=False)
+    speed = sp.prod([sp.cos(before - heading) for before, heading in hitched])
+    return FlatOutputs(
+        along=x - length * sp.Add(*map(sp.cos, towed)),
+        across=y - length * sp.Add(*map(sp.sin, towed)),
+        rate=speed * sp.cos(headings[-1]),
+        slope=sp.tan(headings[-1]),
     )
 
 
@@ -150,6 +165,7 @@ def smooth(
     fields: dict[str, Column],
     goal: State,
     segments: int = 1,
+    flat: FlatOutputs | None = None,
 ) -> Problem:
     """A system with two fields on one stratum, steered with brackets of both.
 
@@ -163,6 +179,7 @@ def smooth(
         fields: The two fields by name, a column of expressions each.
         goal: Coordinates at the goal.
         segments: Number of pieces of the path.
+        flat: Flat outputs of a chained form.
     """
     first, second = fields
     nested = [second]
@@ -176,4 +193,5 @@ def smooth(
         elements=(first, *nested),
         goal=goal,
         segments=segments,
+        flat=flat,
     )

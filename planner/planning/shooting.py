@@ -8,13 +8,13 @@ an open-loop plan.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import ConvergenceError, RangeError
+from planner.errors import ConvergenceError, PlannerError, RangeError
 from planner.execution.execution import CHOICES, Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
@@ -24,6 +24,8 @@ from planner.planning.paths import Path, as_path, grid, line
 from planner.planning.playback import play
 from planner.planning.replanning import FINEST, NODES
 
+STALLED = 10  # shots that must at least halve the distance together
+AIMED_PIECES = (1, 2, 4, 8)  # tried in turn where shots stall
 MOST_AIMS = 40  # a dozen suffice where aiming converges
 
 
@@ -144,6 +146,8 @@ def steer(
 
     A shot must at least halve the distance to its target. A shot that does not is
     longer than the critical step; it is discarded, and the next one is half as long.
+    Where the critical step is so short that the shots stall, the straight line is aimed
+    along instead, in as few segments as can be aimed.
 
     Args:
         extended: System to steer.
@@ -163,8 +167,13 @@ def steer(
     begins: list[Array] = []
     shots: list[Shot] = []
     distances = [float(np.linalg.norm(end - here))]
-    part, critical = 1.0, np.inf
+    part, critical, hopeful = 1.0, np.inf, True
     while distances[-1] > tolerance:
+        if hopeful and (_stalled(distances) or part < FINEST):
+            if aimed := _aimed_pieces(extended, way, execution, tolerance):
+                begins, shots, distances = aimed
+                break
+            hopeful = False
         if len(shots) >= max_shots or part < FINEST:
             raise ConvergenceError(
                 f"{len(shots)} shots end {distances[-1]:.3g} from the goal, beyond the "
@@ -185,6 +194,36 @@ def steer(
         tuple(distances),
         float(critical),
     )
+
+
+def _stalled(distances: Sequence[float]) -> bool:
+    """Whether the last shots together have not halved the distance."""
+    return len(distances) > STALLED and distances[-1] > distances[-1 - STALLED] / 2
+
+
+def _aimed_pieces(
+    extended: ExtendedSystem, way: Path, execution: Execution, tolerance: float
+) -> tuple[list[Array], list[Shot], list[float]] | None:
+    """Starts, shots and distances of the fewest pieces that can be aimed."""
+    for pieces in AIMED_PIECES:
+        here, end = way(0.0), way(1.0)
+        begins: list[Array] = []
+        shots: list[Shot] = []
+        distances = [float(np.linalg.norm(end - here))]
+        for target in way.at(np.linspace(0.0, 1.0, pieces + 1)[1:]):
+            try:
+                shot = _aimed(extended, (here, target), execution, tolerance)
+            except PlannerError:
+                shot = None
+            if shot is None:
+                break
+            begins.append(here)
+            shots.append(shot)
+            here = shot.end
+            distances.append(float(np.linalg.norm(end - here)))
+        else:
+            return begins, shots, distances
+    return None
 
 
 def shot_towards(

@@ -19,6 +19,7 @@ from sim.commands.convergence import (
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
+    from models import Problem
     from planner import Array, Plan
 
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
@@ -28,6 +29,7 @@ FOR_SYSTEMS = {
     "elements": "set a scenario's fields",
     "save": "leave it out, run keeps what it walks",
 }
+BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
 SETTLED = dict.fromkeys(
     ("start", "goal", "elements", "segments", "replan", "set", "degree", "words"),
     "leave it out",
@@ -103,6 +105,24 @@ def execute(options: argparse.Namespace) -> None:
     print(describe(facts))
 
 
+def _chained(problem: Problem, segments: int) -> tuple[Plan, dict[str, Any]]:
+    """A plan in chained form, which is exact in a single segment."""
+    from planner import chained_form
+    from sim.commands.problems import refused
+
+    with refused(problem.name):
+        began = time.perf_counter()
+        form = chained_form(problem.system, problem.flat)
+        ready = time.perf_counter()
+        planned = form.plan(*problem.states, segments)
+        done = time.perf_counter()
+    degree = form.model.steering.degree
+    return planned, {
+        "accuracy": {"degree": degree, "order": None, "faster": {}},
+        "timing": {"compile": ready - began, "plan": done - ready},
+    }
+
+
 def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
     from sim.commands.problems import changed, coordinates, extended, find, solve
 
@@ -115,6 +135,8 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
         "words": options.words,
     }
     problem = changed(find(options.scenario, options.set), changes)
+    if problem.flat and all(getattr(options, o) in (None, []) for o in BY_ELEMENTS):
+        return _chained(problem, options.segments or 1)
     began = time.perf_counter()
     compiled = extended(problem)
     ready = time.perf_counter()

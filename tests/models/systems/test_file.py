@@ -10,6 +10,7 @@ from planner.controllability.gaits import gait_controllability
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.archive import system_table
+from planner.planning.chains import chained_form
 from planner.planning.playback import rollout
 
 WHEEL = """
@@ -93,6 +94,22 @@ def test_elements_left_out_are_chosen(read):
     assert problem.elements == ()
     planned = plan(problem.system, problem.path, 4)
     assert planned.elements == ("roll", "turn", "[roll,turn]")
+
+
+def test_flat_outputs_are_formulas(read):
+    wheel = read('flat = { along = "x", across = "y", slope = "tan(theta)" }' + WHEEL)
+    form = chained_form(wheel.system, wheel.flat)
+    assert rollout(form.plan(*wheel.states))[-1] == pytest.approx([0, 1, 0], abs=1e-12)
+    with pytest.raises(ProblemError, match=r"flat\.sideways is unknown"):
+        read("flat = { sideways = 1 }" + WHEEL)
+    with pytest.raises(ProblemError, match="across"):
+        read('flat = { along = "x" }' + WHEEL)
+
+
+def test_degree_and_words_are_keys(read):
+    assert read("degree = 3\nwords = 'symmetric'" + WHEEL).degree == 3
+    with pytest.raises(ProblemError, match="words 'longest' is unknown"):
+        read("words = 'longest'" + WHEEL)
 
 
 def test_parameters_can_be_set_from_outside(read):

@@ -145,6 +145,14 @@ def test_degree_and_words_are_options_and_tell_what_to_expect(facts):
     assert facts("plan", "heisenberg")["accuracy"]["order"] is None
 
 
+def test_trailers_are_parked_exactly_in_chained_form(facts):
+    exact = facts(*("plan", "car-trailers", "--set", "trailers=2", "--goal", "y=0.5"))
+    assert exact["error"] < 1e-6
+    assert exact["elements"][:2] == ["ahead", "turn"]
+    by_elements = facts("plan", "car-trailers", "--degree", "4")
+    assert by_elements["elements"][:2] == ["drive", "steer"]
+
+
 def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
     short = facts("plan", "unicycle")["steps"]
     assert short["first"] == pytest.approx(1 / 16)

@@ -1,0 +1,254 @@
+"""Systems with two fields that have a chained form, steered exactly in a single plan.
+
+A car with trailers is not nilpotent and its critical step is minute. But its fields can
+be combined to others, with factors that depend on the configuration, whose brackets
+beyond one degree vanish. In suitable coordinates z these are the chained form
+
+    z1' = u1,  z2' = u2,  z3' = z2 u1,  ...,  zn' = z(n-1) u1,
+
+and words of that degree are exact. The coordinates follow from two functions of the
+configuration, the flat outputs: z1 moves along one field only, and every other z is the
+slope of the next against z1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import permutations
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from planner.errors import PlannerError, point
+from planner.extension.extended import ExtendedSystem, extend
+from planner.numerics.arrays import Array
+from planner.planning.algorithm import Plan, plan
+from planner.planning.paths import line
+from planner.planning.playback import play
+from planner.systems.fields import NumericField, Symbols, sample_configurations
+from planner.systems.strata import StratifiedSystem
+
+AHEAD, TURN = "ahead", "turn"  # the combined fields
+NEARBY = 0.3  # of the random configurations at which forms are checked
+MET = 1e-6  # distance from the goal to which flows of a chained form are followed
+TOLERANCE = 1e-8  # relative, of what must vanish there
+
+
+@dataclass(frozen=True)
+class FlatOutputs:
+    """Two functions of the configuration from which a chained form follows.
+
+    Attributes:
+        along: The first coordinate z1, which one of the two fields leaves alone.
+        across: The last coordinate zn.
+        rate: Rate of `along` per unit of the field that moves it; derived if None. A
+            shorter expression than the derived one saves time.
+        slope: Rate of `across` over that of `along`; likewise.
+    """
+
+    along: sp.Expr
+    across: sp.Expr
+    rate: sp.Expr | None = None
+    slope: sp.Expr | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class ChainedForm:
+    """A system in chained form.
+
+    Attributes:
+        system: The same state with the combined fields `ahead` and `turn`, which are g1
+            and g2 of the chained form.
+        coordinates: z1, ..., zn as expressions in the state.
+    """
+
+    system: StratifiedSystem
+    coordinates: tuple[sp.Expr, ...]
+
+    @cached_property
+    def model(self) -> ExtendedSystem:
+        """The chained form itself, with the state z and the elements to steer it by."""
+        z = sp.symbols(f"z1:{len(self.coordinates) + 1}")
+        fields = {AHEAD: [1, 0, *z[1:-1]], TURN: [0, 1, *[0] * (len(z) - 2)]}
+        elements = [TURN]
+        while len(elements) < len(z) - 1:
+            elements.append(f"[{AHEAD},{elements[-1]}]")
+        bottom = self.system.bottom
+        chain = StratifiedSystem(z, {bottom: fields}, bottom)
+        return extend(chain, [AHEAD, *elements])
+
+    @cached_property
+    def _value(self) -> Callable[..., list[float]]:
+        compiled: Callable[..., list[float]] = sp.lambdify(
+            self.system.state, self.coordinates, modules="numpy", cse=True
+        )
+        return compiled
+
+    def at(self, x: ArrayLike) -> Array:
+        """Coordinates z of a configuration, shape (n,).
+
+        Args:
+            x: Configuration, shape (n,).
+
+        Raises:
+            PlannerError: The form is singular there.
+        """
+        state = np.asarray(x, dtype=float)
+        with np.errstate(all="ignore"):
+            z = np.array(self._value(*state), dtype=float)
+        if not np.isfinite(z).all():
+            raise PlannerError(
+                f"the chained form is singular at {point(state)}; plan with elements"
+            )
+        return z
+
+    def plan(self, start: ArrayLike, goal: ArrayLike, segments: int = 1) -> Plan:
+        """Flows of the combined fields that meet a goal exactly.
+
+        Args:
+            start: Configuration to start from, shape (n,).
+            goal: Configuration to meet, shape (n,).
+            segments: Number of pieces of the straight line between them in z.
+
+        Raises:
+            ValueError: An end is misshapen or not finite, or there is no such number
+                of segments.
+            PlannerError: The form is singular at an end, or between the two.
+        """
+        ends = line(start, goal)
+        straight = line(self.at(ends(0.0)), self.at(ends(1.0)))
+        planned = plan(self.model, straight, segments)
+        nominal = [ends(0.0)]
+        for flows in planned.segments():
+            nominal.append(play(self.system, flows, nominal[-1])[-1])
+        missed = float(np.abs(nominal.pop() - ends(1.0)).max())
+        if not missed <= MET:
+            raise PlannerError(
+                f"flows of the chained form end {missed:.3g} from "
+                f"{point(ends(1.0))}: its singularities part the goal from the start; "
+                "plan with elements"
+            )
+        return Plan(
+            system=self.system,
+            elements=planned.elements,
+            basis=planned.basis,
+            flows=planned.flows,
+            segment_ends=planned.segment_ends,
+            inputs=planned.inputs,
+            hall_coordinates=planned.hall_coordinates,
+            nominal=np.array([*nominal, ends(1.0)]),
+            depart=planned.depart,
+            arrive=planned.arrive,
+        )
+
+
+def chained_form(
+    system: StratifiedSystem, outputs: FlatOutputs | None = None
+) -> ChainedForm:
+    """The chained form of a system with one stratum and two fields.
+
+    Args:
+        system: System to bring to chained form.
+        outputs: Its flat outputs; pairs of coordinates are tried if not given.
+
+    Raises:
+        PlannerError: It has not two fields given by formulas, or the outputs do not
+            lead to a chained form, or no pair of coordinates does.
+    """
+    fields = list(system.fields.values())
+    if len(fields) != 2 or any(isinstance(f, NumericField) for f in fields):
+        raise PlannerError(
+            f"the system has {len(fields)} fields; a chained form has two, by formulas"
+        )
+    columns = [sp.Matrix(field) for field in fields]
+    if outputs is not None:
+        return _formed(system, columns, outputs)
+    for along, across in permutations(system.state, 2):
+        try:
+            return _formed(system, columns, FlatOutputs(along, across))
+        except PlannerError:
+            continue
+    raise PlannerError(
+        "no two coordinates are flat outputs of a chained form; declare functions that "
+        "are, or plan with elements"
+    )
+
+
+def _formed(
+    system: StratifiedSystem, columns: list[sp.Matrix], outputs: FlatOutputs
+) -> ChainedForm:
+    state = system.state
+    check = _Check(state)
+    rates = [_rate(outputs.along, column, state) for column in columns]
+    still = [check.vanishes(rate) for rate in rates]
+    if sorted(still) != [False, True]:
+        raise PlannerError(
+            f"{outputs.along} is moved by {2 - sum(still)} of two fields; the first "
+            "flat output is moved by one only"
+        )
+    drive, turn = columns[still.index(False)], columns[still.index(True)]
+    rate = check.equal(rates[still.index(False)], outputs.rate)
+    ahead = drive / rate
+    slope = check.equal(_rate(outputs.across, ahead, state), outputs.slope)
+    chain = [outputs.across, slope]
+    while len(chain) < len(state) - 1:
+        if not check.vanishes(_rate(chain[-1], turn, state)):
+            raise PlannerError(
+                f"{outputs.along} and {outputs.across} are not flat outputs of a "
+                "chained form: a slope is turned too early"
+            )
+        chain.append(_rate(chain[-1], ahead, state))
+    turned = _rate(chain[-1], turn, state)
+    if check.vanishes(turned):
+        raise PlannerError(
+            f"{outputs.along} and {outputs.across} are not flat outputs of a chained "
+            "form: the last slope is never turned"
+        )
+    fields = {
+        AHEAD: ahead - turn * (_rate(chain[-1], ahead, state) / turned),
+        TURN: turn / turned,
+    }
+    stratum = {system.bottom: fields}
+    level_sets = {system.bottom: system.level_set(system.bottom).functions}
+    bottom = StratifiedSystem(state, stratum, system.bottom, level_sets)
+    return ChainedForm(bottom, (outputs.along, *reversed(chain)))
+
+
+def _rate(function: sp.Expr, field: sp.Matrix, state: Symbols) -> sp.Expr:
+    """Rate of a function along a field."""
+    terms = zip(state, field, strict=True)
+    return sp.Add(*(sp.diff(function, s) * v for s, v in terms if v != 0))
+
+
+@dataclass(frozen=True)
+class _Check:
+    """Compares expressions by their values near zero, where they are finite."""
+
+    state: Symbols
+
+    def _values(self, expression: sp.Expr) -> Array:
+        points = NEARBY * sample_configurations(len(self.state))
+        function = sp.lambdify(self.state, expression, modules="numpy", cse=True)
+        with np.errstate(all="ignore"):
+            values = np.array([function(*x) for x in points], dtype=float)
+        return values[np.isfinite(values)]
+
+    def vanishes(self, expression: sp.Expr, size: float = 1.0) -> bool:
+        """Whether an expression is zero wherever it is finite."""
+        values = self._values(expression)
+        return bool(np.abs(values).max(initial=0.0) <= TOLERANCE * size)
+
+    def equal(self, derived: sp.Expr, declared: sp.Expr | None) -> sp.Expr:
+        """The declared one of two expressions, which must have the same values."""
+        if declared is None:
+            return derived
+        size = float(np.abs(self._values(derived)).max(initial=1.0))
+        if not self.vanishes(derived - declared, size):
+            raise PlannerError(
+                f"{declared} is declared for a flat output but is not the rate that "
+                "the fields give; correct it or leave it out"
+            )
+        return declared

@@ -1,0 +1,140 @@
+"""Chained forms: found or declared, exact at every distance."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from models.systems.catalogue import shipped_system
+from planner.errors import PlannerError
+from planner.extension.extended import extend
+from planner.planning.chains import FlatOutputs, chained_form
+from planner.planning.playback import play, rollout
+from planner.planning.shooting import steer
+from planner.systems.fields import compile_fields, sample_configurations
+from planner.systems.strata import StratifiedSystem
+from tests.systems import X, Y, chained, hexapod
+
+
+def trailers(number, length=1):
+    return shipped_system("car-trailers", {"trailers": number, "length": length})
+
+
+@pytest.fixture(scope="module")
+def two():
+    problem = trailers(2)
+    return chained_form(problem.system, problem.flat)
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_coordinates_move_as_the_chained_form_says(number):
+    problem = trailers(number, 0.7)
+    form = chained_form(problem.system, problem.flat)
+    size = len(form.coordinates)
+    state, z = form.system.state, sp.Matrix(form.coordinates)
+    moved = [z.jacobian(state) * f for f in form.system.fields.values()]
+    points = 0.5 * sample_configurations(size)
+    rates = compile_fields(moved, state).values(points)  # (k, size, 2)
+    for x, rate in zip(points, rates, strict=True):
+        at = form.at(x)
+        ahead = [1, 0, *at[1:-1]]
+        turn = [0, 1, *[0] * (size - 2)]
+        scale = 1 + np.abs(at).max()
+        assert rate / scale == pytest.approx(
+            np.transpose([ahead, turn]) / scale, abs=1e-12
+        )
+
+
+@pytest.mark.parametrize("sideways", [0.01, 0.1, 0.5, 1.0])
+def test_two_trailers_are_parked_in_one_plan(two, sideways):
+    goal = np.zeros(6)
+    goal[1] = sideways
+    planned = two.plan(np.zeros(6), goal)
+    assert len(planned.flows) == 33
+    assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-11)  # integration
+
+
+def test_any_two_configurations_of_the_chart_are_joined(two):
+    rng = np.random.default_rng(3)
+    start, goal = 0.4 * rng.uniform(-1, 1, (2, 6))
+    planned = two.plan(start, goal, segments=2)
+    assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-9)
+    first = play(two.system, planned.flows[: planned.segment_ends[0]], start)[-1]
+    assert planned.nominal[1] == pytest.approx(first, abs=1e-12)
+    middle = (two.at(start) + two.at(goal)) / 2
+    assert two.at(planned.nominal[1]) == pytest.approx(middle, abs=1e-9)
+
+
+def test_three_trailers_are_parked_in_one_plan():
+    problem = trailers(3)
+    goal = np.zeros(7)
+    goal[1] = 0.5
+    planned = chained_form(problem.system, problem.flat).plan(np.zeros(7), goal)
+    assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-9)
+
+
+def test_combined_fields_only_combine_the_system_s_own(two):
+    own = compile_fields(list(trailers(2).system.fields.values()), two.system.state)
+    new = compile_fields(list(two.system.fields.values()), two.system.state)
+    for x in 0.5 * sample_configurations(6):
+        assert np.linalg.matrix_rank(np.hstack([own(x), new(x)]), tol=1e-9) == 2
+
+
+@pytest.mark.parametrize("name", ["unicycle", "car", "chained"])
+def test_flat_outputs_among_the_coordinates_are_found(name):
+    problem = shipped_system(name)
+    form = chained_form(problem.system)
+    goal = problem.states[1]
+    planned = form.plan(problem.states[0], goal)
+    assert rollout(planned)[-1] == pytest.approx(goal, abs=1e-11)
+
+
+def test_chained_forms_are_their_own():
+    form = chained_form(chained(5))
+    assert form.at([1, 2, 3, 4, 5]) == pytest.approx([1, 2, 3, 4, 5])
+
+
+def test_shots_that_stall_fall_back_to_aiming():
+    problem = trailers(2)
+    extended = extend(problem.system, problem.elements)
+    goal = np.zeros(6)
+    goal[1] = 1e-3
+    steered = steer(extended, np.zeros(6), goal, problem.execution)
+    assert len(steered.plan.flows) == 165
+    assert steered.critical_step < 1e-5
+    assert rollout(steered.plan)[-1] == pytest.approx(goal, abs=1e-9)
+
+
+def test_systems_without_a_chained_form_are_refused():
+    with pytest.raises(PlannerError, match="has 6 fields; a chained form has two"):
+        chained_form(hexapod())
+    with pytest.raises(PlannerError, match="no two coordinates are flat outputs"):
+        chained_form(shipped_system("engel").system)
+    flat = StratifiedSystem((X, Y), {"0": {"f": [1, 0], "g": [1, 0]}}, "0")
+    with pytest.raises(PlannerError, match="no two coordinates"):
+        chained_form(flat)
+
+
+@pytest.mark.parametrize(
+    ("outputs", "message"),
+    [
+        ({"along": X, "across": X}, "are not flat outputs"),
+        ({"along": X * Y, "across": Y, "rate": X}, "is not the rate that the fields"),
+        ({"along": sp.Symbol("phi"), "across": Y}, "are not flat outputs"),
+    ],
+)
+def test_outputs_that_are_not_flat_are_refused(outputs, message):
+    with pytest.raises(PlannerError, match=message):
+        chained_form(shipped_system("car").system, FlatOutputs(**outputs))
+
+
+def test_ends_beyond_a_singularity_are_refused(two):
+    goal = np.zeros(6)
+    goal[2:5] = 0.9 * np.pi  # the other way round: the chart ends at pi / 2
+    with pytest.raises(
+        PlannerError, match="singularities part the goal from the start"
+    ):
+        two.plan(np.zeros(6), goal)
+    unicycle = shipped_system("unicycle")
+    form = chained_form(unicycle.system, FlatOutputs(Y, X))
+    with pytest.raises(PlannerError, match="singular at"):
+        form.plan(np.zeros(3), [1, 1, 1])
