@@ -252,8 +252,8 @@ def test_file_that_is_no_text_is_refused(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("problem = 1", "it leaves no models.systems.problem.Problem named `problem`"),
-        ("", "it leaves no"),
+        ("problem = 1", "it defines no models.Problem named `problem`"),
+        ("", "it defines no"),
         ("1 / 0", "it ends with ZeroDivisionError: division by zero"),
         ("def (", "it ends with SyntaxError"),
     ],
