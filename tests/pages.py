@@ -56,7 +56,7 @@ def commands():
     return [
         _command(block.page, part)
         for block in blocks("console")
-        for part in re.split(r"^(?=[$#] )", block.text, flags=re.M)
+        for part in re.split(r"^(?=\$ )", block.text, flags=re.M)
         if part.startswith(PROMPT)
     ]
 

@@ -1,0 +1,62 @@
+"""Write down what the commands shown in README and docs print today.
+
+Every `$ stratawalk ...` in a console block that has output under it is run again, and
+its output replaced. Look at the difference before you keep it.
+
+Example:
+    python -m scripts.show_outputs docs/commands.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shlex
+from collections.abc import Sequence
+from contextlib import chdir, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from sim.cli import main as stratawalk
+
+BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
+COMMAND = re.compile(r"^\$ stratawalk (.*)\n((?:(?!\$ ).*\n)+)", re.MULTILINE)
+
+
+def printed(words: Sequence[str]) -> str:
+    """What a command prints in an empty folder.
+
+    Raises:
+        SystemExit: If it fails.
+    """
+    said = StringIO()
+    with TemporaryDirectory() as folder, chdir(folder), redirect_stdout(said):
+        code = stratawalk(words)
+    if code:
+        raise SystemExit(f"ended with {code}: {shlex.join(words)}")
+    return said.getvalue().rstrip("\n") + "\n"
+
+
+def shown_again(command: re.Match[str]) -> str:
+    """A command line with what it prints now."""
+    line = command[1]
+    print(line, flush=True)
+    return f"$ stratawalk {line}\n{printed(shlex.split(line, comments=True))}"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Rewrite the pages that are named."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("page", type=Path, nargs="+", help="a Markdown file")
+    for page in parser.parse_args(arguments).page:
+        text = page.read_text()
+        again = BLOCK.sub(lambda block: COMMAND.sub(shown_again, block[0]), text)
+        part = page.with_suffix(".part")
+        part.write_text(again)
+        os.replace(part, page)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,48 @@
+"""The scripts that keep the pages up to date do what they say."""
+
+import pytest
+
+from scripts import brackets, show_outputs
+
+PAGE = """Before.
+
+```console
+$ stratawalk --version
+an old version
+$ stratawalk scenarios      # with no output, so left alone
+$ stratawalk systems --json
+[]
+```
+
+After.
+"""
+
+
+def test_outputs_shown_are_replaced_and_nothing_else(tmp_path, capsys):
+    page = tmp_path / "page.md"
+    page.write_text(PAGE)
+    show_outputs.main([str(page)])
+    again = page.read_text()
+    kept = [line for line in PAGE.splitlines() if line not in ("an old version", "[]")]
+    assert [line for line in again.splitlines() if line in kept] == kept
+    assert "\nstratawalk " in again
+    assert "an old version" not in again
+    assert '"paper-hexapod"' in again
+    assert [path.name for path in tmp_path.iterdir()] == ["page.md"]
+    ran = capsys.readouterr().out.splitlines()
+    assert ran == ["--version", "systems --json"]
+
+
+def test_a_command_that_fails_leaves_the_page_as_it_was(tmp_path, capsys):
+    page = tmp_path / "page.md"
+    page.write_text(text := PAGE.replace("systems --json", "systems --jsn"))
+    with pytest.raises(SystemExit, match="ended with 2: systems --jsn"):
+        show_outputs.main([str(page)])
+    assert page.read_text() == text
+    assert "--json" in capsys.readouterr().err
+
+
+def test_pictures_of_brackets_are_drawn(tmp_path):
+    picture = tmp_path / "brackets.svg"
+    brackets.main([str(picture)])
+    assert picture.read_text().count('id="axes_') == 3
