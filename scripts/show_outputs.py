@@ -13,14 +13,13 @@ import argparse
 import os
 import re
 import shlex
+import subprocess
+import sys
 from collections.abc import Sequence
-from contextlib import chdir, redirect_stdout
-from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from sim.cli import main as stratawalk
-
+ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"^\$ stratawalk (.*)\n((?:(?!\$ ).*\n)+)", re.MULTILINE)
 
@@ -31,12 +30,17 @@ def printed(words: Sequence[str]) -> str:
     Raises:
         SystemExit: If it fails.
     """
-    said = StringIO()
-    with TemporaryDirectory() as folder, chdir(folder), redirect_stdout(said):
-        code = stratawalk(words)
-    if code:
-        raise SystemExit(f"ended with {code}: {shlex.join(words)}")
-    return said.getvalue().rstrip("\n") + "\n"
+    with TemporaryDirectory() as folder:
+        done = subprocess.run(
+            [sys.executable, "-m", "sim.cli", *words],
+            cwd=folder,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+    if done.returncode:
+        raise SystemExit(f"ended with {done.returncode}: {shlex.join(words)}")
+    return done.stdout.rstrip("\n") + "\n"
 
 
 def shown_again(command: re.Match[str]) -> str:

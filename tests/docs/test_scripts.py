@@ -18,7 +18,7 @@ After.
 """
 
 
-def test_outputs_shown_are_replaced_and_nothing_else(tmp_path, capsys):
+def test_outputs_shown_are_replaced_and_nothing_else(tmp_path, capfd):
     page = tmp_path / "page.md"
     page.write_text(PAGE)
     show_outputs.main([str(page)])
@@ -29,17 +29,17 @@ def test_outputs_shown_are_replaced_and_nothing_else(tmp_path, capsys):
     assert "an old version" not in again
     assert '"paper-hexapod"' in again
     assert [path.name for path in tmp_path.iterdir()] == ["page.md"]
-    ran = capsys.readouterr().out.splitlines()
+    ran = capfd.readouterr().out.splitlines()
     assert ran == ["--version", "systems --json"]
 
 
-def test_a_command_that_fails_leaves_the_page_as_it_was(tmp_path, capsys):
+def test_a_command_that_fails_leaves_the_page_as_it_was(tmp_path, capfd):
     page = tmp_path / "page.md"
     page.write_text(text := PAGE.replace("systems --json", "systems --jsn"))
     with pytest.raises(SystemExit, match="ended with 2: systems --jsn"):
         show_outputs.main([str(page)])
     assert page.read_text() == text
-    assert "--json" in capsys.readouterr().err
+    assert "--json" in capfd.readouterr().err
 
 
 def test_pictures_of_brackets_are_drawn(tmp_path):
