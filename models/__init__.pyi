@@ -51,6 +51,12 @@ from .morphology.shipped import (
     PIVOT as PIVOT,
     PIVOTS as PIVOTS,
 )
+from .motion.real_contacts import (
+    ContactField as ContactField,
+    FittedTwists as FittedTwists,
+    contact_equations as contact_equations,
+    contact_fields as contact_fields,
+)
 from .motion.identified import (
     FailedField as FailedField,
     IdentifiedTwists as IdentifiedTwists,

@@ -31,7 +31,10 @@ from .execution.execution import (
     Execution as Execution,
     StanceRule as StanceRule,
 )
-from .execution.stepping import StabilityTest as StabilityTest
+from .execution.stepping import (
+    StabilityTest as StabilityTest,
+    stepped as stepped,
+)
 from .extension.bracket_fields import hall_fields as hall_fields
 from .extension.choice import choose_elements as choose_elements
 from .extension.extended import (
@@ -73,6 +76,24 @@ from .lie.words import word as word
 from .numerics.arrays import (
     ROUNDING as ROUNDING,
     Array as Array,
+)
+from .optimisation.corridor import (
+    Tolerance as Tolerance,
+    deviation as deviation,
+)
+from .optimisation.optimise import (
+    Objective as Objective,
+    Optimiser as Optimiser,
+    Wish as Wish,
+)
+from .optimisation.solver import MissingSolverError as MissingSolverError
+from .optimisation.stages import (
+    Stage as Stage,
+    cycle as cycle,
+)
+from .optimisation.task import (
+    Solution as Solution,
+    Task as Task,
 )
 from .planning.algorithm import (
     Plan as Plan,

@@ -66,6 +66,16 @@ class Kinematics:
             center_of_mass=self.center_of_mass[:2] + weight.sum(axis=-2)[..., :2],
         )
 
+    @property
+    def foot_terms(self) -> Array:
+        """Each foot's place by (1, cos, sin) of swing and of lift, (F, 3, 3, 3)."""
+        return self._coefficients[0]
+
+    @property
+    def weight_terms(self) -> Array:
+        """Each leg's share of the shift of the centre of mass, likewise."""
+        return self._coefficients[3]
+
     @cached_property
     def center_of_mass(self) -> Array:
         """Centre of mass with all legs at angle 0, shape (3,)."""

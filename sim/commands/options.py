@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 NAMED = (
     "robot", "fields", "segments", "replan", "steer", "degree", "words",
-    "allow_unstable",
+    "allow_unstable", "optimise", "correct",
 )  # fmt: skip
 """Options that are also keys of a scenario."""
 
@@ -52,6 +52,9 @@ def add_scenario_arguments(
         "--steer", help="prediction to steer on: ideal, quasi-static or identified"
     )
     parser.add_argument(
+        "--optimise", help="least time, strokes or switches; none if not given"
+    )
+    parser.add_argument(
         "--allow-unstable",
         action="store_true",
         default=None,
@@ -80,7 +83,7 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
             raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
         overrides[key] = value
     for key in NAMED:
-        value = getattr(options, key)
+        value = getattr(options, key, None)
         if value is None:
             continue
         if key in overrides:

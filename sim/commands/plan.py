@@ -19,7 +19,7 @@ from sim.commands.options import add_scenario_arguments, scenario_of
 from sim.commands.trusted import robot_of
 
 if TYPE_CHECKING:
-    from planner import Flow
+    from planner import Flow, StratifiedSystem
     from sim.preparation.setup import Setup
 
 GAIT = (
@@ -46,19 +46,29 @@ def execute(options: argparse.Namespace) -> None:
     scenario = scenario_of(options)
 
     # slow imports; a scenario that is refused does not wait for them
+    from sim.optimisation.planned import PlannedWalk
     from sim.planning.bounds import within_bounds
     from sim.planning.routes import routed
+    from sim.planning.soundness import require_sound
     from sim.preparation.setup import prepare
+    from sim.progress import bar
 
     began = time.perf_counter()
     setup = prepare(scenario, robot_of(options, scenario.robot))
     compiled = time.perf_counter()
     setup = within_bounds(routed(setup))
-    flows = _replanned(setup) if scenario.replan else _open_loop(setup)
+    system = setup.equations.system
+    if scenario.replan:
+        flows = _replanned(setup)
+    else:
+        with bar(quiet=options.json) as progress:
+            planned = PlannedWalk(setup, progress).plan()
+        require_sound(setup, planned)
+        system, flows = planned.system, planned.flows
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     accuracy = convergence(setup.extended, setup.nominal(), setup.coordinates)
     steps = step_lengths(setup.extended, setup.nominal(), setup.scenario.segments)
-    facts = summarise(setup, flows) | {"accuracy": accuracy, "steps": steps}
+    facts = summarise(setup, system, flows) | {"accuracy": accuracy, "steps": steps}
     facts["timing"] = timing
     if options.json:
         print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
@@ -66,15 +76,6 @@ def execute(options: argparse.Namespace) -> None:
     if options.flows:
         print(*flows, "", sep="\n")
     print(_describe(facts, setup.robot.card.gait))
-
-
-def _open_loop(setup: Setup) -> Sequence[Flow]:
-    from sim.planning.open_loop import plan_open_loop
-    from sim.planning.soundness import require_sound
-
-    planned = plan_open_loop(setup)
-    require_sound(setup, planned)
-    return planned.flows
 
 
 def _replanned(setup: Setup) -> Sequence[Flow]:
@@ -97,12 +98,20 @@ def _replanned(setup: Setup) -> Sequence[Flow]:
     return flows
 
 
-def summarise(setup: Setup, flows: Sequence[Flow]) -> dict[str, Any]:
-    """Results of flows on the exact kinematics, under the names of summary.json."""
+def summarise(
+    setup: Setup, system: StratifiedSystem, flows: Sequence[Flow]
+) -> dict[str, Any]:
+    """Results of flows on the exact kinematics, under the names of summary.json.
+
+    Args:
+        setup: What is to be walked.
+        system: Fields that the flows follow.
+        flows: The plan.
+    """
     from planner import contact_switches, play
     from sim.motion.poses import wrap
 
-    scenario, system = setup.scenario, setup.equations.system
+    scenario = setup.scenario
     states = play(system, flows, setup.nominal()(0.0))
     pose, goal = states[-1, :3], scenario.path.goal
     return {

@@ -31,6 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="film the walk; by default if this machine can draw",
     )
     parser.add_argument(
+        "--correct",
+        type=int,
+        metavar="N",
+        help="walk N times, each aimed beside the goal by what the last missed",
+    )
+    parser.add_argument(
         "--tolerance",
         type=_ratio,
         metavar="RATIO",

@@ -20,8 +20,9 @@ from sim.errors import UsageError
 
 if TYPE_CHECKING:
     from models import Problem
-    from planner import Array, Plan
+    from planner import Array, ExtendedSystem, Objective, Plan
 
+OBJECTIVES: tuple[Objective, ...] = ("time", "strokes", "switches")
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
@@ -31,7 +32,10 @@ FOR_SYSTEMS = {
 }
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
 SETTLED = dict.fromkeys(
-    ("start", "goal", "elements", "segments", "replan", "set", "degree", "words"),
+    (
+        *("start", "goal", "elements", "segments", "replan", "set", "degree", "words"),
+        "optimise",
+    ),
     "leave it out",
 )
 
@@ -141,11 +145,25 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
     compiled = extended(problem)
     ready = time.perf_counter()
     planned = solve(problem, compiled, aimed=bool(options.replan))
+    if options.optimise not in (None, "none"):
+        planned = _shortest(problem, compiled, planned, options.optimise)
     timing = {"compile": ready - began, "plan": time.perf_counter() - ready}
     words = problem.open_loop.coordinates
     accuracy = convergence(compiled, problem.path, words)
     steps = step_lengths(compiled, problem.path, problem.segments)
     return planned, {"accuracy": accuracy, "steps": steps, "timing": timing}
+
+
+def _shortest(
+    problem: Problem, compiled: ExtendedSystem, stratified: Plan, objective: str
+) -> Plan:
+    from sim.optimisation.systems import shortest
+
+    for known in OBJECTIVES:
+        if objective == known:
+            return shortest(problem, compiled, stratified, known)
+    wanted = f"give {', '.join(OBJECTIVES)} or none"
+    raise UsageError(f"unknown objective {objective!r}", "--optimise", wanted)
 
 
 def summarise(name: str, planned: Plan) -> dict[str, Any]:

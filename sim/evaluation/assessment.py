@@ -16,6 +16,7 @@ from models import MeasurementError, TwistModel
 from planner import Array
 from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
+from sim.evaluation.deviations import deviations, per_metre
 from sim.evaluation.passage import clearances
 from sim.evaluation.phases import count_changes, swing_slip
 from sim.evaluation.verdict import judge
@@ -169,6 +170,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     swings = [p for p in walk.phases if p.kind == "swing"]
     walked = float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
     length = scenario.path.length
+    strokes = _travel(swings, setup.robot.groups, loaded=True)
     in_swings, judged = swing_slip(walk), evaluation.judged
     predicted = {
         name: _of_prediction(prediction, judged)
@@ -191,12 +193,15 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "segments": scenario.segments,
         "replan": scenario.replan,
         "steer": scenario.steer,
+        "optimise": scenario.optimise,
+        "together": scenario.together,
+        "correct": scenario.correct,
         "goal": [float(g) for g in goal],
         "path_length": length,
         "distance_walked": walked,
         "contact_switches": sum(p.kind in ("lift", "land") for p in walk.phases),
         "contact_switches_achieved": count_changes(walk),
-        "swing_travel": _travel(swings, setup.robot.groups, loaded=True),
+        "swing_travel": strokes,
         "air_travel": _travel(swings, setup.robot.groups, loaded=False),
         "bounces": walk.recording.bounces,
         "wall_contacts": walk.recording.wall_contacts,
@@ -231,9 +236,18 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         },
         "error_sources": _sources(evaluation),
         "servo": setup.servo.table(),
+        "deviation": deviations(scenario, evaluation.predicted, achieved.pose, judged),
+        "per_metre": per_metre(length, _moving(walk), strokes),
         "simulated_time": walk.recording.steps * setup.limits.timestep,
         "timestep": setup.limits.timestep,
     }
+
+
+def _moving(walk: Walk) -> float:
+    """Time from the first lift-off to the last touchdown [s]."""
+    moving = [phase for phase in walk.phases if phase.kind != "hold"]
+    steps = moving[-1].stop - moving[0].start if moving else 0
+    return steps * walk.setup.limits.timestep
 
 
 def _travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> float:

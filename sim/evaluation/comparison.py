@@ -44,6 +44,8 @@ def _verdict(summary: Mapping[str, Any]) -> str:
 
 def _headline(summary: Mapping[str, Any]) -> list[str]:
     replan = ", replanned" if summary["replan"] else ""
+    if summary.get("optimise", "none") != "none":
+        replan = f", optimised for {summary['optimise']}"
     lines = [
         f"{summary['scenario']}: {summary['robot']}, {summary['fields']} fields, "
         f"{summary['stance']} stance, steered on {summary['steer']}{replan}",
@@ -54,6 +56,7 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
         f"{summary['bounces']} bounces, {summary['simulated_time']:.1f} s simulated in "
         f"{summary['timing']['simulate']:.1f} s",
     ]
+    lines += _strays(summary)
     if summary["saturated_segments"]:
         scaled = "segments scaled down to the joint range"
         lines.append(f"{'saturated':13}{summary['saturated_segments']} {scaled}")
@@ -69,6 +72,24 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
         lines.append(
             f"{'collided':13}parts of the robot touched each other {touched} "
             "times, which no prediction takes into account"
+        )
+    return lines
+
+
+def _strays(summary: Mapping[str, Any]) -> list[str]:
+    """Deviation from the nominal path, and what a metre of it takes."""
+    if "deviation" not in summary:
+        return []
+    told = [
+        f"{1e3 * found['position']:.1f} mm and {found['yaw']:.3f} rad {name}"
+        for name, found in summary["deviation"].items()
+        if found is not None and name != "quasi_static"
+    ]
+    lines = [f"{'strays':13}{', '.join(told)}"]
+    if (each := summary["per_metre"])["seconds"] is not None:
+        lines.append(
+            f"{'a metre':13}takes {each['seconds']:.0f} s and "
+            f"{each['strokes']:.1f} rad of strokes"
         )
     return lines
 

@@ -32,6 +32,10 @@ class ClearanceBound:
         room, left = standing - self.least, walking - self.least
         return Slack("min_clearance", self.least, room, left, unit="m")
 
+    def least_of(self, stage: ForeseenStretch) -> float:
+        """Least clearance of a stretch of motion [m]."""
+        return float(self._swept(stage)[1].min())
+
     def _standing(self, setup: Setup) -> Array:
         """Clearance along the nominal path on any stratum, shape (segments,) [m]."""
         segments = setup.scenario.segments

@@ -1,20 +1,73 @@
-"""The flows of a plan as phases of a schedule, joined where the field is the same."""
+"""The flows of a plan as phases of a schedule, joined where the field is the same.
+
+Recoveries take place during strokes where the scenario asks for it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+
+import numpy as np
 
 from planner import Flow
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import Setup
 
+Move = tuple[int, Flow, tuple[float, ...]]
+
 
 def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) -> None:
     """Schedule the flows of consecutive segments, and put all feet down at the end."""
-    for number, flow in joined(segments, scheduler.segment):
+    moves = [
+        (number, flow, setup.equations.swings[flow.field])
+        for number, flow in joined(segments, scheduler.segment)
+    ]
+    if setup.scenario.together:
+        moves = together(moves, setup.robot.groups)
+    for number, flow, direction in moves:
         scheduler.segment = number
-        scheduler.flow(flow, setup.equations.swings[flow.field])
+        scheduler.flow(flow, direction)
     scheduler.enter(setup.robot.card.bottom)
+
+
+def together(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:
+    """The same moves, with legs in the air recovering while others stroke.
+
+    A stay on one stratum takes as long as its strokes, or as its recoveries if these
+    are longer: each stroke takes along a share of the recoveries that is its own share
+    of the strokes. Nothing changes but the time, as a leg in the air moves no body.
+
+    Args:
+        moves: Segment, flow, and change of every group's angle per unit of it.
+        groups: Names of the groups.
+    """
+    done: list[Move] = []
+    for _, stay in groupby(moves, key=lambda move: move[1].stratum):
+        done += _shared(list(stay), groups)
+    return done
+
+
+def _shared(stay: list[Move], groups: Sequence[str]) -> list[Move]:
+    """The moves of one stay, recoveries shared out among the strokes."""
+
+    def loaded(move: Move) -> bool:
+        _, flow, direction = move
+        swinging = zip(groups, direction, strict=True)
+        return any(share and group in flow.stratum for group, share in swinging)
+
+    strokes = [move for move in stay if loaded(move)]
+    recoveries = [move for move in stay if not loaded(move)]
+    if not (strokes and recoveries):
+        return stay
+    ways = np.array([np.multiply(flow.duration, d) for _, flow, d in recoveries])
+    lengths = [abs(flow.duration) * max(map(abs, d)) for _, flow, d in strokes]
+    shared = []
+    for (number, flow, direction), length in zip(strokes, lengths, strict=True):
+        along = ways.sum(axis=0) * (length / sum(lengths) / flow.duration)
+        both = tuple((np.array(direction) + along).tolist())
+        shared.append((number, flow, both))
+    return shared
 
 
 def joined(

@@ -46,6 +46,7 @@ class Setup:
     model: mujoco.MjModel
     limits: MotionLimits
     servo: ServoSettings
+    aside: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the goal: where to aim
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Setup) and self.model is other.model
@@ -126,9 +127,20 @@ class Setup:
         scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)
         return replace(self, scenario=scenario)
 
+    def beside(self, aside: tuple[float, float, float]) -> Setup:
+        """The same setup, aimed a step beside the goal: x, y [m] and yaw [rad]."""
+        return replace(self, aside=aside)
+
     def nominal(self) -> Path:
-        """The nominal path as configurations: legs at angle 0, feet on the ground."""
-        return self.equations.configurations(self.scenario.path.curve)
+        """The nominal path as configurations: legs at angle 0, feet on the ground.
+
+        Where the walk is aimed beside the goal, the path goes there evenly.
+        """
+        path = self.scenario.path.curve
+        if any(self.aside):
+            step, straight = np.array(self.aside), path
+            path = Path(lambda s: straight.at(s) + s[:, None] * step, straight.corners)
+        return self.equations.configurations(path)
 
 
 def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:

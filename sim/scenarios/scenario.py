@@ -56,6 +56,27 @@ class Scenario:
         "prediction to steer on",
         "ideal",
     )
+    optimise: Literal["none", "time", "strokes", "switches"] = setting(
+        Choice(("none", "time", "strokes", "switches")),
+        "what an optimised plan has least of; none walks the stratified plan",
+        "none",
+    )
+    path_tolerance: float | None = setting(
+        Number(0, 100, above=True),
+        "farthest that an optimised plan strays from the path [m]",
+        None,
+    )
+    yaw_tolerance: float | None = setting(
+        Number(0, 1e3, above=True),
+        "farthest that it strays from the path's yaw [rad]; pi leaves the yaw free",
+        None,
+    )
+    together: bool = setting(Flag(), "legs in the air recover during strokes", False)
+    correct: int = setting(
+        Number(1, 20, whole=True),
+        "walks, each aimed beside the goal by what the one before missed",
+        1,
+    )
     friction: float = setting(Number(0, 10), "sliding friction, feet and floor", 1.0)
     timestep: float = setting(Number(1e-6, 0.02), "of the physics [s]", 0.0005)
     servo_stiffness: float | None = setting(
@@ -116,6 +137,13 @@ class Scenario:
     def __post_init__(self) -> None:
         for item in settings():
             self._accept(item)
+        if self.optimise != "none" and self.replan:
+            raise UsageError(
+                f"optimise = {self.optimise!r} plans the whole path at once, but "
+                "replan plans it piece by piece",
+                f"scenario {self.name!r}",
+                "leave one of them out",
+            )
 
     def _accept(self, item: Field[Any]) -> None:
         value, kind = getattr(self, item.name), item.metadata["kind"]

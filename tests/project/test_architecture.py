@@ -29,7 +29,7 @@ ONLY_IN = {
     "matplotlib": {"sim", "scripts"},
     "rich": {"sim"},
     "shapely": {"sim"},
-    "casadi": {"sim"},
+    "casadi": {"planner", "sim"},
     "ompl": {"sim"},
 }
 HEAVY = (

@@ -1,0 +1,225 @@
+"""Fields of the real contacts: the body twist of each stroke as a function of the legs.
+
+A stroke's quasi-static twist changes with the angles of the legs, because a planted
+foot moves at right angles to its leg wherever the leg is. Here every stroke of every
+stratum is sampled at Chebyshev points of the joint range and kept as a polynomial, so
+that it is a symbolic field like any other: it has brackets and flows, and its
+derivatives are exact.
+
+One or two groups of legs are covered as the whole rectangle of their angles. With more
+groups the polynomial runs along the stroke alone, through all legs at angle 0, and
+holds for strokes that are centred there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import sympy as sp
+from numpy.polynomial import chebyshev
+
+from models.motion.robot_equations import Equations
+from models.motion.twists import TwistModel
+from planner import Array, StratifiedSystem
+
+NODES = 13  # along the stroke; the twist is smooth there but for where feet let go
+ACROSS = 5  # along the angle of the other group, which matters through its weight alone
+DROPPED = 1e-9  # [m/rad] and [rad/rad]; smaller coefficients are rounding
+WHOLE = 2  # groups up to which every combination of angles is covered
+
+
+@dataclass(frozen=True, eq=False)
+class ContactField:
+    """The body twist of one stroke on one stratum, a polynomial in the legs' angles.
+
+    Attributes:
+        stratum: Groups in contact.
+        direction: Change of every group's angle per unit of the stroke, (G,).
+        axes: Combinations of the groups' angles that the polynomial is of, (A, G).
+        spans: Lowest and highest value of each, (A, 2) [rad].
+        coefficients: Of forward, left and yaw by the Chebyshev polynomials of each
+            combination, scaled to its span, shape (3, ...) with A further axes.
+        error: Largest difference from what was fitted, at angles that the fit has not
+            seen: forward, left [m/rad], yaw [rad/rad].
+    """
+
+    stratum: str
+    direction: tuple[float, ...]
+    axes: Array
+    spans: Array
+    coefficients: Array
+    error: tuple[float, float, float]
+
+    def __call__(self, swing: Array) -> Array:
+        """Body twist per unit of the stroke, shape (N, 3).
+
+        Args:
+            swing: Angle of every group, shape (N, G) [rad].
+        """
+        low, high = self.spans.T
+        scaled = (2 * (swing @ self.axes.T) - low - high) / (high - low)
+        out = np.moveaxis(self.coefficients, 0, -1)  # (..., 3)
+        for axis, u in enumerate(scaled.T):
+            basis = chebyshev.chebvander(u, self.coefficients.shape[1 + axis] - 1)
+            subscripts = "nk,nk...->n..." if axis else "nk,k...->n..."
+            out = np.einsum(subscripts, basis, out)
+        return np.asarray(out)
+
+    def expressions(self, angles: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
+        """Forward, left and yaw as expressions over the groups' angles."""
+        scaled = [
+            sum(float(share) * angle for share, angle in zip(axis, angles, strict=True))
+            for axis in self.axes
+        ]
+        low, high = self.spans.T
+        units = [
+            (2 * way - float(a + b)) / float(b - a)
+            for way, a, b in zip(scaled, low, high, strict=True)
+        ]
+        forward, left, yaw = (_horner(part, units) for part in self.coefficients)
+        return forward, left, yaw
+
+
+@dataclass(frozen=True)
+class FittedTwists:
+    """The twist model of fields of the real contacts, added up."""
+
+    fields: Mapping[str, ContactField]
+
+    def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
+        """The strokes of the stratum that together have these rates, shape (N, 3)."""
+        on = [field for field in self.fields.values() if field.stratum == stratum]
+        amounts = rates @ np.linalg.pinv(np.array([field.direction for field in on]))
+        parts = [u[:, None] * f(swing) for u, f in zip(amounts.T, on, strict=True)]
+        return np.asarray(np.sum(parts, axis=0))
+
+
+def contact_fields(
+    described: Equations,
+    groups: Sequence[str],
+    twists: TwistModel,
+    names: Sequence[str] | None = None,
+) -> dict[str, ContactField]:
+    """Fit the twist of every stroke over the joint range.
+
+    Args:
+        described: Equations whose fields swing loaded legs.
+        groups: Names of the groups of legs, in the order of the angles.
+        twists: What to fit, such as the quasi-static twists.
+        names: Fields to fit; all if not given.
+
+    Returns:
+        A polynomial for every one of them that swings a group in contact, by its name.
+    """
+    found = {}
+    for name in described.swings if names is None else names:
+        direction = described.swings[name]
+        stratum = described.system.stratum_of[name]
+        moving = [g for g, share in zip(groups, direction, strict=True) if share]
+        if any(group in stratum for group in moving):
+            spans = np.array([described.limits[f"phi_{group}"] for group in groups])
+            found[name] = _fit(stratum, direction, spans, twists)
+    return found
+
+
+def contact_equations(
+    described: Equations, fields: Mapping[str, ContactField]
+) -> Equations:
+    """The same equations, with strokes that move the body as the real contacts do.
+
+    Args:
+        described: Equations with constant twists, which name fields and elements.
+        fields: The polynomials that take their place.
+    """
+    system = described.system
+    groups = len(next(iter(described.swings.values())))
+    theta, angles = system.state[2], system.state[3 : 3 + groups]
+    cos, sin = sp.cos(theta), sp.sin(theta)
+
+    def column(name: str) -> sp.ImmutableMatrix:
+        if name not in fields:
+            return system.fields[name]
+        forward, left, yaw = fields[name].expressions(angles)
+        velocity = [forward * cos - left * sin, forward * sin + left * cos, yaw]
+        return sp.ImmutableMatrix([*velocity, *system.fields[name][3:]])
+
+    moved = StratifiedSystem(
+        state=system.state,
+        strata={
+            s: {name: column(name) for name in system.strata[s]} for s in system.strata
+        },
+        bottom=system.bottom,
+        level_sets=system.level_sets,
+    )
+    return replace(described, system=moved)
+
+
+def _fit(
+    stratum: str, direction: tuple[float, ...], spans: Array, twists: TwistModel
+) -> ContactField:
+    along = np.array(direction)
+    axes, ranges = _axes(along, spans)
+    nodes = [NODES if axis @ along else ACROSS for axis in axes]
+    points = [np.cos(np.pi * (np.arange(n) + 0.5) / n) for n in nodes]
+    lift = np.linalg.pinv(axes)  # from the combinations back to the angles, (G, A)
+
+    def sampled(units: Sequence[Array]) -> Array:
+        grid = np.stack(np.meshgrid(*units, indexing="ij"), axis=-1)
+        low, high = ranges.T
+        ways = low + (grid.reshape(-1, len(axes)) + 1) / 2 * (high - low)
+        swing = ways @ lift.T
+        rates = np.broadcast_to(along, swing.shape)
+        return twists(stratum, swing, rates).reshape(*grid.shape[:-1], 3)
+
+    coefficients = np.moveaxis(sampled(points), -1, 0)
+    for axis, u in enumerate(points, start=1):
+        inverse = np.linalg.inv(chebyshev.chebvander(u, len(u) - 1))
+        product = np.tensordot(inverse, coefficients, (1, axis))
+        coefficients = np.moveaxis(product, 0, axis)
+    coefficients = np.where(np.abs(coefficients) < DROPPED, 0.0, coefficients)
+    field = ContactField(stratum, direction, axes, ranges, coefficients, (0.0,) * 3)
+    return replace(field, error=_error(field, twists, lift))
+
+
+def _axes(along: Array, spans: Array) -> tuple[Array, Array]:
+    """Combinations of angles that the twist is fitted over, and their ranges."""
+    groups = len(along)
+    if groups <= WHOLE:
+        return np.eye(groups), spans
+    axis = along / (along @ along)
+    edges = np.array([span / a for span, a in zip(spans, along, strict=True) if a])
+    reach = np.abs(edges).min()
+    return axis[None], np.array([[-reach, reach]])
+
+
+def _error(
+    field: ContactField, twists: TwistModel, lift: Array, count: int = 200
+) -> tuple[float, float, float]:
+    """Largest difference at evenly spread angles between the points of the fit."""
+    low, high = field.spans.T
+    shares = np.random.default_rng(0).uniform(size=(count, len(field.axes)))
+    swing = (low + shares * (high - low)) @ lift.T
+    rates = np.broadcast_to(np.array(field.direction), swing.shape)
+    gap = np.abs(field(swing) - twists(field.stratum, swing, rates)).max(axis=0)
+    return float(gap[0]), float(gap[1]), float(gap[2])
+
+
+def _horner(coefficients: Array, units: Sequence[sp.Expr]) -> sp.Expr:
+    """A Chebyshev series in several variables as nested polynomials."""
+    if not units:
+        return sp.Float(float(coefficients))
+    first, *rest = units
+    powers = np.tensordot(_to_powers(len(coefficients)), coefficients, (1, 0))
+    value: sp.Expr = sp.S.Zero
+    for part in powers[::-1]:
+        inner = _horner(part, rest) if np.any(part) else sp.S.Zero
+        value = value * first + inner
+    return value
+
+
+def _to_powers(size: int) -> Array:
+    """Chebyshev coefficients to those of powers, shape (size, size)."""
+    columns = [chebyshev.cheb2poly(row) for row in np.eye(size)]
+    return np.array([np.pad(c, (0, size - len(c))) for c in columns]).T

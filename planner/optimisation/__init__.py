@@ -1,0 +1,1 @@
+"""Plans as short as they can be: strokes in turn, by multiple shooting."""

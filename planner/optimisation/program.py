@@ -1,0 +1,161 @@
+"""A plan of so many stages as a nonlinear program, by multiple shooting.
+
+Unknown are the strokes and recoveries of every stage, the states between stages, and
+where on the path the motion is at the end of each. Within a stage the state is
+integrated in a few steps, at each of which the motion stays within its tolerances of
+the path's point that goes along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+from planner.optimisation.dynamics import STEPS, curve_function, stage_function
+from planner.optimisation.requirements import Requirements
+from planner.optimisation.solver import QUIET, WARM, solver
+from planner.optimisation.stages import Stage
+from planner.optimisation.task import Solution, Task
+from planner.optimisation.unknowns import Unknowns
+from planner.planning.paths import Path
+
+TIGHTER = 0.98  # part of the tolerances kept at the steps, for what lies in between
+PARALLEL = 1e-2  # cost of what happens alongside, so that nothing moves in vain
+
+
+class Program:
+    """The program for a number of stages, built once and solved from any guess.
+
+    Args:
+        task: What to optimise.
+        path: Configurations to follow.
+        count: Number of stages.
+        first: Number in the cycle of the first one.
+    """
+
+    def __init__(self, task: Task, path: Path, count: int, first: int = 0) -> None:
+        self.task, self.path = task, path
+        self._start = path(0.0)
+        size = np.abs(path.at(np.linspace(0.0, 1.0, 20)) - self._start).max()
+        self.unknowns = Unknowns(task, first, count, float(size))
+        self._stages = {
+            stage: stage_function(task, stage, self._start)
+            for stage in dict.fromkeys(self.unknowns.stages)
+        }
+        self._requirements = Requirements()
+        self._program, self._options = self._built()
+        self._solver = self._compiled({})
+
+    def guess(
+        self, strokes: Array, start: Array, places: tuple[float, float]
+    ) -> Solution:
+        """Given strokes, each centred on zero, and where they lead.
+
+        Args:
+            strokes: Of every stage, shape (count,).
+            start: State before the first of them, shape (n,).
+            places: Where on the path the motion begins and ends.
+        """
+        moved, stages = self.task.moved, self.unknowns.stages
+        strokes, recoveries = self.unknowns.centred(strokes, start)
+        states = [start[moved]]
+        for stage, stroke, amounts in zip(stages, strokes, recoveries, strict=True):
+            padded = np.pad(amounts, (0, self.task.widest - len(amounts)))
+            steps = self._stages[stage](states[-1], stroke, padded)
+            states.append(np.array(steps)[:, -1])
+        whole = np.tile(start, (len(states), 1))
+        whole[:, moved] = np.array(states)
+        along = np.linspace(*places, len(states))
+        first = self.unknowns.first
+        return Solution(first, strokes, recoveries, whole, along, np.inf)
+
+    def solve(
+        self,
+        guess: Solution,
+        places: tuple[float, float],
+        goal: Array | None,
+        tighter: float = TIGHTER,
+        near: bool = False,
+    ) -> Solution | None:
+        """The local optimum that a guess leads to; None if it leads to none.
+
+        Args:
+            guess: Where to begin, its first state the start.
+            places: Where on the path the motion begins and ends.
+            goal: State to end in, shape (n,); None for any within the tolerances.
+            tighter: Part of the tolerances to keep.
+            near: Whether to stay near the guess, which nearly solves the program.
+        """
+        start = guess.states[0]
+        lowest, highest = self.unknowns.bounds(start, places, goal)
+        least, most = self._requirements.bounds(tighter)
+        compiled = self._near if near else self._solver
+        found = compiled(
+            x0=self.unknowns.packed(guess),
+            lbx=lowest,
+            ubx=highest,
+            lbg=least,
+            ubg=most,
+        )
+        if not compiled.stats()["success"]:
+            return None
+        values = np.array(found["x"])[:, 0]
+        return self.unknowns.unpacked(values, float(found["f"]), start)
+
+    @cached_property
+    def _near(self) -> Any:
+        return self._compiled(WARM)
+
+    def _compiled(self, options: dict[str, Any]) -> Any:
+        every = QUIET | self._options | options
+        return solver().nlpsol("plan", "ipopt", self._program, every)
+
+    def _built(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        ca, task, asked = solver(), self.task, self._requirements
+        unknown = self.unknowns.symbols()
+        X, S, forward, backward, up, down, times = unknown
+        D, A = forward - backward, up - down
+        states, places = list[Any](), list[Any]()
+        for stage in self._stages:
+            k = [i for i, other in enumerate(self.unknowns.stages) if other == stage]
+            after = [i + 1 for i in k]
+            steps = self._stages[stage].map(len(k))(X[:, k], D[k], A[:, k])
+            ends = steps[:, STEPS - 1 :: STEPS]
+            scale = ca.DM(task.sizes(self._start))
+            asked.add((X[:, after] - ends) / scale, 0.0, 0.0)
+            for j in range(STEPS):
+                last = j == STEPS - 1
+                states.append(X[:, after] if last else steps[:, j::STEPS])
+                places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STEPS))
+            asked.margins(task, stage, self._start, X[:, k], X[:, after])
+        asked.corridor(task, self.path, states, places)
+        asked.add(S[1:] - S[:-1], 0.0, np.inf)
+        lengths = forward + backward, up + down
+        cost = self._cost(self.unknowns.stages, *lengths)
+        if task.together:
+            asked.times(task, self.unknowns.stages, times, *lengths)
+            cost = ca.sum2(times) + PARALLEL * cost
+        program = {
+            "x": ca.vertcat(*map(ca.vec, unknown)),
+            "f": cost,
+            "g": ca.vertcat(*asked.rows),
+        }
+        _, straight = curve_function(self.path, task.moved)
+        return program, {"expand": straight}
+
+    def _cost(self, stages: Sequence[Stage], D: Any, A: Any) -> Any:
+        """Cost of all strokes and recoveries, one after another."""
+        ca, task = solver(), self.task
+        prices = [task.cost(s.stroke) if s.stroke else 0.0 for s in stages]
+        cost = ca.dot(D, ca.DM(prices).T)
+        for j in range(task.widest):
+            each = [
+                task.cost(s.recoveries[j].field) if j < len(s.recoveries) else 0.0
+                for s in stages
+            ]
+            cost += ca.dot(A[j, :], ca.DM(each).T)
+        return cost

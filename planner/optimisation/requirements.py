@@ -1,0 +1,108 @@
+"""What a program's unknowns must satisfy, collected row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+from planner.optimisation.dynamics import curve_function
+from planner.optimisation.solver import solver
+from planner.optimisation.stages import Stage
+from planner.optimisation.task import Task
+from planner.planning.paths import Path
+
+TINY = 1e-12  # keeps apart from zero what is divided by
+
+
+class Requirements:
+    """Rows with their lowest and highest values.
+
+    Some of them are tolerances, by whose part that is kept their bounds are scaled: by
+    its square where the row is a squared distance.
+    """
+
+    def __init__(self) -> None:
+        self.rows: list[Any] = []
+        self._bounds: list[Array] = []
+        self._powers: list[Array] = []
+
+    def add(self, rows: Any, low: float, high: float, power: int = 0) -> None:
+        """Ask for rows between two values; `power` scales them as a tolerance."""
+        flat = solver().vec(rows)
+        self.rows.append(flat)
+        self._bounds.append(np.tile([[low], [high]], flat.numel()))
+        self._powers.append(np.full(flat.numel(), power))
+
+    def bounds(self, tighter: float) -> tuple[Array, Array]:
+        """Lowest and highest values where a part of the tolerances is kept."""
+        low, high = np.concatenate(self._bounds, axis=1)
+        scale = tighter ** np.concatenate(self._powers)
+        return low * scale, high * scale
+
+    def corridor(
+        self, task: Task, path: Path, states: Sequence[Any], places: Sequence[Any]
+    ) -> None:
+        """Keep states within the tolerances of the path's points that go along.
+
+        What is not position is compared where the position is nearest: along the
+        path's tangent from the point that goes along.
+        """
+        ca = solver()
+        x, s = ca.MX.sym("x", len(task.moved)), ca.MX.sym("s")
+        curve, _ = curve_function(path, task.moved)
+        parts, powers, nearest = list[Any](), list[int](), s
+        for number, tolerance in enumerate(task.tolerances):
+            index = [
+                task.moved.index(i) for i in tolerance.coordinates if i in task.moved
+            ]
+            if index and np.isfinite(tolerance.most):
+                off = (x - curve(nearest))[index] / tolerance.most
+                powers.append(1 if len(index) == 1 else 2)
+                parts.append(off if len(index) == 1 else ca.sumsqr(off))
+            if index and number == 0:
+                along = ca.jacobian(curve(s)[index], s)
+                ahead = ca.dot((x - curve(s))[index], along)
+                nearest = s + ahead / (ca.sumsqr(along) + TINY)
+        if not parts:
+            return
+        within = ca.Function("within", [x, s], [ca.vertcat(*parts)])
+        every, where = ca.horzcat(*states), ca.horzcat(*places)
+        rows = ca.vertsplit(within.map(where.numel())(every, where))
+        for row, power in zip(rows, powers, strict=True):
+            self.add(row, -1.0 if power == 1 else -np.inf, 1.0, power)
+
+    def margins(
+        self, task: Task, stage: Stage, start: Array, begins: Any, ends: Any
+    ) -> None:
+        """Keep the task's margins as stages begin, have recovered, and end."""
+        if not task.margins:
+            return
+        ca, n = solver(), len(task.moved)
+        begin, end = ca.SX.sym("begin", n), ca.SX.sym("end", n)
+        recovered = {r.coordinate for r in stage.recoveries}
+        mixed = [
+            end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)
+        ]
+        parts, shortest = list[Any](), float(task.sizes(start).min())
+        for state in (begin, ca.vertcat(*mixed), end):
+            whole = [ca.SX(float(v)) for v in start]
+            for k, i in enumerate(task.moved):
+                whole[i] = state[k]
+            for margin in task.margins:
+                parts += [part / shortest for part in margin(stage, whole)]
+        function = ca.Function("margins", [begin, end], [ca.vertcat(*parts)])
+        self.add(function.map(begins.shape[1])(begins, ends), 0.0, np.inf)
+
+    def times(
+        self, task: Task, stages: Sequence[Stage], times: Any, D: Any, A: Any
+    ) -> None:
+        """The time of a stage is at least that of each of its parts."""
+        for k, stage in enumerate(stages):
+            if stage.stroke:
+                self.add(times[k] - task.cost(stage.stroke) * D[k], 0.0, np.inf)
+            for j, recovery in enumerate(stage.recoveries):
+                part = task.cost(recovery.field) * A[j, k]
+                self.add(times[k] - part, 0.0, np.inf)

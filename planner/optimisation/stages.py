@@ -1,0 +1,159 @@
+"""Stages: one stroke each, and the recoveries that the same stratum allows.
+
+A plan that is optimised visits its strata in turn. On each of them one field strokes,
+which moves the body, and fields that move a single coordinate, such as the angle of a
+leg in the air, bring that coordinate to where it is wanted. Which fields are which is
+read off their columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.errors import StratumError
+from planner.numerics.arrays import Array
+from planner.systems.elements import leaves, parse
+from planner.systems.fields import NumericField, VectorField
+from planner.systems.flows import Flow
+from planner.systems.strata import StratifiedSystem
+
+NEGLIGIBLE = 1e-5  # a flow this short is what an interior point leaves of none
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """A field that moves one coordinate alone, at a constant rate."""
+
+    field: str
+    coordinate: int
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A stay on one stratum: recoveries, then a stroke, or all of them at once."""
+
+    stratum: str
+    stroke: str  # empty where coordinates are only recovered
+    recoveries: tuple[Recovery, ...]
+
+    def flows(self, stroke: float, recoveries: Sequence[float]) -> list[Flow]:
+        """Its flows in time order; those that are negligible are left out."""
+        named = [r.field for r in self.recoveries] + [self.stroke] * bool(self.stroke)
+        amounts = [*recoveries, stroke]
+        return [
+            Flow(self.stratum, name, float(amount))
+            for name, amount in zip(named, amounts, strict=False)
+            if abs(amount) > NEGLIGIBLE
+        ]
+
+
+def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...]:
+    """The stages that are gone through again and again.
+
+    Args:
+        system: System to steer.
+        elements: What it is steered with; the fields in them stroke in this order.
+
+    Raises:
+        StratumError: A field is known as a function only, or none moves more than one
+            coordinate.
+    """
+    names = list(
+        dict.fromkeys(name for text in elements for name in leaves(parse(text, system)))
+    )
+    for name in names:
+        if isinstance(system.fields[name], NumericField):
+            raise StratumError(
+                f"{name} is known as a function only, and optimising needs its exact "
+                "derivatives; give it as a formula"
+            )
+    single = {name: _recovery(name, system.fields[name]) for name in system.fields}
+    strokes = [name for name in names if single[name] is None]
+    if not strokes:
+        raise StratumError(
+            "every field moves a single coordinate, so there is no stroke to optimise; "
+            "steer with a field that moves several"
+        )
+    wanted = set().union(*(_touched(system, name) for name in strokes))
+    found = [r for r in single.values() if r and r.coordinate in wanted]
+    return tuple(_cycle(system, strokes, found))
+
+
+def swept(system: StratifiedSystem, stages: Sequence[Stage]) -> tuple[int, ...]:
+    """Coordinates that flows of the stages can move, ascending."""
+    moved = {r.coordinate for stage in stages for r in stage.recoveries}
+    for stage in stages:
+        moved |= set(_moved(system.fields[stage.stroke])) if stage.stroke else set()
+    return tuple(sorted(moved))
+
+
+def _cycle(
+    system: StratifiedSystem, strokes: Sequence[str], found: Sequence[Recovery]
+) -> list[Stage]:
+    """A stage for each stroke, and others for what no stroke's stratum recovers."""
+
+    def on(stratum: str) -> tuple[Recovery, ...]:
+        return tuple(r for r in found if system.stratum_of[r.field] == stratum)
+
+    alongside = {r.coordinate for name in strokes for r in on(system.stratum_of[name])}
+    stages = []
+    for name in strokes:
+        stratum = system.stratum_of[name]
+        stages.append(Stage(stratum, name, on(stratum)))
+        left = set(_moved(system.fields[name])) - alongside
+        for recovery in found:
+            if recovery.coordinate in left:
+                left.discard(recovery.coordinate)
+                place = system.stratum_of[recovery.field]
+                stages.append(Stage(place, "", (recovery,)))
+    return stages
+
+
+def _recovery(name: str, field: VectorField) -> Recovery | None:
+    """The field as one that moves a single coordinate steadily, if it does."""
+    if isinstance(field, NumericField):
+        return None
+    moved = _moved(field)
+    if len(moved) != 1 or not field[moved[0]].is_number:
+        return None
+    return Recovery(name, moved[0], float(field[moved[0]]))
+
+
+def _moved(field: VectorField) -> list[int]:
+    return [i for i, entry in enumerate(field) if entry != 0]
+
+
+def _touched(system: StratifiedSystem, name: str) -> set[int]:
+    """Coordinates that a field moves, or depends on."""
+    field = system.fields[name]
+    read = [i for i, s in enumerate(system.state) if s in field.free_symbols]
+    return {*_moved(field), *read}
+
+
+def amounts_of(
+    stages: Sequence[Stage], flows: Sequence[Flow], count: int
+) -> Array | None:
+    """The strokes of a plan, spread over stages that follow each other in a cycle.
+
+    Args:
+        stages: The cycle, beginning with its first stage.
+        flows: Flows in time order, of which only strokes are looked at.
+        count: Number of stages there are.
+
+    Returns:
+        Stroke of every stage, shape (count,); None if there are more than that.
+    """
+    amounts, k = np.zeros(count), 0
+    for flow in flows:
+        if all(flow.field != stage.stroke for stage in stages):
+            continue
+        while k < count and stages[k % len(stages)].stroke != flow.field:
+            k += 1
+        if k >= count:
+            return None
+        amounts[k] += flow.duration
+    return amounts

@@ -1,0 +1,148 @@
+"""The unknowns of a program in one vector: bounds, and solutions put in and taken out.
+
+In this order: states between stages, places on the path, strokes forward and backward,
+recoveries forward and backward, and times of stages whose parts happen together.
+Strokes have two unknowns, one for either direction, because their length is paid for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+from planner.optimisation.solver import solver
+from planner.optimisation.stages import Stage
+from planner.optimisation.task import Solution, Task
+
+UNBOUNDED = 2.0  # longest stroke where nothing limits it, in sizes of the path
+
+
+@dataclass(frozen=True)
+class Unknowns:
+    """The vector of a number of stages.
+
+    Attributes:
+        task: What is optimised.
+        first: Number in the cycle of the first stage.
+        count: Number of stages.
+        size: Size of the path.
+    """
+
+    task: Task
+    first: int
+    count: int
+    size: float
+
+    @cached_property
+    def stages(self) -> tuple[Stage, ...]:
+        """All of them in time order."""
+        return tuple(self.task.stage(self.first + k) for k in range(self.count))
+
+    def symbols(self) -> tuple[Any, ...]:
+        """CasADi's symbols: states, places, strokes, recoveries (twice each), times."""
+        ca, task, count = solver(), self.task, self.count
+        shapes = {
+            "states": (len(task.moved), count + 1),
+            "places": (1, count + 1),
+            "forward": (1, count),
+            "backward": (1, count),
+            "up": (task.widest, count),
+            "down": (task.widest, count),
+            "times": (1, count if task.together else 0),
+        }
+        return tuple(ca.MX.sym(name, *shape) for name, shape in shapes.items())
+
+    def packed(self, solution: Solution) -> Array:
+        """The vector of a solution."""
+        recoveries = np.zeros((self.count, self.task.widest))
+        for row, amounts in zip(recoveries, solution.recoveries, strict=True):
+            row[: len(amounts)] = amounts
+        parts = [solution.states[:, self.task.moved].ravel(), solution.places]
+        for amounts in (solution.strokes, recoveries.ravel()):
+            parts += [np.maximum(amounts, 0.0), np.maximum(-amounts, 0.0)]
+        if self.task.together:
+            parts.append(np.abs(solution.strokes))
+        return np.concatenate(parts)
+
+    def unpacked(self, values: Array, cost: float, start: Array) -> Solution:
+        """The solution of a vector."""
+        n, count, wide = len(self.task.moved), self.count, self.task.widest
+        sizes = [n * (count + 1), count + 1, count, count, wide * count, wide * count]
+        states, places, *signed = np.split(values, np.cumsum(sizes))[:6]
+        whole = np.tile(start, (count + 1, 1))
+        whole[:, self.task.moved] = states.reshape(count + 1, n)
+        recoveries = (signed[2] - signed[3]).reshape(count, wide)
+        strokes = signed[0] - signed[1]
+        return Solution(
+            self.first, strokes, self._each(recoveries), whole, places, cost
+        )
+
+    def bounds(
+        self, start: Array, places: tuple[float, float], goal: Array | None
+    ) -> tuple[Array, Array]:
+        """Lowest and highest values of the vector.
+
+        Args:
+            start: State before the first stage, shape (n,).
+            places: Where on the path the motion begins and ends.
+            goal: State to end in, shape (n,); None for any.
+        """
+        count, wide, moved = self.count, self.task.widest, self.task.moved
+        spans = [self.task.limits.get(i, (-np.inf, np.inf)) for i in moved]
+        states = np.tile(np.array(spans), (count + 1, 1, 1))
+        states[0] = start[moved, None]
+        if goal is not None:
+            states[-1] = goal[moved, None]
+        along = np.tile(np.array(places), (count + 1, 1))
+        along[0], along[-1] = places
+        used = [range(wide) < np.array(len(s.recoveries)) for s in self.stages]
+        free = np.where(used, np.inf, 0.0) * (not self.task.centred or 0.0)
+        most = [self.longest, self.longest, free.ravel(), free.ravel()]
+        times = np.full(count if self.task.together else 0, np.inf)
+        high = [states[..., 1].ravel(), along[:, 1], *most, times]
+        low = [states[..., 0].ravel(), along[:, 0], *(0.0 * np.isinf(m) for m in most)]
+        return np.concatenate([*low, 0.0 * np.isinf(times)]), np.concatenate(high)
+
+    def centred(self, strokes: Array, start: Array) -> tuple[Array, tuple[Array, ...]]:
+        """Strokes within their range, and recoveries that put each around zero."""
+        strokes = np.clip(strokes, -self.longest, self.longest)
+        amounts = np.zeros((self.count, self.task.widest))
+        rates = [self.task.rates(stage) for stage in self.stages]
+        now = start.copy()
+        for k, stage in enumerate(self.stages):
+            for j, recovery in enumerate(() if self.task.centred else stage.recoveries):
+                i = recovery.coordinate
+                later = (m for m in range(k + 1, self.count) if i in rates[m])
+                nearest = next(later, None)
+                target = start[i]
+                if nearest is not None:
+                    target = -strokes[nearest] * rates[nearest][i] / 2
+                amounts[k, j] = (target - now[i]) / recovery.rate
+                now[i] = target
+            for i, rate in rates[k].items():
+                now[i] += rate * strokes[k]
+        return strokes, self._each(amounts)
+
+    @cached_property
+    def longest(self) -> Array:
+        """Longest stroke of every stage, shape (count,)."""
+        known = {stage: self._longest(stage) for stage in self.task.stages}
+        return np.array([known[stage] for stage in self.stages])
+
+    def _longest(self, stage: Stage) -> float:
+        longest = UNBOUNDED * max(1.0, self.size) if stage.stroke else 0.0
+        for i, rate in self.task.rates(stage).items():
+            low, high = self.task.limits.get(i, (-np.inf, np.inf))
+            span = 2 * min(high, -low) if self.task.centred else high - low
+            longest = min(longest, span / abs(rate))
+        return longest
+
+    def _each(self, recoveries: Array) -> tuple[Array, ...]:
+        return tuple(
+            row[: len(stage.recoveries)]
+            for row, stage in zip(recoveries, self.stages, strict=True)
+        )

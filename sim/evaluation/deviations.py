@@ -1,0 +1,64 @@
+"""How far a walk strays from its nominal path, and what a metre of it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from planner import Array, Path
+from sim.motion.prediction import Prediction
+from sim.motion.straying import straying
+from sim.scenarios.scenario import Scenario
+
+MOST = 1500  # poses that are compared, evenly taken from all
+
+
+def deviations(
+    scenario: Scenario,
+    predicted: Mapping[str, Prediction],
+    achieved: Array,
+    judged: Array,
+) -> dict[str, dict[str, float] | None]:
+    """Farthest from the path and from its yaw: planned, quasi-static and achieved.
+
+    Args:
+        scenario: What was to be walked; its plan follows the prediction it steers on,
+            and an optimised one at least the quasi-static.
+        predicted: Predictions by name.
+        achieved: Poses, shape (T, 3).
+        judged: Which of the moments count, shape (T,), bool.
+    """
+    name = scenario.steer.replace("-", "_")
+    if name == "ideal" and scenario.optimise != "none":
+        name = "quasi_static"
+    poses = {
+        "planned": predicted.get(name),
+        "quasi_static": predicted.get("quasi_static"),
+    }
+    curve = scenario.path.curve
+    told: dict[str, dict[str, float] | None] = {
+        key: None if found is None else _of(curve, found.pose[judged])
+        for key, found in poses.items()
+    }
+    return told | {"achieved": _of(curve, achieved[judged])}
+
+
+def _of(curve: Path, poses: Array) -> dict[str, float]:
+    rows = np.linspace(0, len(poses) - 1, min(len(poses), MOST)).round().astype(int)
+    return straying(curve, poses[rows])
+
+
+def per_metre(length: float, seconds: float, strokes: float) -> dict[str, Any]:
+    """Time and strokes per metre of the nominal path; None where it has no length.
+
+    Args:
+        length: Of the path [m].
+        seconds: From the first lift-off to the last touchdown.
+        strokes: Way of the loaded groups' angles [rad].
+    """
+    return {
+        "seconds": seconds / length if length else None,
+        "strokes": strokes / length if length else None,
+    }

@@ -1,0 +1,130 @@
+"""What a plan comes to as a schedule: its time, its predicted end, its bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models import TwistModel
+from planner import Array, BoundError, Flow, Plan, contact_switches, stepped
+from sim.errors import SimulationError
+from sim.experiments.predictions import twist_model
+from sim.motion.prediction import Predictor
+from sim.motion.sampling import inspections
+from sim.motion.schedule import Schedule, Scheduler
+from sim.obstacles.clearance import surroundings
+from sim.planning.clearance_bound import ClearanceBound
+from sim.planning.forecast import ForeseenStretch
+from sim.planning.soundness import require_sound
+from sim.preparation.laying import lay
+from sim.preparation.setup import Setup
+
+
+def real_twists(setup: Setup) -> TwistModel:
+    """The prediction that optimised plans follow: quasi-static, or as identified."""
+    steer = setup.scenario.steer
+    name = "quasi_static" if steer == "ideal" else steer.replace("-", "_")
+    return twist_model(setup, name)
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Judges flows of one setup."""
+
+    setup: Setup
+
+    def worth(self, plan: Plan) -> float:
+        """What the scenario wants to be least, of a whole plan."""
+        objective = self.setup.scenario.optimise
+        duration = self.duration(plan.flows)
+        if objective == "switches":
+            return contact_switches(plan.system, plan.flows) + 1e-6 * duration
+        return duration if objective == "time" else self.strokes(plan.flows)
+
+    def strokes(self, flows: Sequence[Flow]) -> float:
+        """Way of the loaded groups' angles [rad]."""
+        groups, swings = self.setup.robot.groups, self.setup.equations.swings
+        return sum(
+            abs(flow.duration * share)
+            for flow in flows
+            for group, share in zip(groups, swings[flow.field], strict=True)
+            if group in flow.stratum
+        )
+
+    def duration(self, flows: Sequence[Flow]) -> float:
+        """Time from the first lift-off to the last touchdown [s]."""
+        return self.schedule([flows]).stop * self.setup.limits.timestep
+
+    def end(self, flows: Sequence[Flow]) -> Array:
+        """State predicted after the flows, shape (n,)."""
+        schedule, pose = self.schedule([flows]), np.zeros(3)
+        if schedule.phases:
+            predictor = self._predictor(schedule)
+            pose = predictor(np.array([schedule.stop - 1])).pose[0]
+        return self.setup.state(pose, schedule.end.swing)
+
+    def stepped(self, segments: Sequence[Sequence[Flow]]) -> list[list[Flow]]:
+        """Flows with legs set anew before every stroke."""
+        setup = self.setup
+        rest, described = setup.state(np.zeros(3)), setup.equations
+        rules = described.limits, described.static_stability
+        return stepped(setup.extended.shape, segments, rest, rest, *rules)
+
+    def poses(self, plan: Plan) -> Array:
+        """Poses predicted along a plan, shape (T, 3), the start first."""
+        schedule = self.schedule(list(plan.segments()))
+        if not schedule.phases:
+            return np.zeros((1, 3))
+        rows = inspections(schedule) - 1
+        return np.vstack([np.zeros(3), self._predictor(schedule)(rows).pose])
+
+    def margin_lack(self, plan: Plan) -> float:
+        """What the least predicted margin lacks to the scenario's [m]; at least 0."""
+        least = self.setup.scenario.min_margin
+        schedule = self.schedule(list(plan.segments()))
+        if least is None or not schedule.phases:
+            return 0.0
+        margin = self._predictor(schedule)(inspections(schedule) - 1).margin
+        return max(0.0, least - float(margin.min()))
+
+    def require_clearance(self, plan: Plan) -> None:
+        """Refuse a plan that comes too close to an obstacle.
+
+        Raises:
+            BoundError: If it does.
+        """
+        setup = self.setup
+        least = setup.scenario.min_clearance
+        schedule = self.schedule(list(plan.segments()))
+        if not setup.scenario.obstacles or least < 0 or not schedule.phases:
+            return
+        stage = ForeseenStretch(self._predictor(schedule))
+        found = ClearanceBound(surroundings(setup), least).least_of(stage)
+        if found < least:
+            raise BoundError(
+                f"the shortest plan found comes within {1e3 * found:.1f} mm of an "
+                f"obstacle, where {1e3 * least:.1f} mm are asked; give a smaller "
+                "path_tolerance"
+            )
+
+    def require_sound(self, plan: Plan) -> None:
+        """Refuse a plan that tips the robot over, or makes its legs collide.
+
+        Raises:
+            BoundError: If it does.
+        """
+        try:
+            require_sound(self.setup, plan)
+        except SimulationError as error:
+            raise BoundError(f"the shortest plan found will not do: {error}") from error
+
+    def schedule(self, segments: Sequence[Sequence[Flow]]) -> Schedule:
+        """The commands of flows, without holds."""
+        scheduler = Scheduler(self.setup.limits, self.setup.at_rest)
+        lay(self.setup, scheduler, segments)
+        return scheduler.finish()
+
+    def _predictor(self, schedule: Schedule) -> Predictor:
+        return Predictor(schedule, real_twists(self.setup), self.setup.kinematics)

@@ -1,0 +1,110 @@
+"""The plan that a scenario walks: stratified, or the shortest found along its path."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from planner import BoundError, Optimiser, Plan, PlannerError
+from sim.optimisation.judging import Judge
+from sim.optimisation.wishes import Coarse, straying_of, tolerances, wish_of
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import Setup
+from sim.progress import Progress, silent
+
+ROUNDS = 3  # of asking for what the margin still lacks
+SAME = 1.0 + 1e-9
+
+
+@dataclass(frozen=True)
+class PlannedWalk:
+    """Plans of one walk, as short as its scenario asks for.
+
+    The stratified plan is the first guess of an optimised one, and stands where nothing
+    shorter is found.
+
+    Attributes:
+        setup: What to walk, its path divided for its bounds.
+        progress: Told the stage and how much of it is done.
+    """
+
+    setup: Setup
+    progress: Progress = silent
+
+    def plan(self, aside: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Plan:
+        """One plan for the whole path.
+
+        Args:
+            aside: Step from the goal to where the plan ends instead, x, y [m] and yaw.
+
+        Raises:
+            PlannerError: If there is none.
+            BoundError: If no plan keeps the tolerances; it says which would be kept.
+        """
+        setup = self.setup.beside(aside)
+        if setup.scenario.optimise == "none":
+            return plan_open_loop(setup)
+        if self._stratified is None or not self._stratified_keeps:
+            return self._shortest(setup)
+        try:
+            found = self._shortest(setup)
+        except BoundError:
+            return plan_open_loop(setup)
+        other = plan_open_loop(setup) if any(aside) else self._stratified
+        return min(found, other, key=Judge(setup).worth)
+
+    @cached_property
+    def _stratified(self) -> Plan | None:
+        try:
+            return plan_open_loop(self.setup)
+        except PlannerError:
+            return None
+
+    @cached_property
+    def _within(self) -> tuple[float, float]:
+        return tolerances(self.setup, self._stratified)
+
+    @cached_property
+    def _stratified_keeps(self) -> bool:
+        """Whether the stratified plan's own motion stays within the tolerances."""
+        if self._stratified is None:
+            return False
+        found, within = straying_of(self.setup, self._stratified), self._within
+        return (
+            found["position"] <= within[0] * SAME and found["yaw"] <= within[1] * SAME
+        )
+
+    def _shortest(self, setup: Setup) -> Plan:
+        """The best plan found that keeps the scenario's least margin and clearance."""
+        judge = Judge(setup)
+        asked = least = setup.scenario.min_margin
+        for _ in range(ROUNDS):
+            found = self._optimiser(asked).plan(setup.nominal()(1.0))
+            lack = judge.margin_lack(found)
+            if lack <= 0.0:
+                judge.require_clearance(found)
+                judge.require_sound(found)
+                return found
+            asked = (asked or 0.0) + lack
+        raise BoundError(
+            f"no plan found keeps a min_margin of {least} m between the ends of its "
+            "strokes; ask for less"
+        )
+
+    def _optimiser(self, least_margin: float | None) -> Optimiser:
+        if least_margin not in self._optimisers:
+            setup = self.setup
+            path = setup.equations.configurations(setup.scenario.path.curve)
+            self._optimisers[least_margin] = Optimiser(
+                wish_of(setup, self._within, least_margin),
+                setup.extended,
+                path,
+                setup.scenario.segments,
+                coarse=Coarse(setup, path),
+                report=lambda done: self.progress("optimising", done),
+            )
+        return self._optimisers[least_margin]
+
+    @cached_property
+    def _optimisers(self) -> dict[float | None, Optimiser]:
+        return {}

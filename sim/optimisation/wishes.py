@@ -1,0 +1,138 @@
+"""What a scenario asks of the optimiser, in the planner's terms.
+
+The robot's strokes move its body as the real contacts do, time is that of the schedule,
+and the path is followed as closely as the scenario says, or as its stratified plan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from math import inf, pi
+
+from models import Equations, contact_equations, contact_fields
+from planner import (
+    Flow,
+    Path,
+    Plan,
+    Task,
+    Tolerance,
+    Wish,
+    cycle,
+    plan,
+    play,
+)
+from sim.motion.straying import straying
+from sim.optimisation.judging import Judge, real_twists
+from sim.optimisation.margins import margins
+from sim.preparation.setup import Setup
+
+ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
+LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
+CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
+SAMPLES = 8  # of a flow of the stratified plan
+GUARD = 1e-4  # [m] of the margin, for what lies between the ends of strokes
+
+
+@lru_cache(maxsize=4)
+def real_equations(setup: Setup) -> Equations:
+    """The robot's equations with the strokes that its plans use as they really are.
+
+    Args:
+        setup: Robot and floor; the path does not matter.
+    """
+    described = setup.equations
+    used = [e for e in described.elements if e in described.swings]
+    fields = contact_fields(described, setup.robot.groups, real_twists(setup), used)
+    return contact_equations(described, fields)
+
+
+def tolerances(setup: Setup, stratified: Plan | None) -> tuple[float, float]:
+    """How far the walk may stray from the path [m], and from its yaw [rad].
+
+    Args:
+        setup: What to walk.
+        stratified: The plan whose own deviations stand where none are given.
+    """
+    scenario = setup.scenario
+    given = scenario.path_tolerance, scenario.yaw_tolerance
+    own = {"position": LEAST_POSITION, "yaw": LEAST_YAW}
+    if stratified is not None and None in given:
+        found = straying_of(setup, stratified)
+        own = {key: max(own[key], found[key]) for key in own}
+    position, yaw = given
+    return (
+        own["position"] if position is None else position,
+        own["yaw"] if yaw is None else yaw,
+    )
+
+
+def straying_of(setup: Setup, plan: Plan) -> dict[str, float]:
+    """How far a plan itself strays from the nominal path, by the fields it is of."""
+    states = play(plan.system, plan.flows, plan.start, SAMPLES)
+    return straying(setup.scenario.path.curve, states[:, :3])
+
+
+def wish_of(
+    setup: Setup, within: tuple[float, float], least_margin: float | None
+) -> Wish:
+    """The task, and how its flows are judged.
+
+    Args:
+        setup: What to walk.
+        within: Tolerances of position [m] and yaw [rad].
+        least_margin: Stability margin to keep [m], if any.
+    """
+    scenario, described = setup.scenario, real_equations(setup)
+    system, stance = described.system, described.stance
+    names = [str(symbol) for symbol in system.state]
+    pace = {
+        name: max(map(abs, direction)) / setup.limits.swing_speed
+        for name, direction in described.swings.items()
+    }
+    stages = cycle(system, described.elements)
+    recoveries = {r.field for stage in stages for r in stage.recoveries}
+    cheap = CHEAP if scenario.optimise == "strokes" else 1.0
+    yaw = within[1] if within[1] < pi else inf
+    asked = () if least_margin is None else (margins(setup, least_margin + GUARD),)
+    task = Task(
+        system=system,
+        stages=stages,
+        tolerances=(Tolerance((0, 1), within[0]), Tolerance((2,), yaw)),
+        limits={
+            names.index(name): (low + ROOM, high - ROOM)
+            for name, (low, high) in described.limits.items()
+        },
+        price={
+            name: p * (cheap if name in recoveries else 1.0) for name, p in pace.items()
+        },
+        together=scenario.together,
+        centred=stance == "stepped",
+        margins=asked,
+    )
+    judge = Judge(setup)
+    objective = scenario.optimise
+    if objective == "none":
+        raise ValueError("the scenario asks for no optimisation")
+    return Wish(
+        task=task,
+        objective=objective,
+        duration=judge.duration,
+        predict=judge.end,
+        lay=judge.stepped if task.centred else None,
+    )
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """Stratified plans of pieces of the path, in few segments."""
+
+    setup: Setup
+    path: Path
+
+    def __call__(self, begin: float, end: float, segments: int) -> Sequence[Flow]:
+        """Flows from one place on the path to another."""
+        piece = Path(lambda s: self.path.at(begin + (end - begin) * s))
+        execution = self.setup.equations.execution
+        return plan(self.setup.extended, piece, segments, execution=execution).flows

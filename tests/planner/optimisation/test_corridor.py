@@ -1,0 +1,61 @@
+"""Deviation from a path whose points are passed in order."""
+
+import numpy as np
+import pytest
+
+from planner.optimisation.corridor import Tolerance, deviation
+
+POSITION, YAW = (0, 1), (2,)
+
+
+def along(x, y=0.0, yaw=0.0):
+    x = np.asarray(x, dtype=float)
+    return np.stack([x, np.broadcast_to(y, x.shape), np.broadcast_to(yaw, x.shape)], 1)
+
+
+PATH = along(np.linspace(0.0, 1.0, 1001))
+
+
+def test_a_motion_beside_the_path_deviates_by_its_distance():
+    states = along(np.linspace(0.0, 1.0, 50), y=0.3, yaw=0.2)
+    position, yaw = deviation(states, PATH, [POSITION, YAW])
+    assert position == pytest.approx(0.3, abs=2e-4)  # states are 0.02 apart
+    assert yaw == pytest.approx(0.2)
+
+
+def test_going_back_costs_half_the_way_back():
+    x = np.concatenate([np.linspace(0, 0.8, 81), np.linspace(0.8, 0.4, 41)[1:]])
+    states = along(np.concatenate([x, np.linspace(0.4, 1.0, 61)[1:]]))
+    (position,) = deviation(states, PATH, [POSITION])
+    assert position == pytest.approx(0.2, abs=1e-3)  # a point half a way back waits
+
+
+def test_standing_still_does_not_follow_a_closed_path():
+    turn = np.linspace(0, 2 * np.pi, 1001)
+    circle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    states = np.repeat(circle[:1], 5, axis=0)
+    (position,) = deviation(states, circle, [POSITION])
+    assert position == pytest.approx(2.0, abs=1e-4)
+
+
+def test_leaving_out_a_part_of_the_path_counts():
+    spike = np.vstack([along(np.linspace(0, 0.5, 501)), along(np.full(300, 0.5))])
+    spike[501:, 1] = np.concatenate(
+        [np.linspace(0, 0.4, 150), np.linspace(0.4, 0, 150)]
+    )
+    path = np.vstack([spike, along(np.linspace(0.5, 1.0, 501))])
+    (position,) = deviation(PATH, path, [POSITION])
+    assert position == pytest.approx(0.4, abs=2e-3)
+
+
+def test_yaw_is_compared_at_the_nearest_point():
+    path = along(np.linspace(0, 1, 1001), yaw=np.linspace(0, 1, 1001))
+    states = along([0.0, 0.25, 0.5, 0.75, 1.0], y=0.1, yaw=[0.0, 0.25, 0.9, 0.75, 1.0])
+    _, yaw = deviation(states, path, [POSITION, YAW])
+    assert yaw == pytest.approx(0.4, abs=1e-3)
+
+
+@pytest.mark.parametrize("most", [0.0, -1.0, float("nan")])
+def test_tolerances_are_above_zero(most):
+    with pytest.raises(ValueError, match="tolerance is"):
+        Tolerance((0,), most)

@@ -1,0 +1,152 @@
+"""Optimised plans meet their goals, keep to their paths, and are short."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from models.systems.catalogue import shipped_system
+from planner.errors import BoundError, StratumError
+from planner.extension.extended import extend
+from planner.optimisation import search
+from planner.optimisation.corridor import Tolerance, deviation
+from planner.optimisation.optimise import Optimiser, Wish
+from planner.optimisation.search import Search
+from planner.optimisation.solver import MissingSolverError
+from planner.optimisation.stages import cycle
+from planner.optimisation.task import Task
+from planner.planning.algorithm import plan
+from planner.planning.paths import line
+from planner.planning.playback import rollout
+from planner.systems.fields import NumericField
+from planner.systems.strata import StratifiedSystem
+
+BIPED = shipped_system("biped")
+EXTENDED = extend(BIPED.system, BIPED.elements)
+STEP = line(np.zeros(7), [0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
+POINTS = STEP.at(np.linspace(0, 1, 1001))
+POSITION, YAW, SPAN = 0.5, 1.0, 0.6
+
+
+def time_of(flows):
+    return sum(abs(flow.duration) for flow in flows)
+
+
+def optimised(path=STEP, objective="time", **changes):
+    system = BIPED.system
+    given = {
+        "system": system,
+        "stages": cycle(system, BIPED.elements),
+        "tolerances": (Tolerance((0, 1), POSITION), Tolerance((2,), YAW)),
+        "limits": {3: (-SPAN, SPAN), 4: (-SPAN, SPAN)},
+    }
+    return Optimiser(
+        Wish(Task(**(given | changes)), objective, time_of), EXTENDED, path, 4
+    )
+
+
+@pytest.fixture(scope="module")
+def optimiser():
+    return optimised()
+
+
+@pytest.fixture(scope="module")
+def found(optimiser):
+    return optimiser.plan()
+
+
+def test_the_goal_is_met_and_legs_are_back(found):
+    assert rollout(found)[-1] == pytest.approx(STEP(1.0), abs=1e-6)
+
+
+def test_the_motion_stays_within_its_tolerances(found):
+    position, yaw = deviation(rollout(found, 20), POINTS, [(0, 1), (2,)])
+    assert position <= POSITION
+    assert yaw <= YAW
+
+
+def test_legs_stay_within_their_range(found):
+    assert np.abs(rollout(found)[:, 3:5]).max() <= SPAN + 1e-9
+
+
+def test_it_is_shorter_than_the_stratified_plan(found):
+    stratified = plan(EXTENDED, STEP, 4)
+    assert time_of(found.flows) < 0.6 * time_of(stratified.flows)  # 0.5 measured
+    assert found.contact_switches < stratified.contact_switches
+
+
+def test_another_goal_nearby_takes_the_same_strokes(optimiser, found):
+    goal = STEP(1.0) + [0.01, -0.02, 0.03, 0, 0, 0, 0]
+    aside = optimiser.plan(goal)
+    assert rollout(aside)[-1] == pytest.approx(goal, abs=1e-6)
+    assert [f.field for f in aside.flows] == [f.field for f in found.flows]
+
+
+def test_fewest_switches_are_no_more_than_those_of_the_fastest(found):
+    fewest = optimised(objective="switches").plan()
+    assert fewest.contact_switches <= found.contact_switches
+
+
+def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
+    for name, value in (("LONGEST", 2.0), ("MOST", 8), ("CLOSELY", 1)):
+        monkeypatch.setattr(search, name, value)
+    goal = np.array([4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    optimiser = optimised(line(np.zeros(7), goal))
+    found = optimiser.plan()
+    assert len(optimiser._solutions) > 1
+    assert rollout(found)[-1] == pytest.approx(goal, abs=1e-6)
+
+
+def test_tolerances_that_are_not_kept_are_refused_with_those_that_are(monkeypatch):
+    monkeypatch.setattr(search, "MOST", 6)
+    tight = (Tolerance((0, 1), 0.01), Tolerance((2,), 0.02))
+    with pytest.raises(BoundError, match="within 0.01 and 0.02 .* nearest"):
+        optimised(tolerances=tight).plan()
+
+
+def test_margins_are_kept_between_stages():
+    def narrow(stage, state):
+        return [0.3 - state[3], state[3] + 0.3]  # a leg's angle
+
+    states = rollout(optimised(margins=(narrow,)).plan())
+    assert np.abs(states[:, 3]).max() <= 0.3 + 1e-6
+    assert np.abs(states[:, 4]).max() > 0.3
+
+
+def test_ctrl_c_ends_the_search_with_the_best_so_far(monkeypatch):
+    feasible = Search._feasible
+
+    def interrupted(self, window, count, attempts):
+        if self._best is not None:
+            raise KeyboardInterrupt
+        return feasible(self, window, count, attempts)
+
+    monkeypatch.setattr(Search, "_feasible", interrupted)
+    assert rollout(optimised().plan())[-1] == pytest.approx(STEP(1.0), abs=1e-6)
+
+
+def test_ctrl_c_before_anything_is_found_is_passed_on(monkeypatch):
+    def interrupted(self, window, count, attempts):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Search, "_feasible", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        optimised().plan()
+
+
+def test_a_missing_solver_is_told_with_the_way_out(monkeypatch):
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    with pytest.raises(MissingSolverError, match=r"pip install 'stratawalk\[optimise"):
+        optimised().plan()
+
+
+def test_fields_known_as_functions_are_refused():
+    strata = {"0": {"f": NumericField(lambda x: [1, 0])}}
+    system = StratifiedSystem(state=["x", "y"], strata=strata, bottom="0")
+    with pytest.raises(StratumError, match="known as a function only"):
+        cycle(system, ["f"])
+
+
+def test_strokes_during_which_legs_recover_meet_the_goal_too():
+    found = optimised(together=True).plan()
+    assert rollout(found)[-1] == pytest.approx(STEP(1.0), abs=1e-6)

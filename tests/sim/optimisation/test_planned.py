@@ -1,0 +1,107 @@
+"""Scenarios that ask for short walks get them, within what else they ask for."""
+
+import numpy as np
+import pytest
+
+from planner.errors import BoundError
+from sim.errors import UsageError
+from sim.motion.sampling import inspections
+from sim.motion.stability import stability_margin
+from sim.motion.straying import straying
+from sim.optimisation.judging import Judge
+from sim.optimisation.margins import margins
+from sim.optimisation.planned import PlannedWalk
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+
+SHORT = {
+    "path.goal": [0.06, 0.06, 0.0],
+    "segments": 12,
+    "path_tolerance": 0.02,
+    "yaw_tolerance": 3.2,
+    "optimise": "time",
+    "together": True,
+}
+
+
+def setup_of(**changes):
+    return prepare(load_scenario("line", SHORT | changes))
+
+
+@pytest.fixture(scope="module")
+def setup():
+    return setup_of()
+
+
+@pytest.fixture(scope="module")
+def walk(setup):
+    return PlannedWalk(setup)
+
+
+@pytest.fixture(scope="module")
+def found(walk):
+    return walk.plan()
+
+
+def test_the_prediction_ends_in_the_goal_with_legs_at_rest(setup, found):
+    goal = [0.06, 0.06, 0.0, 0.0, 0.0]
+    assert Judge(setup).end(found.flows)[:5] == pytest.approx(goal, abs=1e-6)
+
+
+def test_it_is_several_times_faster_than_the_stratified_plan(setup, found):
+    judge, stratified = Judge(setup), plan_open_loop(setup)
+    assert judge.duration(found.flows) < judge.duration(stratified.flows) / 3
+
+
+def test_it_stays_within_the_tolerance(setup, found):
+    strays = straying(setup.scenario.path.curve, Judge(setup).poses(found))
+    assert strays["position"] <= 0.02
+
+
+def test_segments_stay_those_of_the_scenario(setup, found):
+    assert len(found.segment_ends) == 12
+    assert found.start.shape == found.goal.shape
+
+
+def test_a_plan_beside_the_goal_ends_there(setup, walk):
+    aside = (0.001, -0.002, 0.004)
+    end = Judge(setup).end(walk.plan(aside).flows)
+    assert end[:3] == pytest.approx(np.array([0.06, 0.06, 0.0]) + aside, abs=1e-6)
+
+
+def test_margins_as_expressions_are_those_of_the_prediction(setup):
+    stage = Judge(setup)
+    planned = plan_open_loop(setup)
+    schedule = stage.schedule(list(planned.segments()))
+    rows = inspections(schedule) - 1
+    swing, _ = schedule.angles(rows)
+    least = margins(setup, 0.0)
+    for stratum in ("1", "2"):
+        on = [schedule.phases[k].stratum == stratum for k in schedule.phase_of(rows)]
+        angles = swing[np.array(on)][5]
+        on_stage = type("Stage", (), {"stratum": stratum})
+        found = min(least(on_stage, [0.0, 0.0, 0.0, *angles]))
+        raised = setup.raised[stratum]
+        stance = setup.kinematics.stance(angles[None], raised[None])
+        contact = setup.robot.planted(stratum)[None]
+        expected = stability_margin(stance.feet, contact, stance.center_of_mass)[0]
+        assert found == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_least_margin_is_kept():
+    setup = setup_of(min_margin=0.045)
+    found = PlannedWalk(setup).plan()
+    assert Judge(setup).margin_lack(found) == 0.0
+
+
+def test_a_tolerance_that_cannot_be_kept_is_refused(monkeypatch):
+    monkeypatch.setattr("planner.optimisation.search.MOST", 6)
+    setup = setup_of(path_tolerance=0.0005, yaw_tolerance=0.005)
+    with pytest.raises(BoundError, match="nearest found there keeps"):
+        PlannedWalk(setup).plan()
+
+
+def test_optimising_and_replanning_exclude_each_other():
+    with pytest.raises(UsageError, match="leave one of them out"):
+        load_scenario("line", {"optimise": "time", "replan": True})

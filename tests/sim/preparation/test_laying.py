@@ -1,0 +1,84 @@
+"""Flows become phases; recoveries take place during strokes where that is asked for."""
+
+import numpy as np
+import pytest
+
+from planner.systems.flows import Flow
+from sim.motion.prediction import Predictor
+from sim.motion.schedule import Scheduler
+from sim.optimisation.judging import real_twists
+from sim.preparation.laying import lay, together
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+
+GROUPS = ("1", "2")
+STROKE, RECOVERY = (1.0, 0.0), (0.0, 1.0)
+FLOWS = [
+    Flow("1", "g1_2", -0.2),
+    Flow("1", "g1_1", 0.4),
+    Flow("2", "g2_1", -0.5),
+    Flow("2", "g2_2", 0.4),
+    Flow("1", "g1_2", -0.2),
+    Flow("1", "g1_1", 0.1),
+]
+
+
+def moves(*given):
+    return [(0, flow, direction) for flow, direction in given]
+
+
+def changes(laid):
+    return sum(np.multiply(flow.duration, direction) for _, flow, direction in laid)
+
+
+def test_a_recovery_goes_along_with_the_stroke_of_its_stay():
+    stay = moves((Flow("1", "g1_2", -0.2), RECOVERY), (Flow("1", "g1_1", 0.4), STROKE))
+    ((_, flow, direction),) = together(stay, GROUPS)
+    assert flow == Flow("1", "g1_1", 0.4)
+    assert direction == pytest.approx((1.0, -0.5))
+
+
+def test_a_recovery_is_shared_out_among_the_strokes_of_a_stay():
+    stay = moves(
+        (Flow("1", "g1_1", 0.3), STROKE),
+        (Flow("1", "g1_2", 0.2), RECOVERY),
+        (Flow("1", "other", -0.1), STROKE),
+    )
+    laid = together(stay, GROUPS)
+    assert [d[1] * f.duration for _, f, d in laid] == pytest.approx([0.15, 0.05])
+    assert changes(laid) == pytest.approx(changes(stay))
+
+
+def test_other_stays_are_left_alone():
+    apart = moves(
+        (Flow("1", "g1_2", 0.2), RECOVERY), (Flow("2", "g2_2", 0.4), RECOVERY)
+    )
+    assert together(apart, GROUPS) == apart
+
+
+@pytest.fixture(scope="module")
+def schedules():
+    found = []
+    for asked in (False, True):
+        setup = prepare(load_scenario("line", {"together": asked}))
+        scheduler = Scheduler(setup.limits, setup.at_rest)
+        lay(setup, scheduler, [FLOWS])
+        found.append((setup, scheduler.finish()))
+    return found
+
+
+def test_a_stay_lasts_as_long_as_its_longest_part(schedules):
+    (_, apart), (_, together) = schedules
+    longest = [p.steps for p in together.phases if p.kind == "swing"]
+    timestep = together.limits.timestep
+    assert longest == pytest.approx([x / 0.5 / timestep + 300 for x in (0.4, 0.5, 0.2)])
+    assert together.stop < apart.stop
+    assert together.end.swing == pytest.approx(apart.end.swing)
+
+
+def test_the_body_goes_where_it_would_have_gone(schedules):
+    ends = []
+    for setup, schedule in schedules:
+        predict = Predictor(schedule, real_twists(setup), setup.kinematics)
+        ends.append(predict(np.array([schedule.stop - 1])).pose[0])
+    assert ends[1] == pytest.approx(ends[0], abs=1e-9)
