@@ -51,16 +51,16 @@ from .morphology.shipped import (
     PIVOT as PIVOT,
     PIVOTS as PIVOTS,
 )
+from .motion.identified import (
+    FailedField as FailedField,
+    IdentifiedTwists as IdentifiedTwists,
+    MeasuredField as MeasuredField,
+)
 from .motion.real_contacts import (
     ContactField as ContactField,
     FittedTwists as FittedTwists,
     contact_equations as contact_equations,
     contact_fields as contact_fields,
-)
-from .motion.identified import (
-    FailedField as FailedField,
-    IdentifiedTwists as IdentifiedTwists,
-    MeasuredField as MeasuredField,
 )
 from .motion.robot_equations import (
     Equations as Equations,

@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -18,13 +18,17 @@ from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
 from sim.evaluation.deviations import deviations, per_metre
 from sim.evaluation.passage import clearances
-from sim.evaluation.phases import count_changes, swing_slip
+from sim.evaluation.phases import (
+    count_changes,
+    moving_time,
+    swing_slip,
+    swing_travel,
+)
 from sim.evaluation.verdict import judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, twist_model
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Prediction, Predictor
-from sim.motion.schedule import Phase
 from sim.motion.stability import BLOCK, carrying, stability_margin
 from sim.walking.finished import Walk
 
@@ -170,7 +174,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     swings = [p for p in walk.phases if p.kind == "swing"]
     walked = float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
     length = scenario.path.length
-    strokes = _travel(swings, setup.robot.groups, loaded=True)
+    strokes = swing_travel(swings, setup.robot.groups, loaded=True)
     in_swings, judged = swing_slip(walk), evaluation.judged
     predicted = {
         name: _of_prediction(prediction, judged)
@@ -202,7 +206,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "contact_switches": sum(p.kind in ("lift", "land") for p in walk.phases),
         "contact_switches_achieved": count_changes(walk),
         "swing_travel": strokes,
-        "air_travel": _travel(swings, setup.robot.groups, loaded=False),
+        "air_travel": swing_travel(swings, setup.robot.groups, loaded=False),
         "bounces": walk.recording.bounces,
         "wall_contacts": walk.recording.wall_contacts,
         "self_contacts": walk.recording.self_contacts,
@@ -237,27 +241,10 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "error_sources": _sources(evaluation),
         "servo": setup.servo.table(),
         "deviation": deviations(scenario, evaluation.predicted, achieved.pose, judged),
-        "per_metre": per_metre(length, _moving(walk), strokes),
+        "per_metre": per_metre(length, moving_time(walk), strokes),
         "simulated_time": walk.recording.steps * setup.limits.timestep,
         "timestep": setup.limits.timestep,
     }
-
-
-def _moving(walk: Walk) -> float:
-    """Time from the first lift-off to the last touchdown [s]."""
-    moving = [phase for phase in walk.phases if phase.kind != "hold"]
-    steps = moving[-1].stop - moving[0].start if moving else 0
-    return steps * walk.setup.limits.timestep
-
-
-def _travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> float:
-    """Way of all groups' angles on the ground, or in the air [rad]."""
-    return sum(
-        abs(phase.amount * phase.direction[i])
-        for phase in swings
-        for i in phase.moving
-        if (groups[i] in phase.stratum) == loaded
-    )
 
 
 def _least(evaluation: Evaluation, name: str) -> float | None:

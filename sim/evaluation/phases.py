@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -43,6 +44,23 @@ def as_planned(walk: Walk, phase: Phase) -> bool:
         asked = ~np.isin(robot.group_of_leg, phase.moving)
     contact = walk.recording.contacts.between(phase.start + 1, phase.stop)
     return bool((contact[:, asked] == planned[asked]).all())
+
+
+def moving_time(walk: Walk) -> float:
+    """Time from the first lift-off to the last touchdown [s]."""
+    moving = [phase for phase in walk.phases if phase.kind != "hold"]
+    steps = moving[-1].stop - moving[0].start if moving else 0
+    return steps * walk.setup.limits.timestep
+
+
+def swing_travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -> float:
+    """Way of all groups' angles on the ground, or in the air [rad]."""
+    return sum(
+        abs(phase.amount * phase.direction[i])
+        for phase in swings
+        for i in phase.moving
+        if (groups[i] in phase.stratum) == loaded
+    )
 
 
 def count_changes(walk: Walk) -> int:
