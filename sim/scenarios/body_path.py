@@ -8,8 +8,9 @@ provides the curves, divides them into segments and follows them.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,9 @@ from sim.scenarios.tables import (
 
 Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
+CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 LARGEST = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
+POSE = ("x", "y", "yaw")
 AXES = "two lengths above 0 [m]"
 
 
@@ -114,19 +117,66 @@ def route(goal: Sequence[float]) -> NominalPath:
     return replace(line(goal), kind="route")
 
 
+def table(poses: Sequence[Sequence[float]]) -> NominalPath:
+    """A smooth curve through many poses, the first being the start.
+
+    Raises:
+        UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
+    """
+    if not is_list(poses) or len(poses) < 2:
+        raise _refusal("path.poses", poses, "at least two poses [x, y, yaw]")
+    points = tuple(_pose(f"path.poses[{i}]", pose) for i, pose in enumerate(poses))
+    if points[0] != START:
+        raise _refusal("path.poses[0]", poses[0], "[0, 0, 0], the start pose")
+    from sim.scenarios.curves import table_curve  # loads sympy
+
+    try:
+        curve, length = table_curve(points)
+    except ValueError as error:
+        raise UsageError(str(error), "path.poses", "give different poses") from error
+    return NominalPath("table", points, points[-1], length, curve)
+
+
+def formulas(given: Mapping[str, object]) -> NominalPath:
+    """Poses x(s), y(s), yaw(s) for s from 0 to 1, at (0, 0, 0) for s = 0.
+
+    Args:
+        given: Formulas or numbers by the names x, y and yaw; those missing are 0.
+
+    Raises:
+        UsageError: If one is no formula of s, or the path does not start there.
+    """
+    from sim.scenarios.curves import formula_curve  # loads sympy
+
+    try:
+        curve, length = formula_curve(given)
+    except ValueError as error:
+        what, _, remedy = str(error).partition("; ")
+        raise UsageError(what, "path", remedy or "write formulas of s") from error
+    start, goal = curve(0.0), curve(1.0)
+    if np.abs(start).max() > CLOSE or np.abs(goal).max() > LARGEST:
+        raise _refusal("path at s = 0", start.tolist(), "[0, 0, 0], the start pose")
+    x, y, yaw = goal.tolist()
+    return NominalPath("formulas", dict(given), (x, y, yaw), length, curve)
+
+
 KINDS: dict[str, tuple[str, Callable[[Any], NominalPath]]] = {
     "line": ("goal", line),
     "ellipse": ("semi_axes", ellipse),
     "waypoints": ("points", waypoints),
     "route": ("goal", route),
+    "table": ("poses", table),
+    "formulas": ("", formulas),
 }
-"""For each kind the key of its parameter, and what makes it."""
+"""For each kind the key of its parameter, none where it is a table of its own, and
+what makes it."""
 
 
 def decode(table: object) -> NominalPath:
     """The path that a table describes: `kind = ...` and the parameter of that kind.
 
-    A table with a goal and no kind is a route.
+    A table with a goal and no kind is a route. The poses of a `table` may be those of
+    a CSV `file` instead.
 
     Raises:
         UsageError: If a key is missing, unknown, or its value impossible.
@@ -135,13 +185,37 @@ def decode(table: object) -> NominalPath:
         table = {"kind": "route", **table}
     table = require_kind(table, "path", KINDS)
     key, make = KINDS[table["kind"]]
+    if table["kind"] == "formulas":
+        require_keys(table, "path of kind formulas", (), POSE)
+        return make({name: v for name, v in table.items() if name != "kind"})
+    if table["kind"] == "table" and "file" in table:
+        require_keys(table, "path of kind table", ("file",), ())
+        return make(_read_poses(table["file"]))
     require_keys(table, f"path of kind {table['kind']}", (key,), ())
     return make(table[key])
 
 
 def encode(path: NominalPath) -> dict[str, object]:
     """The table that `decode` turns into the path."""
+    if isinstance(path.parameter, Mapping):
+        return {"kind": path.kind, **path.parameter}
     return {"kind": path.kind, KINDS[path.kind][0]: path.parameter}
+
+
+def _read_poses(file: object) -> list[tuple[float, ...]]:
+    if not isinstance(file, str):
+        raise _refusal("path.file", file, "the name of a CSV file")
+    from sim.scenarios.curves import read_poses  # loads sympy
+
+    try:
+        return read_poses(FilePath(file))
+    except OSError as error:
+        raise UsageError(
+            f"cannot be read, {error.strerror}", file, "give a CSV file that exists"
+        ) from error
+    except ValueError as error:
+        what, _, remedy = str(error).partition("; ")
+        raise UsageError(what, file, remedy) from error
 
 
 def _pose(key: str, value: object) -> Pose:

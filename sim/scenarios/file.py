@@ -42,6 +42,7 @@ def load_scenario(
     path = _find(source)
     table = {"name": path.stem, **_read(path)}
     _anchor_robot(table, path.parent)
+    _anchor_poses(table.get("path"), path.parent)
     given = dict(overrides or {})
     _anchor_robot(given, Path.cwd())
     for key, value in given.items():
@@ -130,6 +131,12 @@ def _anchor_robot(table: dict[str, Any], folder: Path) -> None:
     robot = table.get("robot")
     if isinstance(robot, str) and robot.endswith(".xml"):
         table["robot"] = str((folder / robot).resolve())
+
+
+def _anchor_poses(path: object, folder: Path) -> None:
+    """Likewise a table of poses beside the scenario."""
+    if isinstance(path, dict) and isinstance(path.get("file"), str):
+        path["file"] = str((folder / path["file"]).resolve())
 
 
 def _replace(table: dict[str, Any], key: str, value: object) -> None:
