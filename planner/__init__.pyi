@@ -114,6 +114,10 @@ from .planning.convergence import (
     faster as faster,
 )
 from .planning.criticality import critical_step as critical_step
+from .planning.curves import (
+    formula_curve as formula_curve,
+    table_curve as table_curve,
+)
 from .planning.nominal import (
     extend_along as extend_along,
     require_segments as require_segments,

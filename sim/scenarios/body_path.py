@@ -19,6 +19,7 @@ from scipy.special import ellipe
 import planner
 from planner import Array, Path
 from sim.errors import UsageError
+from sim.scenarios.pose_file import COLUMNS, read_poses
 from sim.scenarios.tables import (
     are_numbers,
     is_list,
@@ -31,7 +32,6 @@ Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
 CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 LARGEST = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
-POSE = ("x", "y", "yaw")
 AXES = "two lengths above 0 [m]"
 
 
@@ -128,10 +128,8 @@ def table(poses: Sequence[Sequence[float]]) -> NominalPath:
     points = tuple(_pose(f"path.poses[{i}]", pose) for i, pose in enumerate(poses))
     if points[0] != START:
         raise _refusal("path.poses[0]", poses[0], "[0, 0, 0], the start pose")
-    from sim.scenarios.curves import table_curve  # loads sympy
-
     try:
-        curve, length = table_curve(points)
+        curve, length = planner.table_curve(points)
     except ValueError as error:
         raise UsageError(str(error), "path.poses", "give different poses") from error
     return NominalPath("table", points, points[-1], length, curve)
@@ -146,10 +144,8 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
     Raises:
         UsageError: If one is no formula of s, or the path does not start there.
     """
-    from sim.scenarios.curves import formula_curve  # loads sympy
-
     try:
-        curve, length = formula_curve(given)
+        curve, length = planner.formula_curve(given)
     except ValueError as error:
         what, _, remedy = str(error).partition("; ")
         raise UsageError(what, "path", remedy or "write formulas of s") from error
@@ -186,7 +182,7 @@ def decode(table: object) -> NominalPath:
     table = require_kind(table, "path", KINDS)
     key, make = KINDS[table["kind"]]
     if table["kind"] == "formulas":
-        require_keys(table, "path of kind formulas", (), POSE)
+        require_keys(table, "path of kind formulas", (), COLUMNS)
         return make({name: v for name, v in table.items() if name != "kind"})
     if table["kind"] == "table" and "file" in table:
         require_keys(table, "path of kind table", ("file",), ())
@@ -205,8 +201,6 @@ def encode(path: NominalPath) -> dict[str, object]:
 def _read_poses(file: object) -> list[tuple[float, ...]]:
     if not isinstance(file, str):
         raise _refusal("path.file", file, "the name of a CSV file")
-    from sim.scenarios.curves import read_poses  # loads sympy
-
     try:
         return read_poses(FilePath(file))
     except OSError as error:

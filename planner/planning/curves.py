@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path as FilePath
 
 import numpy as np
 import sympy as sp
 from scipy.integrate import quad
 from scipy.interpolate import PchipInterpolator
 
-from planner import Array, Path, read_formula
+from planner.numerics.arrays import Array
+from planner.planning.paths import Path
+from planner.systems.formulas import read_formula
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
-MOST_POSES = 100_000
 PRECISION = 1e-12  # of the arc length, relative
 
 
@@ -72,33 +71,6 @@ def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:
     rate = spline.derivative()
     cuts = where.tolist()
     return Path(spline), _arc_length(lambda t: np.hypot(*rate(t)[:2]), cuts)
-
-
-def read_poses(path: FilePath) -> list[tuple[float, ...]]:
-    """Poses from a CSV file with a column for each of `COLUMNS`, in any order.
-
-    Args:
-        path: The file; its first line names the columns.
-
-    Raises:
-        ValueError: A column is missing, or a value is no finite number.
-        OSError: It cannot be read.
-    """
-    with path.open(newline="") as file:
-        rows = csv.DictReader(file)
-        names = [name.strip() for name in rows.fieldnames or ()]
-        if missing := [name for name in COLUMNS if name not in names]:
-            raise ValueError(f"no column {missing[0]!r}; head it x,y,yaw")
-        rows.fieldnames = names
-        poses = []
-        for number, row in enumerate(rows, start=2):
-            try:
-                poses.append(tuple(float(row[name]) for name in COLUMNS))
-            except (TypeError, ValueError):
-                raise ValueError(f"line {number} holds no pose; give numbers") from None
-            if len(poses) > MOST_POSES:
-                raise ValueError(f"more than {MOST_POSES} poses; thin it out")
-    return poses
 
 
 def _arc_length(speed: Callable[[float], float], cuts: Sequence[float]) -> float:

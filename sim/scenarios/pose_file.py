@@ -1,0 +1,36 @@
+"""Poses from a CSV file."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
+MOST_POSES = 100_000
+
+
+def read_poses(path: Path) -> list[tuple[float, ...]]:
+    """Poses from a CSV file with a column for each of `COLUMNS`, in any order.
+
+    Args:
+        path: The file; its first line names the columns.
+
+    Raises:
+        ValueError: A column is missing, or a value is no finite number.
+        OSError: It cannot be read.
+    """
+    with path.open(newline="") as file:
+        rows = csv.DictReader(file)
+        names = [name.strip() for name in rows.fieldnames or ()]
+        if missing := [name for name in COLUMNS if name not in names]:
+            raise ValueError(f"no column {missing[0]!r}; head it x,y,yaw")
+        rows.fieldnames = names
+        poses = []
+        for number, row in enumerate(rows, start=2):
+            try:
+                poses.append(tuple(float(row[name]) for name in COLUMNS))
+            except (TypeError, ValueError):
+                raise ValueError(f"line {number} holds no pose; give numbers") from None
+            if len(poses) > MOST_POSES:
+                raise ValueError(f"more than {MOST_POSES} poses; thin it out")
+    return poses
