@@ -82,7 +82,8 @@ def test_the_scenarios_shown_are_some(tmp_path):
     for block in blocks_with("toml", "[path]"):
         (tmp_path / "mine.toml").write_text(block)
         shown.append(load_scenario(str(tmp_path / "mine.toml")))
-    around, out = shown
+    around, snake, out = shown
+    assert snake.path.goal[0] == pytest.approx(0.15)
     assert around.path.kind == "waypoints"
     assert out.path.kind == "route"
     assert len(out.obstacles) == 3
