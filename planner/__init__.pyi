@@ -118,6 +118,10 @@ from .planning.curves import (
     formula_curve as formula_curve,
     table_curve as table_curve,
 )
+from .planning.lifted_ends import (
+    plan_between as plan_between,
+    stratum_at as stratum_at,
+)
 from .planning.nominal import (
     extend_along as extend_along,
     require_segments as require_segments,

@@ -18,6 +18,7 @@ from planner.extension.extended import ExtendedSystem
 from planner.extension.steering import Wording
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow
+from planner.systems.gait_order import regroup_in_gait
 from planner.systems.grouping import regroup
 from planner.systems.shape import ShapeLimits
 
@@ -52,6 +53,8 @@ class Execution:
         finish: Whether the plan ends by bringing the legs to the shape of the goal.
         depart: Stratum before the first flow; the bottom stratum if empty.
         arrive: Stratum after the last flow; the bottom stratum if empty.
+        gait: Closed walk whose order the strata are visited in, eq. (11); any order
+            if empty.
 
     Raises:
         ValueError: A choice is unknown.
@@ -64,6 +67,7 @@ class Execution:
     finish: bool = True
     depart: str = ""
     arrive: str = ""
+    gait: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.stance not in get_args(StanceRule):
@@ -116,7 +120,10 @@ class Execution:
             steering.words(hall_coordinates, order, nominal[:-1]) for order in orders
         ]
         words = list(zip(*ways, strict=True))
-        ordered = regroup(extended.grouper, words, *ends)
+        if self.gait:
+            ordered = regroup_in_gait(extended.grouper, words, self.gait, ends[0])
+        else:
+            ordered = regroup(extended.grouper, words, *ends)
         if self.stance == "centred":
             shape_after = goal if self.finish else None
             ordered = centred(extended.shape, ordered, start, shape_after, ends)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Protocol
 
 import numpy as np
@@ -24,6 +25,7 @@ from planner.planning.paths import Path, as_path
 from planner.planning.regularity import require_regular
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
+from planner.systems.gait_order import gait_walk, walk_switches
 from planner.systems.strata import StratifiedSystem
 
 MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
@@ -47,6 +49,7 @@ class Plan:
             included, shape (segments + 1, n).
         depart: Stratum before the first flow.
         arrive: Stratum after the last flow.
+        gait: Closed walk whose order the strata are visited in; empty if in any.
 
     Raises:
         ValueError: A value is misshapen or not finite, or names what the system lacks.
@@ -62,6 +65,7 @@ class Plan:
     nominal: Array
     depart: str
     arrive: str
+    gait: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         require_flows(self.system, self.flows)
@@ -105,7 +109,19 @@ class Plan:
     @property
     def contact_switches(self) -> int:
         """Number of lift-offs and touchdowns."""
-        return contact_switches(self.system, self.flows, self.depart, self.arrive)
+        ends = self.depart, self.arrive
+        if self.gait:
+            return walk_switches(self.system, self.walk)
+        return contact_switches(self.system, self.flows, *ends)
+
+    @property
+    def walk(self) -> tuple[str, ...]:
+        """Strata visited in turn: all along the gait, or those of flows without one."""
+        ends = self.depart, self.arrive
+        if self.gait:
+            return gait_walk(self.system, self.flows, self.gait, ends)
+        visited = [ends[0], *(flow.stratum for flow in self.flows), ends[1]]
+        return tuple(stratum for stratum, _ in groupby(visited))
 
     def segments(self) -> Iterator[tuple[Flow, ...]]:
         """The flows of each segment."""
@@ -254,6 +270,7 @@ def assemble(
         nominal=nominal,
         depart=execution.depart or extended.system.bottom,
         arrive=execution.arrive or extended.system.bottom,
+        gait=execution.gait,
     )
 
 

@@ -111,7 +111,7 @@ def save_plan(plan: Plan, path: Path | str) -> None:
         "nominal": plan.nominal.tolist(),
         "depart": plan.depart,
         "arrive": plan.arrive,
-    }
+    } | ({"gait": list(plan.gait)} if plan.gait else {})
     with whole_file(path) as part:
         part.write_text(json.dumps(table))
 
@@ -149,4 +149,5 @@ def _plan(table: Mapping[str, Any]) -> Plan:
         nominal=np.array(table["nominal"]),
         depart=table["depart"],
         arrive=table["arrive"],
+        gait=tuple(table.get("gait", ())),
     )

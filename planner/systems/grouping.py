@@ -69,7 +69,7 @@ class Grouper:
         if not pattern:
             return (Arrangement((), start, 0),)
         strata = [self.system.stratum_of[name] for name in pattern]
-        after = self._prerequisites(pattern)
+        after = self.prerequisites(pattern)
         ends = dict.fromkeys(strata)
         found = [self._cheapest(strata, after, start, end) for end in ends]
         return tuple(
@@ -97,7 +97,7 @@ class Grouper:
                 continue
             settled.add((done, here))
             for there in _open(strata, done):
-                run, then = _run(strata, after, done, there)
+                run, then = run_on(strata, after, done, there)
                 rest = _open(strata, then)
                 early = rest and end not in rest  # no flow would be left to end with
                 if run and (here, there) in counts and not early:
@@ -116,7 +116,7 @@ class Grouper:
         changing = frozenset[str]().union(*(contacts[here] ^ contacts[s] for s in rest))
         return 2 * len(changing) - len(contacts[here] ^ contacts[end])
 
-    def _prerequisites(self, pattern: Pattern) -> tuple[int, ...]:
+    def prerequisites(self, pattern: Pattern) -> tuple[int, ...]:
         """For each flow the bit mask of the earlier flows that must precede it."""
         return tuple(
             sum(1 << i for i in range(j) if not self.interchange(pattern[i], name))
@@ -171,7 +171,7 @@ def _open(strata: Sequence[str], done: int) -> dict[str, None]:
     return dict.fromkeys(s for j, s in enumerate(strata) if not done >> j & 1)
 
 
-def _run(
+def run_on(
     strata: Sequence[str], after: Sequence[int], done: int, stratum: str
 ) -> tuple[tuple[int, ...], int]:
     """All flows that can run on a stratum now, and the mask of flows then done."""

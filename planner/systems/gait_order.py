@@ -1,0 +1,127 @@
+"""Plans in the order of a gait: strata are visited as eq. (11) lists them.
+
+Between two flows the walk goes on along the gait, through strata on which nothing
+flows, until it comes to the stratum of the next one. Staying on a stratum until nothing
+more can run there never costs, so the fewest steps of the gait are found by going on
+only when needed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from planner.errors import StratumError
+from planner.systems.flows import Flow, Word
+from planner.systems.grouping import Grouper, run_on
+from planner.systems.strata import Gait, StratifiedSystem, steps
+
+
+def regroup_in_gait(
+    grouper: Grouper,
+    segments: Sequence[Sequence[Word]],
+    gait: Sequence[str],
+    start: str,
+) -> list[list[Flow]]:
+    """Flows of each segment in the order of a gait, with the fewest steps of it.
+
+    Args:
+        grouper: What commutes.
+        segments: For each segment the ways to run it, each a word.
+        gait: Closed walk in the graph of strata.
+        start: Stratum before the first flow.
+
+    Returns:
+        For each segment its flows in time order.
+
+    Raises:
+        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    """
+    cycle = cycle_of(grouper.system, gait)
+    plans = [_in_gait(grouper, segments, cycle, at) for at in _places(cycle, start)]
+    return min(plans, key=lambda plan: plan[0])[1]
+
+
+def gait_walk(
+    system: StratifiedSystem,
+    flows: Iterable[Flow],
+    gait: Sequence[str],
+    ends: tuple[str, str],
+) -> tuple[str, ...]:
+    """All strata that flows visit in turn along a gait, those without flows included.
+
+    Args:
+        system: System that walks.
+        flows: Flows in time order.
+        gait: Closed walk in the graph of strata.
+        ends: Strata before the first flow and after the last one.
+
+    Raises:
+        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    """
+    cycle = cycle_of(system, gait)
+    wanted = [*(flow.stratum for flow in flows), ends[1]]
+    walks = []
+    for at in _places(cycle, ends[0]):
+        place = at
+        for stratum in wanted:
+            place = _next(cycle, place, stratum)
+        walks.append(tuple(cycle[i % len(cycle)] for i in range(at, place + 1)))
+    return min(walks, key=len)
+
+
+def walk_switches(system: StratifiedSystem, walk: Sequence[str]) -> int:
+    """Contact events, lifts plus landings, of a walk through strata."""
+    contacts = system.contacts
+    return sum(len(contacts[a] ^ contacts[b]) for a, b in steps(walk))
+
+
+def cycle_of(system: StratifiedSystem, gait: Sequence[str]) -> tuple[str, ...]:
+    """The strata of a gait once around, each place once."""
+    walk = Gait(system, tuple(gait)).strata
+    return walk[:-1] or walk
+
+
+def _places(cycle: Sequence[str], stratum: str) -> list[int]:
+    if stratum not in cycle:
+        raise StratumError(
+            f"the gait {' '.join(cycle)} does not visit S{stratum}, which is needed; "
+            "add it"
+        )
+    return [i for i, name in enumerate(cycle) if name == stratum]
+
+
+def _next(cycle: Sequence[str], place: int, stratum: str) -> int:
+    """The first place at or after another one that is on a stratum."""
+    return min(place + (at - place) % len(cycle) for at in _places(cycle, stratum))
+
+
+def _in_gait(
+    grouper: Grouper,
+    segments: Sequence[Sequence[Word]],
+    cycle: Sequence[str],
+    place: int,
+) -> tuple[int, list[list[Flow]]]:
+    """Steps of the gait and the flows; an earlier place serves as well as any later."""
+    ordered: list[list[Flow]] = []
+    for ways in segments:
+        found = [(*_ordered(grouper, way.fields, cycle, place), way) for way in ways]
+        place, order, way = min(found, key=lambda one: one[0])
+        ordered.append(grouper.flows(way, order))
+    return place, ordered
+
+
+def _ordered(
+    grouper: Grouper, pattern: tuple[str, ...], cycle: Sequence[str], place: int
+) -> tuple[int, tuple[int, ...]]:
+    """The place after the last flow of a pattern, and the order of its flows."""
+    strata = [grouper.system.stratum_of[name] for name in pattern]
+    for stratum in strata:
+        _places(cycle, stratum)  # refuses what the gait never visits
+    after = grouper.prerequisites(pattern)
+    order: tuple[int, ...] = ()
+    done = 0
+    while len(order) < len(pattern):
+        run, done = run_on(strata, after, done, cycle[place % len(cycle)])
+        order += run
+        place += len(order) < len(pattern)
+    return place, order

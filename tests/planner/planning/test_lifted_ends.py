@@ -1,0 +1,120 @@
+"""Plans in the order of a gait, and with feet lifted at their ends."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models.systems.catalogue import shipped_system
+from planner.errors import StratumError
+from planner.execution.execution import Execution
+from planner.extension.extended import extend
+from planner.planning.algorithm import plan
+from planner.planning.archive import load_plan, save_plan
+from planner.planning.lifted_ends import plan_between, stratum_at
+from planner.planning.playback import rollout
+from planner.systems.strata import steps
+from tests.systems import GAIT, LIFTED, hexapod
+
+REVERSED = GAIT[::-1]
+
+
+@pytest.fixture(scope="module")
+def walker():
+    return extend(hexapod(heights=True), LIFTED)
+
+
+@pytest.mark.parametrize("stance", ["paper", "centred"])
+@pytest.mark.parametrize("gait", [GAIT, REVERSED])
+def test_strata_are_visited_in_the_order_of_the_gait(walker, gait, stance):
+    execution = Execution(gait=gait, stance=stance)
+    path = shipped_system("paper-hexapod").path
+    planned = plan(walker, path, 8, execution=execution)
+    around = list(zip(gait, gait[1:], strict=False))
+    walk = planned.walk
+    assert (walk[0], walk[-1]) == ("12", "12")
+    assert set(steps(walk)) <= set(around)
+    singles = [stratum for stratum in walk if stratum != "12"]
+    assert all(a != b for a, b in steps(singles))  # tripods alternate
+    assert planned.contact_switches == len(walk) - 1  # each step moves one tripod
+    free = plan(walker, path, 8, execution=replace(execution, gait=()))
+    assert planned.contact_switches >= free.contact_switches
+
+
+def test_gait_changes_the_order_and_not_where_the_body_goes(walker):
+    path = shipped_system("paper-hexapod").path
+    plans = [
+        plan(walker, path, 8, execution=Execution(coordinates="backward", gait=gait))
+        for gait in ((), GAIT)
+    ]
+    ends = [rollout(planned)[-1] for planned in plans]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+
+
+def test_crawl_lifts_its_feet_in_the_order_asked_for():
+    problem = shipped_system("quadruped-crawl")
+    extended = extend(problem.system, problem.elements)
+    steps_of = ("234", "124", "134", "123")
+    gait = ("1234", *(s for step in steps_of for s in (step, "1234")))
+    planned = plan(extended, problem.path, 4, execution=Execution(gait=gait))
+    lifted = [stratum for stratum in planned.walk if stratum != "1234"]
+    cycle = {a: b for a, b in zip(steps_of, steps_of[1:] + steps_of[:1], strict=True)}
+    assert all(cycle[a] == b for a, b in steps(lifted))
+
+
+def test_gait_that_lacks_a_stratum_is_refused(walker):
+    path = shipped_system("paper-hexapod").path
+    with pytest.raises(StratumError, match="does not visit S2, which is needed"):
+        plan(walker, path, 1, execution=Execution(gait=("12", "1", "12")))
+    with pytest.raises(StratumError, match="does not close"):
+        plan(walker, path, 1, execution=Execution(gait=("12", "1")))
+
+
+def test_gait_is_kept_with_the_plan(walker, tmp_path):
+    path = shipped_system("paper-hexapod").path
+    planned = plan(walker, path, 1, execution=Execution(gait=GAIT))
+    save_plan(planned, tmp_path / "plan.json")
+    again = load_plan(tmp_path / "plan.json")
+    assert (again.gait, again.walk) == (planned.gait, planned.walk)
+
+
+@pytest.mark.parametrize("segments", [1, 3])
+@pytest.mark.parametrize(
+    ("before", "after", "strata"),
+    [
+        ((0.0, 0.2), (0.1, 0.0), ("1", "2")),
+        ((0.1, 0.0), (0.1, 0.0), ("2", "2")),
+        ((0.0, 0.0), (0.0, 0.3), ("12", "1")),
+        ((0.0, 0.0), (0.0, 0.0), ("12", "12")),
+    ],
+)
+def test_feet_may_be_lifted_at_either_end(walker, segments, before, after, strata):
+    start = np.array([0, 0, 0, 0, 0, *before], dtype=float)
+    goal = np.array([0.2, 0.1, 0.1, 0, 0, *after])
+    planned = plan_between(walker, start, goal, segments)
+    assert (planned.depart, planned.arrive) == strata
+    assert (planned.walk[0], planned.walk[-1]) == strata
+    end = rollout(planned)[-1]
+    assert end[5:] == pytest.approx(after, abs=1e-15)
+    down = [np.array([*x[:5], 0, 0]) for x in (start, goal)]
+    same = rollout(plan_between(walker, *down, segments))[-1]
+    assert end[:3] == pytest.approx(same[:3], abs=1e-2)  # other words, as accurate
+    assert len(planned.segment_ends) == segments
+
+
+def test_lifted_feet_come_down_before_another_stratum_is_visited(walker):
+    start = np.array([0, 0, 0, 0, 0, 0, 0.2])
+    planned = plan_between(walker, start, [0.2, 0, 0, 0, 0, 0, 0], 2)
+    states = rollout(planned)
+    for flow, x in zip(planned.flows, states[1:], strict=True):
+        if "2" in flow.stratum:
+            assert x[6] == pytest.approx(0.0, abs=1e-15)
+
+
+def test_strata_of_configurations():
+    system = hexapod(heights=True)
+    at = [0.0] * 5
+    assert stratum_at(system, [*at, 0, 0]) == "12"
+    assert stratum_at(system, [*at, 0, 0.1]) == "1"
+    with pytest.raises(StratumError, match="lies on no stratum"):
+        stratum_at(system, [*at, 0.1, 0.1])
