@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +22,7 @@ from planner.planning.nominal import (
 )
 from planner.planning.paths import Path, as_path
 from planner.planning.regularity import require_regular
+from planner.planning.steered_systems import Steerable
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
 from planner.systems.gait_order import gait_walk, walk_switches
@@ -144,29 +144,6 @@ class Plan:
             )
             lines.append(f"{k:4d}  " + " | ".join(stays))
         return "\n".join(lines)
-
-
-class Steerable(Protocol):
-    """A system with its best way of steering, such as the equations of a robot."""
-
-    @property
-    def system(self) -> StratifiedSystem:
-        """The stratified system."""
-        ...
-
-    @property
-    def elements(self) -> tuple[str, ...]:
-        """Elements of the extended system to steer with."""
-        ...
-
-    @property
-    def execution(self) -> Execution:
-        """How plans are carried out: order of flows, joint ranges, static stability."""
-        ...
-
-    def configurations(self, path: Path) -> Path:
-        """The path as one of configurations, if it consists of poses of the body."""
-        ...
 
 
 def plan(
