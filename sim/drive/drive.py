@@ -31,13 +31,15 @@ class Drive:
         model = setup.model
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
+        self._offset = _zero_offsets(setup, len(self._joints))
         self._held: Array | None = None
 
     @property
     def plain(self) -> bool:
         """Whether servos are told the intended angles and nothing else."""
         servo = self._servo
-        return not (servo.rate or servo.resolution or self.leads)
+        bent = self.leads or bool(self._offset.any())
+        return not (servo.rate or servo.resolution or bent)
 
     @property
     def leads(self) -> bool:
@@ -148,6 +150,7 @@ class Drive:
             damped = self._damping * self._speed(schedule, rows)
             borne = lead.at(rows)[:, joints] + damped
             told[:, joints] += borne / self._stiffness
+        told[:, joints] += self._offset
         if self._servo.resolution:
             counts = np.round(told[:, joints] / self._servo.resolution)
             told[:, joints] = counts * self._servo.resolution
@@ -164,3 +167,9 @@ class Drive:
         seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep
         speed: Array = (later - sooner) / seconds[:, None]
         return speed
+
+
+def _zero_offsets(setup: Setup, joints: int) -> Array:
+    """By how much each servo's zero is off, (J,) [rad]; the same for the same draw."""
+    spread = setup.scenario.zero_offset
+    return np.random.default_rng(setup.scenario.draw).uniform(-spread, spread, joints)

@@ -13,7 +13,7 @@ from typing import Any, Literal
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.obstacles import Obstacle
-from sim.scenarios.settings import Choice, Flag, Number, Text, setting
+from sim.scenarios.settings import Choice, Flag, Number, Numbers, Text, setting
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +96,29 @@ class Scenario:
     )
     feed_forward: bool | None = setting(
         Flag(), "commands lead by what the load bends; of itself for soft servos", None
+    )
+    zero_offset: float = setting(
+        Number(0, 0.2), "by which zeros of servos are off, drawn up to this [rad]", 0.0
+    )
+    play: float = setting(Number(0, 0.2), "of every leg joint's gears [rad]", 0.0)
+    payload: tuple[float, ...] | None = setting(
+        Numbers((Number(0, 1e3), *[Number(-10, 10)] * 3)),
+        "on the body: mass [kg], and its place x, y, z [m]",
+        None,
+    )
+    slope: tuple[float, ...] | None = setting(
+        Numbers((Number(0, 1), Number(-7, 7))),
+        "of the floor: its angle, and the direction that goes down [rad]",
+        None,
+    )
+    floor_stiffness: float | None = setting(
+        Number(100, 1e7), "of the floor's contact, as MuJoCo's solref has it", None
+    )
+    foot_friction: tuple[float, ...] | None = setting(
+        Numbers((Number(0, 10),), any_length=True), "of each foot, in leg order", None
+    )
+    draw: int = setting(
+        Number(0, 2**32 - 1, whole=True), "of everything that is drawn but the way", 0
     )
     swing_speed: float = setting(
         Number(0, 100, above=True), "highest speed of a swing joint [rad/s]", 0.5

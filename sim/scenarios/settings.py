@@ -56,6 +56,33 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
+class Numbers:
+    """A list of finite numbers, each within its own limits or all within the same."""
+
+    each: tuple[Number, ...]
+    any_length: bool = False  # as many as one likes, all as the first
+
+    def accept(self, value: object) -> tuple[float, ...]:
+        """The values as floats.
+
+        Raises:
+            ValueError: If it is no such list.
+        """
+        if not isinstance(value, list | tuple):
+            raise ValueError
+        kinds = self.each * len(value) if self.any_length else self.each
+        if len(kinds) != len(value) or not value:
+            raise ValueError
+        pairs = zip(kinds, value, strict=True)
+        return tuple(float(kind.accept(number)) for kind, number in pairs)
+
+    def __str__(self) -> str:
+        """For example `a list of 2 numbers`."""
+        count = "" if self.any_length else f"{len(self.each)} "
+        return f"a list of {count}numbers, {', '.join(map(str, self.each))}"
+
+
+@dataclass(frozen=True, slots=True)
 class Choice:
     """One of a few words."""
 

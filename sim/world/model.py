@@ -15,6 +15,7 @@ from models import EMBEDDED, Robot, compile_model
 from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.floor import ensure_floor, scene
+from sim.world.imperfections import add_imperfections
 from sim.world.sensors import ensure_sensors
 from sim.world.servo_settings import servo_settings
 from sim.world.servos import common_servo, ensure_servos
@@ -56,6 +57,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     floor = ensure_floor(spec, robot)
     _set_friction(spec, robot, floor.name, scenario.friction)
     ensure_servos(spec, robot, servo_settings(scenario, robot.card))
+    add_imperfections(spec, robot, floor.name, scenario)
     ensure_sensors(spec, robot, floor.name)
     let_down = ensure_start(spec, robot, floor)
     add_walls(spec, robot.root, scenario.obstacles)

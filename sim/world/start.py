@@ -7,8 +7,10 @@ import numpy as np
 
 from models import ON_JOINT, Kinematics, Robot
 from sim.world.floor import Floor
+from sim.world.imperfections import PLAY
 
 START = "start"
+SIZES = {mujoco.mjtJoint.mjJNT_FREE: 7, mujoco.mjtJoint.mjJNT_BALL: 4}  # in qpos
 AJAR = 1e-4  # [m]; smaller distances of the feet from the floor are left as they are
 
 
@@ -30,8 +32,20 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
         spec.delete(key)
     qpos, down = Kinematics(robot).level_qpos, _above(robot, floor)
     qpos[robot.root_address + 2] -= down
+    for place in _added(spec):
+        qpos = np.insert(qpos, place, 0.0)
     spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))
     return down
+
+
+def _added(spec: mujoco.MjSpec) -> list[int]:
+    """Places in qpos of the joints that stand for the play of gears, ascending."""
+    places, at = [], 0
+    for joint in spec.joints:
+        if joint.name.startswith(PLAY):
+            places.append(at)
+        at += SIZES.get(joint.type, 1)
+    return places
 
 
 def _above(robot: Robot, floor: Floor) -> float:

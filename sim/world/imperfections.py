@@ -1,0 +1,105 @@
+"""What is not as it should be: loads, slopes, soft floors, slippery feet, play.
+
+Predictions know nothing of it; that is what the comparison shows.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import mujoco
+import numpy as np
+
+from models import Robot
+from sim.errors import UsageError
+from sim.scenarios.scenario import Scenario
+
+PLAY = "play_"  # before the name of the joint whose gears have it
+LOOSE = 1e-6  # [kg m^2]; inertia of what moves within the play
+RUBBED = 1e-3  # [N m s/rad]; damping of it
+
+
+def add_imperfections(
+    spec: mujoco.MjSpec, robot: Robot, floor: str, scenario: Scenario
+) -> None:
+    """Add those that a scenario asks for.
+
+    Args:
+        spec: World with the robot on its floor.
+        robot: The robot.
+        floor: Name of the floor.
+        scenario: Its settings.
+
+    Raises:
+        UsageError: If there are not as many frictions as feet.
+    """
+    if scenario.payload is not None:
+        _load(spec.body(robot.root), *scenario.payload)
+    if scenario.slope is not None:
+        _tilt(spec, *scenario.slope)
+    if scenario.floor_stiffness is not None:
+        _soften(spec.geom(floor), scenario.floor_stiffness)
+    if scenario.foot_friction is not None:
+        _set_foot_friction(spec, robot, scenario)
+    if scenario.play:
+        _loosen(spec, robot, scenario.play)
+
+
+def _load(root: mujoco.MjsBody, mass: float, x: float, y: float, z: float) -> None:
+    """A small ball of the mass, which touches nothing."""
+    if mass:
+        root.add_geom(
+            name="payload",
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[0.005, 0, 0],
+            pos=[x, y, z],
+            mass=mass,
+            contype=0,
+            conaffinity=0,
+        )
+
+
+def _tilt(spec: mujoco.MjSpec, angle: float, direction: float) -> None:
+    """The floor stays the plane z = 0; what pulls down leans instead."""
+    size = float(np.linalg.norm(spec.option.gravity))
+    downhill = sin(angle) * cos(direction), sin(angle) * sin(direction)
+    spec.option.gravity = [size * part for part in (*downhill, -cos(angle))]
+
+
+def _soften(floor: mujoco.MjsGeom, stiffness: float) -> None:
+    """Stiffness of the contact, its damping in the proportion that it has."""
+    before, damping = floor.solref
+    floor.solref = [-stiffness, damping * stiffness / -before]
+
+
+def _set_foot_friction(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None:
+    """Friction of each foot, which then counts instead of the floor's."""
+    values = scenario.foot_friction or ()
+    if len(values) != len(robot.legs):
+        raise UsageError(
+            f"foot_friction has {len(values)} values for {len(robot.legs)} feet",
+            f"scenario {scenario.name!r}",
+            "give one for each leg, in the order of their numbers",
+        )
+    for leg, value in zip(robot.legs, values, strict=True):
+        for name in robot.card.legs[leg].foot:
+            foot = spec.geom(name)
+            foot.friction = (value, *foot.friction[1:])
+            foot.priority = 2
+
+
+def _loosen(spec: mujoco.MjSpec, robot: Robot, play: float) -> None:
+    """Behind every leg joint another one about the same axis, free within the play."""
+    for leg in robot.card.legs.values():
+        for name in leg.joints:
+            joint = spec.joint(name)
+            joint.parent.add_joint(
+                name=PLAY + name,
+                type=mujoco.mjtJoint.mjJNT_HINGE,
+                pos=joint.pos,
+                axis=joint.axis,
+                limited=True,
+                range=[-play / 2, play / 2],
+                armature=LOOSE,
+                damping=RUBBED,
+            )

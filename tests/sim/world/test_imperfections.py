@@ -1,0 +1,114 @@
+"""Imperfections stand in the model, and predictions know nothing of them."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim.drive.drive import Drive
+from sim.drive.rehearsal import leg_actuators
+from sim.errors import UsageError
+from sim.preparation.setup import prepare
+from sim.simulation import simulate
+from sim.world.imperfections import PLAY
+
+
+@pytest.fixture(scope="module")
+def standing():
+    from sim.scenarios.body_path import line
+    from sim.scenarios.scenario import Scenario
+
+    def make(**changes):
+        given = {"name": "short", "segments": 2, "path": line((0.01, 0.01, 0.0))}
+        return prepare(Scenario(**given | changes))
+
+    return make
+
+
+def test_a_payload_moves_the_centre_of_mass_by_its_share(standing):
+    bare, loaded = standing(), standing(payload=[0.2, 0.05, -0.02, 0.03])
+
+    def center(model):
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        mujoco.mj_forward(model, data)
+        root = model.body("torso").id
+        return model.body_subtreemass[root], data.subtree_com[root]
+
+    (m, c), (total, moved) = center(bare.model), center(loaded.model)
+    assert total == pytest.approx(m + 0.2)
+    torso = np.array([0.05, -0.02, 0.03 + 0.06])  # the body's frame is 60 mm up
+    assert moved == pytest.approx((m * c + 0.2 * torso) / total, abs=1e-9)
+
+
+def test_a_slope_turns_gravity_and_keeps_its_size(standing):
+    gravity = standing(slope=[0.1, np.pi / 2]).model.opt.gravity
+    assert gravity == pytest.approx(9.81 * np.array([0, np.sin(0.1), -np.cos(0.1)]))
+
+
+def test_a_soft_floor_keeps_the_proportion_of_its_damping(standing):
+    stiff, soft = standing().model, standing(floor_stiffness=3000.0).model
+    before, after = (model.geom("floor").solref for model in (stiff, soft))
+    assert after[0] == -3000.0
+    assert after[1] / after[0] == pytest.approx(before[1] / before[0])
+
+
+def test_friction_of_a_foot_wins_over_that_of_the_floor(standing):
+    values = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    model = standing(foot_friction=values).model
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    data.qpos[2] -= 1e-4
+    mujoco.mj_forward(model, data)
+    names = [model.geom(int(max(c.geom))).name for c in data.contact]
+    found = {n: c.friction[0] for n, c in zip(names, data.contact, strict=True)}
+    assert found == pytest.approx({f"foot_{i + 1}": v for i, v in enumerate(values)})
+
+
+def test_as_many_frictions_as_feet_are_asked_for(standing):
+    with pytest.raises(UsageError, match="foot_friction has 2 values for 6 feet"):
+        standing(foot_friction=[0.5, 0.6])
+
+
+def test_play_is_a_joint_behind_each_leg_joint(standing):
+    model = standing(play=0.02).model
+    own = [model.joint(i).name for i in range(model.njnt)]
+    legs = [n for n in own if n.startswith(("swing", "lift"))]
+    assert [n for n in own if n.startswith(PLAY)]
+    for name in legs:
+        assert model.joint(PLAY + name).range == pytest.approx([-0.01, 0.01])
+        assert model.joint(PLAY + name).axis == pytest.approx(model.joint(name).axis)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    assert data.joint("root").qpos[2] == pytest.approx(0.06)
+
+
+def test_zeros_of_servos_are_off_by_a_draw_that_can_be_repeated(standing):
+    def offsets(**changes):
+        setup = standing(zero_offset=0.02, **changes)
+        scheduler_rows = next(iter(Drive(setup).commands(_hold(setup), None)))
+        plain = next(iter(setup.commands(_hold(setup))))
+        return (scheduler_rows - plain)[0][leg_actuators(setup)]
+
+    first, again, other = offsets(draw=1), offsets(draw=1), offsets(draw=2)
+    assert (first == again).all()
+    assert np.abs(first - other).max() > 1e-3
+    assert 0.005 < np.abs(first).max() <= 0.02
+
+
+def _hold(setup):
+    from sim.motion.schedule import Scheduler
+
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.hold(0.01)
+    return scheduler.finish()
+
+
+@pytest.mark.physics
+def test_a_walk_with_play_on_a_slope_is_walked_and_its_prediction_is_not_met(scenario):
+    bent = {"play": 0.01, "slope": [0.03, 1.0], "zero_offset": 0.01}
+    off, true = (
+        simulate(scenario(**changes)).summary["error"]["quasi_static"]["farthest"]
+        for changes in (bent, {})
+    )
+    assert off > 3 * true
+    assert off < 0.01  # and yet it walks
