@@ -98,6 +98,17 @@ class RunFolder:
                 with archive.open(member, "w", force_zip64=True) as file:
                     _write_array(file, array)
 
+    def inner(self, name: str) -> RunFolder:
+        """A new folder within this one.
+
+        Raises:
+            FilesError: If it cannot be made.
+        """
+        try:
+            return RunFolder(_make(self.path / name))
+        except OSError as error:
+            raise _failure(error, self.path / name, None) from error
+
     def discard_if_empty(self) -> None:
         """Remove the folder if nothing was written to it."""
         with suppress(OSError):

@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from sim.commands.options import add_scenario_arguments, folder_of, scenario_of
@@ -14,7 +15,9 @@ from sim.commands.trusted import robot_of
 from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:
+    from models import Robot
     from sim.folder import RunFolder
+    from sim.scenarios.scenario import Scenario
 
 HELP = "plan a scenario, walk it in MuJoCo, compare the two and film it"
 
@@ -46,6 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--look", choices=("draft", "final"), default="draft", help="look of the film"
     )
+    parser.add_argument(
+        "--imperfect", metavar="NAME", help="walk with a drawn set of faults: hobby"
+    )
+    parser.add_argument(
+        "--draw", type=int, metavar="N", help="number of the draw, 0 if not given"
+    )
+    parser.add_argument(
+        "--tries", type=int, metavar="N", help="walk N draws of --imperfect, hobby"
+    )
 
 
 def _ratio(text: str) -> float:
@@ -65,7 +77,11 @@ def execute(options: argparse.Namespace) -> ExitCode:
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
     look = options.look if _can_film(options.video) else None
+    if options.imperfect or options.draw is not None:
+        scenario = _drawn(scenario, robot, options)
     folder = claim(folder_of(options), scenario.name)
+    if options.tries is not None:
+        return _walk_tries(scenario, robot, folder, options)
     try:
         with bar(quiet=options.json) as progress:
             summary = run(scenario, folder, robot=robot, look=look, progress=progress)
@@ -73,6 +89,36 @@ def execute(options: argparse.Namespace) -> ExitCode:
         folder.discard_if_empty()
     print(json.dumps(summary) if options.json else _report(summary, folder))
     return _judged(summary, folder, options.tolerance)
+
+
+def _drawn(scenario: Scenario, robot: Robot, options: argparse.Namespace) -> Scenario:
+    """The scenario with the imperfections that were asked for."""
+    from sim.scenarios.imperfect import imperfections
+
+    draw = scenario.draw if options.draw is None else options.draw
+    if options.imperfect is None:
+        return replace(scenario, draw=draw)
+    return replace(scenario, **imperfections(options.imperfect, robot, draw))
+
+
+def _walk_tries(
+    scenario: Scenario, robot: Robot, folder: RunFolder, options: argparse.Namespace
+) -> ExitCode:
+    """Walk draws one after another; the worst and the median are printed."""
+    from sim.progress import bar
+    from sim.tries import describe, walk_tries
+
+    first, kind = options.draw or 0, options.imperfect or "hobby"
+    draws = range(first, first + options.tries)
+    with bar(quiet=options.json) as progress:
+        tries = walk_tries(scenario, robot, folder, draws, kind, progress)
+    if options.json:
+        print(json.dumps([asdict(one) for one in tries]))
+    else:
+        length = scenario.path.length
+        print(f"{describe(tries, length)}\n\n{'folder':13}{folder.path}")
+    walked = all(one.goal is not None for one in tries)
+    return ExitCode.OK if walked else ExitCode.SIMULATION
 
 
 def _judged(

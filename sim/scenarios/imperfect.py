@@ -1,0 +1,57 @@
+"""Robots as they come from a workbench: plausible sets of imperfections, by draw."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi, radians
+from typing import Any
+
+import numpy as np
+
+from models import Robot
+from planner import did_you_mean
+from sim.errors import UsageError
+
+Draw = Callable[[np.random.Generator, Robot], dict[str, Any]]
+
+
+def _hobby(random: np.random.Generator, robot: Robot) -> dict[str, Any]:
+    """Twelve servos fitted by hand, a battery not quite in the middle, a table.
+
+    Zeros of servos are within half a degree, gears have half a degree of play, a
+    twentieth of the robot's mass lies up to 10 mm off the middle, the table leans by up
+    to a degree, feet rub unequally, and what they stand on is ten times as soft.
+    """
+    mass = float(robot.model.body_mass.sum())
+    return {
+        "zero_offset": radians(0.5),
+        "play": radians(0.5),
+        "payload": [0.05 * mass, *random.uniform(-0.01, 0.01, 2).tolist(), 0.02],
+        "slope": [radians(random.uniform(0, 1)), random.uniform(-pi, pi)],
+        "foot_friction": random.uniform(0.6, 1.0, len(robot.legs)).tolist(),
+        "floor_stiffness": 1e4,
+    }
+
+
+IMPERFECT: Mapping[str, Draw] = {"hobby": _hobby}
+"""Sets of imperfections by name."""
+
+
+def imperfections(name: str, robot: Robot, draw: int) -> dict[str, Any]:
+    """Settings of one draw; the same for the same robot and draw.
+
+    Args:
+        name: Which set.
+        robot: Robot that has them.
+        draw: Number of the draw.
+
+    Raises:
+        UsageError: If there is no such set.
+    """
+    if name not in IMPERFECT:
+        raise UsageError(
+            f"unknown set of imperfections {name!r}",
+            "--imperfect",
+            did_you_mean(name, IMPERFECT),
+        )
+    return IMPERFECT[name](np.random.default_rng(draw), robot) | {"draw": draw}
