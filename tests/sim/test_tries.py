@@ -1,0 +1,63 @@
+"""Draws of an imperfect robot: repeatable, each in a run folder, told as a table."""
+
+import csv
+import json
+
+import pytest
+
+from models.library import load
+from sim.cli import main
+from sim.errors import UsageError
+from sim.scenarios.file import load_scenario
+from sim.scenarios.imperfect import imperfections
+from sim.tries import Try, describe
+
+SHORT = ["--set", "path.goal=[0.01,0.01,0]", "--segments", "2", "--no-video"]
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load("hexapod")
+
+
+def test_a_draw_is_the_same_whenever_it_is_drawn(robot):
+    first, again, other = (imperfections("hobby", robot, n) for n in (3, 3, 4))
+    assert first == again
+    assert first != other
+
+
+def test_an_unknown_set_is_refused_with_those_known(robot):
+    with pytest.raises(UsageError, match="unknown set of imperfections 'hobbit'") as no:
+        imperfections("hobbit", robot, 0)
+    assert "did you mean 'hobby'?" in no.value.remedy
+
+
+@pytest.mark.physics
+def test_every_draw_has_a_run_folder_and_a_row(tmp_path, capsys):
+    out = tmp_path / "tries"
+    words = ["run", "line", *SHORT, "--tries", "2", "--draw", "5", "--out", str(out)]
+    assert main(words) == 0
+    assert "2 of 2 draws walked to their end" in capsys.readouterr().out
+    with (out / "tries.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["draw"] for row in rows] == ["5", "6"]
+    for row in rows:
+        folder = out / f"draw-00{row['draw']}"
+        summary = json.loads((folder / "summary.json").read_text())
+        assert float(row["goal"]) == summary["error"]["goal"]["position"]
+        scenario = load_scenario(str(folder / "scenario.toml"))
+        assert scenario.draw == int(row["draw"])
+        assert scenario.zero_offset > 0
+
+
+def test_median_and_worst_are_of_the_draws_that_walked():
+    tries = [
+        Try(0, "arrived", 0.001, 0.001, 0.001, 0.0, 0.04),
+        Try(1, "drifted", 0.003, 0.003, 0.003, 0.0, 0.03),
+        Try(2, "simulation diverged"),
+    ]
+    said = describe(tries, 0.2)
+    assert "2 of 3 draws walked to their end" in said
+    assert "draw 2: simulation diverged" in said
+    (goal,) = (line for line in said.splitlines() if line.startswith("goal"))
+    assert goal.split() == ["goal", "2.00", "mm", "1.00%", "3.00", "mm", "1.50%"]
