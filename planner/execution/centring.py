@@ -149,16 +149,19 @@ def _place(
     for visit in reversed(visits[first + 1 : last]):
         if visit.stratum in recoveries:
             return visit, False
-    walk = [ends[0], *(visit.stratum for visit in visits), ends[1]]
 
-    def added(k: int, stratum: str) -> int:
-        return system.switches(walk[k], stratum) + system.switches(stratum, walk[k + 1])
+    def before(k: int) -> str:
+        return visits[k - 1].stratum if k else ends[0]
+
+    def added(place: tuple[int, str]) -> int:
+        k, stratum = place
+        after = visits[k].stratum if k < len(visits) else ends[1]
+        through = system.switches(before(k), stratum) + system.switches(stratum, after)
+        return through - system.switches(before(k), after)
 
     k, stratum = min(
         ((k, stratum) for k in range(first + 1, last + 1) for stratum in recoveries),
-        key=lambda place: (
-            added(*place) - system.switches(walk[place[0]], walk[place[0] + 1])
-        ),
+        key=added,
     )
     segment = visits[min(k, len(visits) - 1)].segment if k else 0
     visits.insert(k, _Visit(stratum, segment))

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from planner import Array
 
@@ -54,6 +53,8 @@ def smoothed(torque: Array, timestep: float) -> Lead:
         torque: Shape (n, nu) [N m].
         timestep: [s].
     """
+    from scipy.ndimage import uniform_filter1d  # slow to import, and seldom needed
+
     window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
     spacing = max(round(SPACING / timestep), 1)
     smooth = uniform_filter1d(torque, window, axis=0, mode="nearest")

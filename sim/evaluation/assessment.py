@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -28,9 +28,9 @@ from sim.evaluation.verdict import judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, twist_model
 from sim.motion.poses import rotate, seen_from, wrap
-from sim.motion.prediction import Prediction, Predictor
+from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
-from sim.walking.finished import Walk
+from sim.walking.finished import Stretch, Walk
 
 Summary = dict[str, Any]
 
@@ -80,9 +80,10 @@ def evaluate(walk: Walk) -> Evaluation:
     """Compare the achieved motion with every prediction."""
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
+    given = [list(_commanded(walk, stretch)) for stretch in walk.stretches]
     for name in MODELS:
         try:
-            predicted[name] = _predicted(walk, twist_model(walk.setup, name))
+            predicted[name] = _predicted(walk, twist_model(walk.setup, name), given)
         except MeasurementError as error:
             unpredicted[name] = str(error)
     walking = walk.recording.moments.step >= walk.starts
@@ -106,19 +107,25 @@ def _achieved(walk: Walk) -> Achieved:
     )
 
 
-def _predicted(walk: Walk, twists: TwistModel) -> Prediction:
+def _commanded(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
+    """The commands of a stretch at the moments recorded, in blocks."""
+    schedule, during = stretch.schedule, walk.recording.during
+    inside = during[(during >= schedule.start) & (during < schedule.stop)]
+    local = inside - schedule.start  # a stretch's last step is always among them
+    for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
+        yield commanded(schedule, rows, walk.setup.kinematics)
+
+
+def _predicted(
+    walk: Walk, twists: TwistModel, given: Sequence[Sequence[Commanded]]
+) -> Prediction:
     """One prediction over all stretches, each from the pose it was planned from."""
     pieces: list[Prediction] = []
-    slipped, during = np.zeros(len(walk.setup.robot.legs)), walk.recording.during
-    for stretch in walk.stretches:
-        schedule = stretch.schedule
-        inside = during[(during >= schedule.start) & (during < schedule.stop)]
-        local = inside - schedule.start  # a stretch's last step is always among them
-        predict = Predictor(
-            schedule, twists, walk.setup.kinematics, tuple(stretch.pose)
-        )
-        for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
-            piece = predict(rows)
+    slipped, kinematics = np.zeros(len(walk.setup.robot.legs)), walk.setup.kinematics
+    for stretch, blocks in zip(walk.stretches, given, strict=True):
+        predict = Predictor(stretch.schedule, twists, kinematics, tuple(stretch.pose))
+        for block in blocks:
+            piece = predict.along(block)
             pose = np.concatenate([piece.pose[:, :2], wrap(piece.pose[:, 2:])], axis=1)
             slip = piece.slip + slipped
             pieces.append(Prediction(pose, slip, piece.margin, piece.contact))

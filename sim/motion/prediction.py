@@ -28,6 +28,32 @@ class Prediction:
     contact: Array  # planned, shape (T, F), bool
 
 
+@dataclass(frozen=True)
+class Commanded:
+    """What is commanded at chosen steps, whatever the body makes of it."""
+
+    phase: Array  # index of the phase that each step lies in, shape (T,)
+    swing: Array  # angle of every group, shape (T, G) [rad]
+    contact: Array  # planned, shape (T, F), bool
+    margin: Array  # of the level body over the planned contacts, shape (T,) [m]
+
+
+def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Commanded:
+    """Angles, contacts and stability margin at steps of a schedule.
+
+    Args:
+        schedule: Commands to follow.
+        rows: Steps, shape (T,); row 0 is the schedule's own first step.
+        kinematics: Of the robot.
+    """
+    swing, lift = schedule.angles(rows)
+    phase = schedule.phase_of(rows)
+    contact = _contact(schedule, phase, kinematics)
+    stance = kinematics.stance(swing, lift)
+    margin = stability_margin(stance.feet, contact, stance.center_of_mass)
+    return Commanded(phase, swing, contact, margin)
+
+
 def predict(
     schedule: Schedule,
     rows: Array,
@@ -78,16 +104,22 @@ class Predictor:
 
     def __call__(self, rows: Array) -> Prediction:
         """Predict the motion at steps of the schedule, shape (T,)."""
-        swing, lift = self.angles(rows)
-        phase = self.schedule.phase_of(rows)
-        clock = _clock(self.schedule, self._loaded, phase, swing)
-        contact = _contact(self.schedule, phase, self.kinematics)
-        stance = self.kinematics.stance(swing, lift)
+        return self.along(commanded(self.schedule, rows, self.kinematics))
+
+    def along(self, given: Commanded) -> Prediction:
+        """Predict the motion at steps whose commands are known already.
+
+        Several predictions of one schedule share them.
+
+        Args:
+            given: What `commanded` gives for the schedule.
+        """
+        clock = _clock(self.schedule, self._loaded, given.phase, given.swing)
         return Prediction(
             pose=compose(self.start_pose, self._path.pose(clock)),
             slip=self._path.slip(clock),
-            margin=stability_margin(stance.feet, contact, stance.center_of_mass),
-            contact=contact,
+            margin=given.margin,
+            contact=given.contact,
         )
 
 

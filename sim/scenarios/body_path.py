@@ -14,7 +14,6 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from scipy.special import ellipe
 
 import planner
 from planner import Array, Path
@@ -86,6 +85,8 @@ def ellipse(semi_axes: Sequence[float]) -> NominalPath:
     minor, major = sorted(axes)
     if minor <= 0:
         raise _refusal("path.semi_axes", semi_axes, AXES)
+    from scipy.special import ellipe  # slow to import, and for ellipses alone
+
     length = float(4 * major * ellipe(1 - (minor / major) ** 2))
     return NominalPath("ellipse", axes, START, length, planner.ellipse(START, (a, b)))
 

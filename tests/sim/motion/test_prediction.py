@@ -10,9 +10,13 @@ from models.contact.kinematics import Kinematics
 from models.motion.robot_equations import equations
 from models.motion.twists import IdealTwists, QuasiStaticTwists
 from planner.systems.flows import Flow
+from sim.experiments.predictions import twist_model
+from sim.motion import prediction
 from sim.motion.prediction import predict
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
 from sim.motion.stability import stability_margin
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
 
 LIMITS = MotionLimits(
     swing_speed=0.5,
@@ -192,3 +196,24 @@ def test_the_ideal_slip_of_one_small_swing_grows_with_its_square(
         )
     # next order: a quarter of the angle's square
     assert slips[1] / slips[0] == pytest.approx(4.0, rel=0.02)
+
+
+def test_predictions_share_what_is_commanded(monkeypatch):
+    setup, calls = prepare(load_scenario("line")), []
+    margin = prediction.stability_margin
+    monkeypatch.setattr(
+        prediction, "stability_margin", lambda *a: calls.append(1) or margin(*a)
+    )
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.flow(Flow("1", "g1_1", 0.2), (1.0, 0.0))
+    schedule, rows = scheduler.finish(), np.arange(0, 400, 50)
+    given = prediction.commanded(schedule, rows, setup.kinematics)
+    ideal, real = (
+        prediction.Predictor(schedule, twist_model(setup, name), setup.kinematics)
+        for name in ("ideal", "quasi_static")
+    )
+    shared = [ideal.along(given), real.along(given)]
+    assert len(calls) == 1
+    assert shared[0].margin is shared[1].margin
+    assert (real(rows).pose == shared[1].pose).all()
+    assert (real(rows).margin == shared[1].margin).all()
