@@ -63,7 +63,12 @@ def collocation(size: int) -> Collocation:
     return Collocation(nodes, derivative, integral, to_coefficients)
 
 
-def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
+def follow(
+    field: Callable[[Array], Array],
+    x: Array,
+    duration: float,
+    steady: Array | None = None,
+) -> Array:
     """The end of a flow along a field, to machine precision, shape (n,).
 
     Picard's iteration on the nodes is exact after a few iterations if the rate of each
@@ -75,13 +80,16 @@ def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
             not finite where the field is singular.
         x: Start, shape (n,).
         duration: Signed duration of the flow.
+        steady: Velocity to begin the iteration with, such as the constant part of the
+            field, shape (n,); none at all if not given.
 
     Raises:
         ConvergenceError: The flow escapes to infinity, or `HALVINGS` halvings do not
             suffice.
     """
     with np.errstate(all="ignore"):
-        end = _follow(field, np.asarray(x, dtype=float), duration, HALVINGS)
+        begin = np.zeros(np.shape(x)) if steady is None else steady
+        end = _follow(field, np.asarray(x, dtype=float), duration, begin, HALVINGS)
     if end is None:
         raise ConvergenceError(
             f"flow for {duration:.6g} from {point(x)} does not converge; it "
@@ -91,20 +99,25 @@ def follow(field: Callable[[Array], Array], x: Array, duration: float) -> Array:
 
 
 def _follow(
-    field: Callable[[Array], Array], x: Array, duration: float, halvings: int
+    field: Callable[[Array], Array],
+    x: Array,
+    duration: float,
+    steady: Array,
+    halvings: int,
 ) -> Array | None:
-    end = _picard(field, x, duration)
+    end = _picard(field, x, duration, steady)
     if end is not None or halvings == 0:
         return end
-    middle = _follow(field, x, duration / 2, halvings - 1)
-    return (
-        None if middle is None else _follow(field, middle, duration / 2, halvings - 1)
-    )
+    half = duration / 2, steady, halvings - 1
+    middle = _follow(field, x, *half)
+    return None if middle is None else _follow(field, middle, *half)
 
 
-def _picard(field: Callable[[Array], Array], x: Array, duration: float) -> Array | None:
+def _picard(
+    field: Callable[[Array], Array], x: Array, duration: float, steady: Array
+) -> Array | None:
     rule = collocation(NODES)
-    path = np.broadcast_to(x, (NODES, x.size))
+    path = x + duration * rule.nodes[:, None] * steady
     for _ in range(ITERATIONS):
         before, velocity = path, field(path)
         path = x + duration * (rule.integral @ velocity)

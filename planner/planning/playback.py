@@ -8,8 +8,11 @@ import numpy as np
 
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan
+from planner.planning.batches import batched
 from planner.systems.flows import Flow, flow_map, require_flows
 from planner.systems.strata import StratifiedSystem
+
+MANY = 8  # flows that are worth being integrated at once
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:
@@ -50,8 +53,14 @@ def play(
             f"start has shape {states[0].shape}; {system.dimension} coordinates are "
             "needed"
         )
-    for flow in flows:
-        for _ in range(samples):
-            part = flow.duration / samples
-            states.append(flow_map(system, flow.field, states[-1], part))
+    parts = [
+        flow._replace(duration=flow.duration / samples)
+        for flow in flows
+        for _ in range(samples)
+    ]
+    together = batched(system, parts, states[0]) if len(parts) >= MANY else None
+    if together is not None:
+        return np.concatenate([states, together])
+    for flow in parts:
+        states.append(flow_map(system, flow.field, states[-1], flow.duration))
     return np.array(states)

@@ -194,6 +194,11 @@ class CompiledFields:
             raise SingularConfigurationError(self.names[j], x[tuple(where)])
         return columns
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether no field depends on the configuration."""
+        return not (self.varying or self.numeric)
+
     def velocity(self, x: Array) -> Array:
         """The first field at configurations (..., n), same shape; not always finite."""
         return self.values(x)[..., 0]
@@ -204,7 +209,7 @@ class CompiledFields:
         columns[...] = self.constant
         if self.varying:
             with np.errstate(all="ignore"):
-                values = self.function(*np.moveaxis(x, -1, 0))
+                values = self.function(*(x.T if x.ndim == 2 else np.moveaxis(x, -1, 0)))
             for (i, j), value in zip(self.varying, values, strict=True):
                 columns[..., i, j] = value
         for j, field in self.numeric:

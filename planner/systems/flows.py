@@ -120,5 +120,8 @@ def flow_map(
         ValueError: The system has no such field.
         ConvergenceError: The flow escapes to infinity, or the field is not smooth.
     """
-    velocity = system.compiled(name).velocity
-    return follow(velocity, np.asarray(x, dtype=float), duration)
+    field, start = system.compiled(name), np.asarray(x, dtype=float)
+    steady = field.constant[:, 0]
+    if field.is_constant and np.isfinite(end := start + duration * steady).all():
+        return end
+    return follow(field.velocity, start, duration, steady)
