@@ -14,6 +14,7 @@ from .controllability.gaits import (
 )
 from .errors import (
     BoundError as BoundError,
+    BudgetError as BudgetError,
     ConvergenceError as ConvergenceError,
     DecouplingError as DecouplingError,
     PlannerError as PlannerError,
@@ -76,6 +77,10 @@ from .lie.words import word as word
 from .numerics.arrays import (
     ROUNDING as ROUNDING,
     Array as Array,
+)
+from .numerics.budget import (
+    limited as limited,
+    tick as tick,
 )
 from .optimisation.corridor import (
     Tolerance as Tolerance,

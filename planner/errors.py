@@ -140,6 +140,22 @@ class RangeError(PlannerError):
         return RangeError(*place, segments, hopeless)
 
 
+class BudgetError(PlannerError):
+    """A search that takes longer than it may."""
+
+    def __init__(self, seconds: float, best: str) -> None:
+        """Compose the message.
+
+        Args:
+            seconds: How long it may take [s].
+            best: What it had come to, in words; empty if nothing was found yet.
+        """
+        come_to = f"it had come to {best}" if best else "nothing was found yet"
+        super().__init__(
+            f"none within {seconds:g} s; {come_to}; ask for less, or for fewer segments"
+        )
+
+
 class BoundError(PlannerError):
     """A bound that no plan keeps with a reasonable number of segments."""
 

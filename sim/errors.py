@@ -131,7 +131,8 @@ def _describe(error: BaseException) -> str:
     if code is ExitCode.BUG:
         return _describe_bug(error)
     if code in _SIGNALS:
-        return f"{_SIGNALS[code]}; written files are complete, start again"
+        notes = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
+        return f"{_SIGNALS[code]}{notes}; written files are complete, start again"
     if isinstance(error, OSError):
         return _describe_os_error(error)
     if isinstance(error, MemoryError):

@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from models import Robot
-from planner import Array, Plan
+from planner import Array, Plan, limited
 from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.comparison import describe
 from sim.experiments.creep import creep_floor
@@ -122,13 +122,16 @@ def simulate(
     aside: Aside = (0.0, 0.0, 0.0)
     with _timed(timing, "compile"):
         setup = prepare(scenario, robot)
-    with _timed(timing, "plan"):
+    with (
+        _timed(timing, "plan"),
+        limited(scenario.plan_time, lambda done: progress("planning", done)),
+    ):
         setup = routed(setup)
         scenario = setup.scenario
         planned = PlannedWalk(within_bounds(setup), progress)
     timing["simulate"] = 0.0
     for attempt in range(scenario.correct):
-        with _timed(timing, "plan"):
+        with _timed(timing, "plan"), limited(scenario.plan_time):
             prepared = _prepared(scenario, planned, aside)
         if witness is not None and attempt == 0:
             witness.prepared(prepared)

@@ -6,12 +6,15 @@ from collections import Counter
 from collections.abc import Iterator
 
 import mujoco
+import numpy as np
 
 from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
 from models.errors import ModelError
 from planner import did_you_mean
+
+FARTHEST = 1e6  # [m] from the origin at the start; beyond, numbers lose millimetres
 
 
 def check_parts(robot: Robot) -> None:
@@ -26,6 +29,11 @@ def check_parts(robot: Robot) -> None:
             f"the body with the free joint has no name: {robot.path}; give it one"
         )
     _check_names(robot)
+    if np.abs(robot.start_qpos).max() > FARTHEST:
+        raise ModelError(
+            f"it starts {np.abs(robot.start_qpos).max():.3g} m or rad away: "
+            f"{robot.path}; correct keyframe 'start', or where its body is"
+        )
     for number, leg in robot.card.legs.items():
         for problem in _problems(robot.model, leg):
             raise ModelError(f"leg {number}: {robot.path}; {problem}")

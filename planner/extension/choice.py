@@ -18,6 +18,7 @@ from planner.controllability.decoupling import on_bottom
 from planner.errors import PlannerError, RankError, SingularConfigurationError
 from planner.extension.bracket_fields import hall_fields
 from planner.numerics.arrays import Array
+from planner.numerics.budget import tick
 from planner.numerics.subspaces import column_space, in_words
 from planner.systems.elements import Tree, leaves, parse_names
 from planner.systems.fields import VectorField
@@ -174,6 +175,7 @@ def _enlarged(
     """Add candidates, the best first, until they span or no candidate helps."""
     chosen = list(chosen)
     while True:
+        tick()
         spans = _spans(chosen, x)
         lacking = [Q.shape[1] < system.bottom_dimension for Q in spans]
         gains = {

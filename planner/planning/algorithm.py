@@ -13,6 +13,7 @@ from planner.errors import RangeError, ResolutionError, unknown
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
+from planner.numerics.budget import tick
 from planner.planning.nominal import (
     default_nodes,
     extend_along,
@@ -212,7 +213,9 @@ def follow_path(
     """
     nodes = nodes or default_nodes(segments)
     samples = sample(path, extended.system, segments, nodes)
+    tick()
     inputs = fictitious_inputs(extended, samples)
+    tick()
     require_regular(extended, samples, inputs)
     hall_coordinates = extended.steering.hall_coordinates(inputs)
     nominal = np.concatenate([samples[:, 0], samples[-1:, -1]])
@@ -274,6 +277,7 @@ def with_remedy(
             return refusal.with_segments(None, "no number of segments suffices")
 
     def fits(segments: int) -> bool:
+        tick(f"trying whether {segments} segments suffice")
         try:
             follow_path(extended, path, segments, execution)
         except (RangeError, ResolutionError):

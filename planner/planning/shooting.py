@@ -18,6 +18,7 @@ from planner.errors import ConvergenceError, PlannerError, RangeError
 from planner.execution.execution import CHOICES, Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
+from planner.numerics.budget import tick
 from planner.planning.algorithm import Plan, assemble, with_remedy
 from planner.planning.nominal import fictitious_inputs, require_segments, sample
 from planner.planning.paths import Path, as_path, grid, line
@@ -119,6 +120,7 @@ def _aimed(
     shot = shot_towards(extended, here, there, execution)
     miss = target - shot.end
     for _ in range(MOST_AIMS):
+        tick()
         if np.linalg.norm(miss) <= tolerance:
             return shot
         step = inverse @ miss
@@ -169,6 +171,7 @@ def steer(
     distances = [float(np.linalg.norm(end - here))]
     part, critical, hopeful = 1.0, np.inf, True
     while distances[-1] > tolerance:
+        tick(f"{len(shots)} shots, which end {distances[-1]:.3g} off the goal")
         if hopeful and (_stalled(distances) or part < FINEST):
             if aimed := _aimed_pieces(extended, way, execution, tolerance):
                 begins, shots, distances = aimed

@@ -17,6 +17,7 @@ import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
+from planner.numerics.budget import tick
 
 MOST_SEGMENTS = 1000  # more than an hour of walking
 MOST_PIECES = 3  # of a segment at once, since the law holds for short segments only
@@ -51,9 +52,21 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
         pieces = np.max([needed(slack) for slack in found], axis=0)
         if (pieces == 1).all():
             return cuts
+        tick(_described(cuts, found))
         if pieces.sum() > MOST_SEGMENTS:
             raise _refusal(cuts, found)
         cuts = refined(cuts, pieces)
+
+
+def _described(cuts: Array, found: Sequence[Slack]) -> str:
+    """How far the path is divided, and what that keeps."""
+    kept = [
+        f"{s.bound} of {s.least + s.walking.min():.4g} {s.unit}"
+        for s in found
+        if s.unit
+    ]
+    held = f", which keep {' and '.join(kept)}" if kept else ""
+    return f"{len(cuts) - 1} segments{held}"
 
 
 def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:

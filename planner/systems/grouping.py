@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, groupby
 
+from planner.numerics.budget import tick
 from planner.systems.flows import Flow, Word
 from planner.systems.strata import StratifiedSystem
 
@@ -222,6 +223,7 @@ def regroup(
     best: dict[str, int] = {start: 0}  # fewest switches on the way to each stratum
     back: list[dict[str, tuple[str, int, Arrangement]]] = []
     for ways in segments:
+        tick()
         patterns = [way.fields for way in ways]
         reached: dict[str, int] = {}
         links: dict[str, tuple[str, int, Arrangement]] = {}

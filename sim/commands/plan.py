@@ -46,6 +46,7 @@ def execute(options: argparse.Namespace) -> None:
     scenario = scenario_of(options)
 
     # slow imports; a scenario that is refused does not wait for them
+    from planner import limited
     from sim.optimisation.planned import PlannedWalk
     from sim.planning.bounds import within_bounds
     from sim.planning.routes import routed
@@ -56,15 +57,18 @@ def execute(options: argparse.Namespace) -> None:
     began = time.perf_counter()
     setup = prepare(scenario, robot_of(options, scenario.robot))
     compiled = time.perf_counter()
-    setup = within_bounds(routed(setup))
-    system = setup.equations.system
-    if scenario.replan:
-        flows = _replanned(setup)
-    else:
-        with bar(quiet=options.json) as progress:
+    with (
+        bar(quiet=options.json) as progress,
+        limited(scenario.plan_time, lambda done: progress("planning", done)),
+    ):
+        setup = within_bounds(routed(setup))
+        system = setup.equations.system
+        if scenario.replan:
+            flows = _replanned(setup)
+        else:
             planned = PlannedWalk(setup, progress).plan()
-        require_sound(setup, planned)
-        system, flows = planned.system, planned.flows
+            require_sound(setup, planned)
+            system, flows = planned.system, planned.flows
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     accuracy = convergence(setup.extended, setup.nominal(), setup.coordinates)
     steps = step_lengths(setup.extended, setup.nominal(), setup.scenario.segments)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from planner import Array, ExtendedSystem, Objective, Plan
 
 OBJECTIVES: tuple[Objective, ...] = ("time", "strokes", "switches")
+PLAN_TIME = 300.0  # [s] that planning a system may take
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
@@ -90,13 +91,14 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
 
 def execute(options: argparse.Namespace) -> None:
     """Plan the system, or read a saved plan, and print the result."""
-    from planner import load_plan, save_plan
+    from planner import limited, load_plan, save_plan
     from sim.commands.problems import refused
 
     source = options.scenario
     with refused(source):
         saved = source.endswith(".json")
-        planned, timing = (load_plan(source), {}) if saved else _plan(options)
+        with limited(PLAN_TIME):
+            planned, timing = (load_plan(source), {}) if saved else _plan(options)
     facts = summarise(Path(source).stem, planned) | timing
     if options.save:
         with refused(options.save):

@@ -24,6 +24,7 @@ from planner import (
     grid,
     plan,
     plan_step,
+    tick,
 )
 from sim.motion.poses import compose, relative
 from sim.preparation.setup import Setup
@@ -103,6 +104,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     aims, best, least, worst = wanted, None, np.inf, 0
     steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
     for _ in range(ROUNDS):
+        tick()
         try:
             planned = plan_along(setup, _path(setup, goals[0], aims), steady)
         except RangeError:
@@ -141,6 +143,7 @@ def steer_towards(
     wanted = relative(pose, target)
     aim, best, least = wanted, None, np.inf
     for _ in range(ROUNDS):
+        tick()
         step = plan_towards(setup, segment, compose(pose, aim), pose, swing)
         got = segment_ends(setup, step.plan, twists, swing)[-1]
         miss = float(np.abs(got - wanted).max())

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from models import TwistModel
-from planner import Array
+from planner import Array, tick
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor
 from sim.motion.sampling import inspections
@@ -81,6 +81,7 @@ def _open_loop(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
 def _replanned(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
     shape, pose = setup.at_rest, np.zeros(3)
     for segment in range(setup.scenario.segments):
+        tick()
         step = plan_segment(setup, segment, pose, shape.swing)
         scheduler = Scheduler(setup.limits, shape, segment=segment)
         lay(setup, scheduler, step.plan.segments())

@@ -132,6 +132,9 @@ class Scenario:
     hold: float = setting(
         Number(0, 60, above=True), "standing still before and after the walk [s]", 0.5
     )
+    plan_time: float = setting(
+        Number(0, 1e5, above=True), "that planning may take at most [s]", 300.0
+    )
     min_margin: float | None = setting(
         Number(0, 1), "least stability margin a plan may predict [m]", None
     )
