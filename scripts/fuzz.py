@@ -25,9 +25,11 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import NoReturn
 
+from models import ModelError
 from scripts.fuzz_inputs import KINDS
 
 CODES = {0, 2, 3, 4, 6}
@@ -40,8 +42,7 @@ class Hang(BaseException):
 
 def fault(words: list[str]) -> str | None:
     """What is wrong with how the command ends, or None."""
-    from sim import cli
-
+    cli = import_module("sim.cli")
     said, printed = io.StringIO(), io.StringIO()
     signal.setitimer(signal.ITIMER_REAL, LIMIT)
     began = time.monotonic()
@@ -69,16 +70,17 @@ def fault(words: list[str]) -> str | None:
 
 
 def quicken() -> None:
-    """Try models in this process."""
-    from models.description import inspection, trial
+    """Try models in this process; no door leads to the part that is replaced."""
+    inspection = import_module("models.description.inspection")
+    trial = import_module("models.description.trial")
 
     def tried(path: Path) -> list[str]:
         report = trial.report(path)
         if "files" not in report:
-            raise inspection.ModelError(str(report.get("wrong", "too large")))
-        return list(report["files"])  # type: ignore[call-overload]
+            raise ModelError(str(report.get("wrong", "too large")))
+        return list(report["files"])
 
-    inspection._tried = tried
+    inspection._tried = tried  # type: ignore[attr-defined]
     signal.signal(signal.SIGALRM, _hang)
 
 
