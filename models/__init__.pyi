@@ -22,6 +22,7 @@ from .description.compiled import (
     silence_the_engine as silence_the_engine,
 )
 from .description.files import elements_with_files as elements_with_files
+from .description.joint_servo import JointServo as JointServo
 from .description.robot import (
     FOLDER as FOLDER,
     Robot as Robot,

@@ -17,6 +17,7 @@ planning      Plans are made, aimed, kept within bounds, led around obstacles
 walking       Plans are carried out
 evaluation    Achieved and predicted motion are compared
 pictures      Films
+export        Walks become files for servos, which are read back and played
 figures       The paper's figures again, beside physics
 bench         Speed and memory, measured side by side
 commands      The command line, one module a command

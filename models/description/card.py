@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
+from models.description.joint_servo import JointServo
 from models.description.servos import SERVO_KINDS
 from planner import unknown
 
@@ -113,6 +114,7 @@ class Card:
     least_load: float = 0.0  # share of the weight on each foot while others step
     lift_time: float = LIFT_TIME  # [s], from the ground to `lift_angle`
     servo: Servo | None = None
+    joint_servos: Mapping[str, JointServo] = field(default_factory=dict)
     description: str = ""
 
     def __post_init__(self) -> None:
@@ -123,6 +125,7 @@ class Card:
         self._check_groups()
         self._check_gait()
         self._check_patterns()
+        self._check_joint_servos()
         if not 0 <= self.least_load < 1 / 3:
             raise ValueError(
                 f"least_load is a share of the weight below 1/3, got {self.least_load}"
@@ -162,6 +165,12 @@ class Card:
                 )
             if not stratum:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")
+
+    def _check_joint_servos(self) -> None:
+        joints = [joint for leg in self.legs.values() for joint in leg.joints]
+        for joint in self.joint_servos:
+            if joint not in joints:
+                raise ValueError(f"servo.{joint}: this joint {unknown(joint, joints)}")
 
     def _check_patterns(self) -> None:
         for name, pattern in self.patterns.items():

@@ -14,6 +14,11 @@ from models.description.card import (
     Servo,
     Twist,
 )
+from models.description.joint_servo import (
+    KEYS as JOINT_KEYS,
+    JointServo,
+    read_joint_servo,
+)
 from models.description.servos import SERVO_KINDS
 from models.description.table import Table
 from models.description.toml import parse_toml
@@ -79,7 +84,8 @@ def _card(table: Table) -> Card:
         patterns={name: _pattern(t) for name, t in _each(table, "pattern")},
         least_load=gait.number("least_load") if "least_load" in gait else 0.0,
         lift_time=table.number("lift_time") if "lift_time" in table else LIFT_TIME,
-        servo=_servo(table.get("servo")) if "servo" in table else None,
+        servo=_servo(table.table("servo")) if "servo" in table else None,
+        joint_servos=_joint_servos(table.table("servo")),
         description=table.text("description") if "description" in table else "",
     )
 
@@ -124,8 +130,12 @@ def _pattern(table: Table) -> PatternCard:
     )
 
 
-def _servo(values: object) -> Servo:
-    table = Table(values, "servo", KEYS["servo"])
+def _servo(servo: Table) -> Servo | None:
+    """What is said of all joints' servos; None where only single ones are described."""
+    common = {k: v for k, v in servo.values.items() if not isinstance(v, dict)}
+    if servo.values and not common:
+        return None
+    table = Table(common, "servo", KEYS["servo"])
     kind = table.text("kind") if "kind" in table else ""
     made = SERVO_KINDS.get(kind)
     own = {"stiffness": made.stiffness, "damping": made.lost_torque} if made else {}
@@ -134,6 +144,17 @@ def _servo(values: object) -> Servo:
         for key in ("stiffness", "damping")
     }
     return table.make(Servo, **given, made=kind)
+
+
+def _joint_servos(table: Table) -> dict[str, JointServo]:
+    """The tables `[servo.JOINT]`."""
+    joints = [key for key, value in table.values.items() if isinstance(value, dict)]
+    return {
+        joint: read_joint_servo(
+            Table(table.values[joint], f"servo.{joint}", JOINT_KEYS)
+        )
+        for joint in joints
+    }
 
 
 def _twist(table: Table) -> Twist | None:

@@ -9,7 +9,8 @@ so they are taken to be critically damped, whatever inertia they move.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isfinite, radians
+from math import inf, isfinite, pi, radians
+from typing import Literal
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +24,8 @@ class ServoKind:
         command_rate: Commands taken in a second; 0 for one a physics step [1/s].
         resolution: Angle of one count of a command; 0 for none [rad].
         center: Count of angle zero.
+        reach: Farthest that it turns from its centre [rad].
+        bus: `pwm` for pulses of a PCA9685, `dynamixel` for ticks on a bus.
         source: Where the numbers come from.
 
     Raises:
@@ -35,10 +38,12 @@ class ServoKind:
     command_rate: float = 0.0
     resolution: float = 0.0
     center: int = 0
+    reach: float = pi
+    bus: Literal["pwm", "dynamixel"] = "pwm"
     source: str = ""
 
     def __post_init__(self) -> None:
-        for name in ("stall_torque", "no_load_speed", "full_error"):
+        for name in ("stall_torque", "no_load_speed", "full_error", "reach"):
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):
                 raise ValueError(f"{name} must be positive and finite, got {value}")
@@ -69,6 +74,7 @@ SERVO_KINDS = {
         command_rate=60.0,
         resolution=radians(180 / 350),
         center=365,
+        reach=radians(90),
         source="TowerPro MG90S data sheet at 6 V; PCA9685 at 60 Hz",
     ),
     # 1.5 N m and 59 revolutions a minute at 12 V; 1024 counts over 300 degrees; with
@@ -80,6 +86,8 @@ SERVO_KINDS = {
         command_rate=100.0,
         resolution=radians(300 / 1024),
         center=512,
+        reach=radians(150),
+        bus="dynamixel",
         source="ROBOTIS e-Manual, AX-12A at 12 V, compliance slope 8",
     ),
     # 0.52 N m and 103 revolutions a minute at 5 V; 4096 counts a turn. The controller
@@ -92,6 +100,8 @@ SERVO_KINDS = {
         command_rate=100.0,
         resolution=radians(360 / 4096),
         center=2048,
+        reach=radians(180),
+        bus="dynamixel",
         source="ROBOTIS e-Manual, XL330-M288-T at 5 V, position P gain 8000",
     ),
 }

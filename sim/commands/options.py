@@ -20,17 +20,18 @@ NAMED = (
 
 
 def add_scenario_arguments(
-    parser: argparse.ArgumentParser, metavar: str = "SCENARIO"
+    parser: argparse.ArgumentParser, metavar: str = "SCENARIO", about: str = ""
 ) -> None:
     """Add the arguments that select a scenario and replace its settings.
 
     Args:
         parser: Parser of the command.
         metavar: What the command takes.
+        about: What it takes, where that is not shipped things and files alone.
     """
     what = metavar.lower().replace("|", " or ")
     parser.add_argument(
-        "scenario", metavar=metavar, help=f"a shipped {what}, or a file"
+        "scenario", metavar=metavar, help=about or f"a shipped {what}, or a file"
     )
     parser.add_argument("--robot", metavar="NAME|FILE.xml", help="robot to walk")
     add_trust_argument(parser)

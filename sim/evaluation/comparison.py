@@ -36,6 +36,22 @@ def describe(summary: Mapping[str, Any]) -> str:
     )
 
 
+def describe_export(summary: Mapping[str, Any], played: Mapping[str, Any]) -> str:
+    """An exported walk, played in the physics, beside where it should be.
+
+    Args:
+        summary: Contents of the walk's summary.json.
+        played: What `sim.export` found when it played the export.
+    """
+    off, length = played["error"], summary["path_length"]
+    predicted = summary["predicted"]["quasi_static"]
+    rows = [_row("goal", summary["goal"], _off(off["goal"], length))]
+    if predicted is not None:
+        by = _off(off["quasi_static"], length)
+        rows.append(_row("quasi-static", predicted["pose"], by, predicted))
+    return "\n".join([HEADER, *rows, _row("exported", played["pose"], "", played)])
+
+
 def _verdict(summary: Mapping[str, Any]) -> str:
     """The verdict as the first line; a walk of an old folder has none."""
     text: str = summary.get("verdict_text", "not judged")

@@ -31,10 +31,11 @@ ONLY_IN = {
     "shapely": {"sim"},
     "casadi": {"planner", "sim"},
     "ompl": {"sim"},
+    "yaml": {"sim"},
 }
 HEAVY = (
     "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely",
-    "matplotlib",
+    "matplotlib", "yaml",
 )  # fmt: skip
 LONGEST = 300  # lines
 

@@ -1,0 +1,188 @@
+"""`stratawalk export`: a walk as a file for servos, read back and played."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.commands.options import NAMED, add_scenario_arguments, scenario_of
+from sim.commands.trusted import robot_of
+from sim.errors import UsageError
+
+if TYPE_CHECKING:
+    from sim.export.servo_commands import ServoCommands
+    from sim.export.source import Source
+    from sim.progress import Progress
+
+HELP = "write a walk for the servos of a robot, read it back and play it in MuJoCo"
+FORMATS = ("csv", "header", "ros2", "dynamixel")
+RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
+COARSE = (
+    "this walk was planned for servos that take a command every physics step; plan it "
+    "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_scenario_arguments(
+        parser,
+        metavar="RUN|SCENARIO",
+        about="a run folder, a shipped scenario, or the file of one",
+    )
+    parser.add_argument(
+        "--format", choices=FORMATS, required=True, help="what the servos understand"
+    )
+    parser.add_argument("--out", metavar="FILE", required=True, help="file to write")
+    parser.add_argument(
+        "--rate",
+        type=_rate,
+        metavar="N",
+        help="commands a second, where the walk has no rate of its own; otherwise 50",
+    )
+    parser.add_argument(
+        "--microseconds",
+        action="store_true",
+        help="a header of pulses in microseconds instead of counts",
+    )
+    parser.add_argument(
+        "--servo-table", metavar="FILE.yaml", help="servos as ROS packages list them"
+    )
+    parser.add_argument(
+        "--play",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="play what was written in the physics, and compare",
+    )
+
+
+def _rate(text: str) -> float:
+    value = float(text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is no rate; give 50, say")
+    return value
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Export the walk and print where the export leads."""
+    out = Path(options.out)
+    _require_sense(options, out)
+
+    from sim.progress import bar
+
+    with bar(quiet=options.json) as progress:
+        source = _source(options, progress)
+        commands, read = _written(options, source, out)
+        played = _played(source, read, progress) if options.play else None
+    if not source.rate:
+        print(f"stratawalk: notice: {COARSE.format(rate=read.rate)}", file=sys.stderr)
+    if options.json:
+        print(json.dumps(_facts(options, commands) | {"exported": played}))
+    else:
+        print(_report(options, source, commands, played))
+
+
+def _require_sense(options: argparse.Namespace, out: Path) -> None:
+    """Refuse before anything is simulated.
+
+    Raises:
+        UsageError: If the file exists, or options exclude one another.
+    """
+    if options.microseconds and options.format != "header":
+        what = f"--microseconds with --format {options.format}"
+        raise UsageError(what, "the command line", "only a header has pulses")
+    if os.path.lexists(out):
+        raise UsageError("already exists", str(out), "give --out another name")
+    if not options.out or not out.parent.is_dir():
+        where = options.out or "--out"
+        raise UsageError("no such folder", where, "give --out a folder that exists")
+
+
+def _source(options: argparse.Namespace, progress: Progress) -> Source:
+    """The run that is named, or the scenario, walked now."""
+    from sim.export.source import from_run, from_scenario
+
+    folder = Path(options.scenario)
+    if folder.is_dir():
+        _require_as_walked(options)
+        source = from_run(folder, allow_external=options.allow_external)
+    else:
+        scenario = scenario_of(options)
+        robot = robot_of(options, scenario.robot)
+        source = from_scenario(scenario, robot, progress)
+    if options.rate and source.rate and options.rate != source.rate:
+        raise UsageError(
+            f"--rate {options.rate:g} for servos that took {source.rate:g} a second",
+            options.scenario,
+            "leave --rate away, or plan with --set command_rate",
+        )
+    return source
+
+
+def _require_as_walked(options: argparse.Namespace) -> None:
+    """Refuse settings for a walk that is over."""
+    given = [f"--{key.replace('_', '-')}" for key in NAMED if getattr(options, key)]
+    if options.set:
+        given.append("--set")
+    if given:
+        raise UsageError(
+            f"{', '.join(given)} for a run, which is exported as it was walked",
+            options.scenario,
+            "give the scenario instead, or leave these options away",
+        )
+
+
+def _written(
+    options: argparse.Namespace, source: Source, out: Path
+) -> tuple[ServoCommands, ServoCommands]:
+    """The commands, written; and what the file says, read back."""
+    from sim.export.files import read, servos, write
+    from sim.export.ros_table import read_ros_table
+
+    given = read_ros_table(Path(options.servo_table)) if options.servo_table else None
+    table = servos(source, options.format, given, microseconds=options.microseconds)
+    commands = source.commands(options.rate or RATE)
+    write(out, options.format, source, commands, table)
+    return commands, read(out, options.format, table)
+
+
+def _played(
+    source: Source, commands: ServoCommands, progress: Progress
+) -> dict[str, Any]:
+    from sim.export.played import play
+
+    return play(source, commands, progress)
+
+
+def _facts(options: argparse.Namespace, commands: ServoCommands) -> dict[str, Any]:
+    return {
+        "file": options.out,
+        "format": options.format,
+        "commands": len(commands.angles),
+        "rate": commands.rate,
+        "joints": list(commands.joints),
+    }
+
+
+def _report(
+    options: argparse.Namespace,
+    source: Source,
+    commands: ServoCommands,
+    played: dict[str, Any] | None,
+) -> str:
+    from sim.evaluation.comparison import describe_export
+
+    summary = source.summary
+    lines = [
+        f"{summary['scenario']}: {summary['robot']}, {len(commands.angles)} commands "
+        f"of {len(commands.joints)} servos, {commands.rate:g} a second"
+    ]
+    if played is not None:
+        bounces = f"{played['bounces']} bounces"
+        lines += [f"{'played':13}{bounces}", "", describe_export(summary, played)]
+    return "\n".join([*lines, "", f"{'file':13}{options.out}"])

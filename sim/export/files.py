@@ -1,0 +1,99 @@
+"""Files of commands in every format: written, and read back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from models import JointServo
+from sim.errors import UsageError
+from sim.export.header import read_header, write_header
+from sim.export.servo_commands import ServoCommands
+from sim.export.servo_table import ServoTable, servo_table
+from sim.export.source import Source
+from sim.export.tables import read_angles, read_ticks, write_angles, write_ticks
+from sim.export.trajectory import read_trajectory, write_trajectory
+from sim.folder import whole
+
+PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}
+"""Whether a format has pulses or ticks; None for angles."""
+
+
+def servos(
+    source: Source,
+    form: str,
+    given: Mapping[str, JointServo] | None = None,
+    *,
+    microseconds: bool = False,
+) -> ServoTable:
+    """The servos that a walk is exported for.
+
+    Args:
+        source: The walk.
+        form: Format of the file.
+        given: A table that replaces the card's.
+        microseconds: Whether pulses are given in microseconds instead of counts.
+
+    Raises:
+        UsageError: If a joint is missing in the table, or shares a channel.
+    """
+    missing = [] if given is None else [j for j in source.joints if j not in given]
+    if missing:
+        raise UsageError(
+            f"no servo for joint {missing[0]!r}",
+            "--servo-table",
+            "give each of the robot's joints a servo of its name",
+        )
+    table = servo_table(source.card, source.joints, source.kind, PWM[form], given)
+    return table.in_microseconds() if microseconds else table
+
+
+def write(
+    path: Path, form: str, source: Source, commands: ServoCommands, table: ServoTable
+) -> None:
+    """Write commands.
+
+    Args:
+        path: The file.
+        form: Its format.
+        source: Where the commands come from.
+        commands: What servos are told.
+        table: The servos.
+
+    Raises:
+        UsageError: If a joint leaves its servo's range.
+        FilesError: If the file cannot be written.
+    """
+    table.require_range(commands)
+    if form == "csv":
+        text = write_angles(commands)
+    elif form == "ros2":
+        text = write_trajectory(commands)
+    elif form == "dynamixel":
+        text = write_ticks(commands, table)
+    else:
+        scenario, robot = source.summary["scenario"], source.summary["robot"]
+        title = f"{scenario} on {robot}, planned by stratawalk."
+        text = write_header(commands, table, title=title, name=scenario, file=path.name)
+    content = text.encode()
+    with whole(path, len(content)) as part:
+        part.write_bytes(content)
+
+
+def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
+    """Read what `write` wrote.
+
+    Args:
+        path: The file.
+        form: Its format.
+        table: The servos.
+
+    Raises:
+        ValueError: The file is no such file.
+    """
+    text = path.read_text()
+    if form == "csv":
+        return read_angles(text)
+    if form == "ros2":
+        return read_trajectory(text)
+    return (read_ticks if form == "dynamixel" else read_header)(text, table)

@@ -1,0 +1,86 @@
+"""An export played in the physics: what was read back, held as servos hold it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from models import free_joint
+from planner import Array
+from sim.export.servo_commands import ServoCommands
+from sim.export.source import Source
+from sim.motion.poses import pose_of, seen_from, wrap
+from sim.physics.engine import Engine
+from sim.physics.measure import Sensors
+from sim.physics.recording import Recorder, Recording
+from sim.progress import Progress, silent
+
+
+def play(
+    source: Source, commands: ServoCommands, progress: Progress = silent
+) -> dict[str, Any]:
+    """Walk what an export says, and compare it as the walk itself was compared.
+
+    Args:
+        source: The walk that was exported.
+        commands: What was read back.
+        progress: Called with the stage and the finished part of it.
+
+    Returns:
+        `pose`, `min_margin`, `slip` and `bounces`, and under `error` the distances from
+        `goal` and `quasi_static`; as in summary.json.
+
+    Raises:
+        SimulationError: If the physics diverges.
+    """
+    times = source.reference["time"]
+    steps = np.round(times / source.timestep).astype(int)
+    starts = round(source.summary["walk_starts"] / source.timestep)
+    recording = _recorded(source, commands, steps, starts, progress)
+    moments = recording.moments
+    kept = np.isin(moments.step, steps[steps >= starts])
+    address = free_joint(source.model, source.robot.root)
+    origin = source.reference["world_start_pose"]
+    poses = seen_from(origin, pose_of(moments.qpos[kept], address))
+    predicted = source.reference["quasi_static_pose"][steps >= starts]
+    slip = moments.slip[-1] - recording.slip_after(starts)
+    goal = np.array(source.summary["goal"])
+    return {
+        "pose": poses[-1].tolist(),
+        "min_margin": recording.least_margin,
+        "slip": float(np.maximum(slip, 0.0).sum()),
+        "bounces": recording.bounces,
+        "error": {
+            "goal": _departure(poses[-1], goal),
+            "quasi_static": _departure(poses[-1], predicted[-1])
+            | {"farthest": float(np.hypot(*(poses - predicted)[:, :2].T).max())},
+        },
+    }
+
+
+def _recorded(
+    source: Source, commands: ServoCommands, steps: Array, starts: int, told: Progress
+) -> Recording:
+    """The walk of the commands, recorded at the moments of the reference."""
+    sensors = Sensors(source.model, source.robot)
+    recorder = Recorder(Engine(source.model), sensors, source.steps)
+    recorder.walk_starts = starts
+    order = [commands.joints.index(joint) for joint in source.joints]
+    ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
+    pieces = ordered.held(
+        source.model.key("start").ctrl,
+        source.actuators,
+        source.steps,
+        source.timestep,
+    )
+    for done in recorder.play(pieces, np.union1d(steps, [starts])):
+        told("playing", done / source.steps)
+    return recorder.finish()
+
+
+def _departure(pose: Array, other: Array) -> dict[str, float]:
+    return {
+        "position": float(np.hypot(*(pose - other)[:2])),
+        "yaw": float(abs(wrap(pose[2] - other[2]))),
+    }

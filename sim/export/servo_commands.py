@@ -1,0 +1,107 @@
+"""Commands of servos at their own rate, taken from a walk and held in the physics.
+
+Command k is given at the first physics step at or after k / rate, and holds until the
+next one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner import Array
+from sim.errors import UsageError
+from sim.physics.engine import STRETCH
+
+SLACK = 1e-9  # of a command's number, for rounding
+
+
+@dataclass(frozen=True, eq=False)
+class ServoCommands:
+    """Angles that servos are told, one row a command.
+
+    Attributes:
+        joints: Names of the joints.
+        rate: Commands a second.
+        angles: Shape (K, J) [rad].
+
+    Raises:
+        ValueError: The numbers contradict one another, or are not finite.
+    """
+
+    joints: tuple[str, ...]
+    rate: float
+    angles: Array
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.rate) and self.rate > 0):
+            raise ValueError(f"rate must be positive, got {self.rate}")
+        if self.angles.ndim != 2 or self.angles.shape[1] != len(self.joints):
+            raise ValueError(
+                f"angles of shape {self.angles.shape} for {len(self.joints)} joints"
+            )
+        if not len(self.angles):
+            raise ValueError("no command")
+        if not np.isfinite(self.angles).all():
+            raise ValueError("an angle is not a finite number")
+
+    @property
+    def time(self) -> Array:
+        """When each command is given, shape (K,) [s]."""
+        time: Array = np.arange(len(self.angles)) / self.rate
+        return time
+
+    def held(
+        self, rest: Array, actuators: Array, steps: int, timestep: float
+    ) -> Iterator[Array]:
+        """Rows of ctrl, one a physics step, shape (n, nu) each.
+
+        Args:
+            rest: Commands of the actuators that have no servo here, shape (nu,).
+            actuators: Actuator of each joint, shape (J,).
+            steps: How many; the last command holds to the end.
+            timestep: Of the physics [s].
+        """
+        for begin in range(0, steps, STRETCH):
+            row = np.arange(begin, min(begin + STRETCH, steps))
+            number = np.floor(row * (self.rate * timestep) + SLACK).astype(int)
+            ctrl = np.tile(rest, (len(row), 1))
+            ctrl[:, actuators] = self.angles[np.minimum(number, len(self.angles) - 1)]
+            yield ctrl
+
+
+def taken(
+    pieces: Iterable[Array],
+    joints: tuple[str, ...],
+    actuators: Array,
+    rate: float,
+    timestep: float,
+) -> ServoCommands:
+    """The commands that are given at a rate, out of one row a physics step.
+
+    Args:
+        pieces: Rows of ctrl in order, shape (n, nu) each.
+        joints: Names of the joints.
+        actuators: Actuator of each joint, shape (J,).
+        rate: Commands a second.
+        timestep: Of the physics [s].
+
+    Raises:
+        UsageError: If the rate is higher than that of the physics.
+    """
+    pace = rate * timestep
+    if pace > 1 + SLACK:
+        raise UsageError(
+            f"{rate:g} commands a second", "--rate", f"give at most {1 / timestep:g}"
+        )
+    rows, begin = [], 0
+    for ctrl in pieces:
+        number = np.arange(
+            np.ceil(begin * pace - SLACK), (begin + len(ctrl)) * pace + 1
+        )
+        step = np.ceil(number / pace - SLACK).astype(int) - begin
+        rows.append(ctrl[step[(step >= 0) & (step < len(ctrl))]][:, actuators])
+        begin += len(ctrl)
+    return ServoCommands(joints, rate, np.concatenate(rows))

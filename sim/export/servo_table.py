@@ -1,0 +1,200 @@
+"""The servos of a robot: on which channel each joint is, and its angle in counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import degrees, inf, pi
+
+import numpy as np
+
+from models import SERVO_KINDS, Card, JointServo, ServoKind
+from planner import Array
+from sim.errors import UsageError
+from sim.export.servo_commands import ServoCommands
+
+FRAME = 4096  # counts of a PCA9685 from one pulse to the next
+TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is said
+NEAR = 1e-9  # [rad]; beyond a limit, for rounding
+PWM = SERVO_KINDS["mg90"]  # where no servo is named
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """The servo of one joint with all its numbers; as `models.JointServo`."""
+
+    joint: str
+    channel: int
+    sign: float
+    center: float
+    offset: float
+    counts_per_radian: float
+    low: float
+    high: float
+
+    def counts(self, angle: Array) -> Array:
+        """Counts of angles, not rounded."""
+        turned = self.sign * self.counts_per_radian * (angle - self.offset)
+        counts: Array = self.center + turned
+        return counts
+
+    def angle(self, counts: Array) -> Array:
+        """Angles of counts [rad]."""
+        turned = self.sign * (counts - self.center) / self.counts_per_radian
+        angle: Array = self.offset + turned
+        return angle
+
+
+@dataclass(frozen=True, slots=True)
+class ServoTable:
+    """The servos of all joints, in the order of their channels.
+
+    Attributes:
+        channels: One a joint.
+        largest: Largest count there is.
+        frame_rate: Pulses a second; 0 for servos on a bus.
+        microseconds: Whether counts are microseconds of a pulse.
+    """
+
+    channels: tuple[Channel, ...]
+    largest: int
+    frame_rate: float = 0.0
+    microseconds: bool = False
+
+    def __post_init__(self) -> None:
+        numbers = [servo.channel for servo in self.channels]
+        for before, servo in zip(self.channels, self.channels[1:], strict=False):
+            if numbers.count(servo.channel) > 1 and before.channel == servo.channel:
+                raise UsageError(
+                    f"{before.joint!r} and {servo.joint!r} are both on channel "
+                    f"{servo.channel}",
+                    "the servo table",
+                    "give every joint a channel of its own",
+                )
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, in the order of their channels."""
+        return tuple(servo.joint for servo in self.channels)
+
+    def in_microseconds(self) -> ServoTable:
+        """The same servos, told the length of their pulses instead of counts."""
+        length = 1e6 / (FRAME * self.frame_rate)
+        channels = (
+            replace(
+                servo,
+                center=servo.center * length,
+                counts_per_radian=servo.counts_per_radian * length,
+            )
+            for servo in self.channels
+        )
+        frame = round(1e6 / self.frame_rate)
+        return ServoTable(tuple(channels), frame - 1, self.frame_rate, True)
+
+    def counts(self, commands: ServoCommands) -> Array:
+        """Whole counts of commands, in the order of the channels, (K, J).
+
+        Raises:
+            UsageError: If a joint leaves its servo's range.
+        """
+        angles = self.require_range(commands)
+        columns = [s.counts(angles[:, i]) for i, s in enumerate(self.channels)]
+        counts: Array = np.round(np.stack(columns, axis=1)).astype(int)
+        for servo, column in zip(self.channels, counts.T, strict=True):
+            for end in (int(column.min()), int(column.max())):
+                if not 0 <= end <= self.largest:
+                    angle = float(servo.angle(np.array(float(end))))
+                    ends = servo.angle(np.array([0.0, float(self.largest)]))
+                    raise _outside(servo, angle, *sorted(ends.tolist()))
+        return counts
+
+    def commands(self, counts: Array, rate: float) -> ServoCommands:
+        """The angles of counts, in the order of the channels.
+
+        Args:
+            counts: Shape (K, J).
+            rate: Commands a second.
+        """
+        columns = [s.angle(counts[:, i]) for i, s in enumerate(self.channels)]
+        return ServoCommands(self.joints, rate, np.stack(columns, axis=1))
+
+    def require_range(self, commands: ServoCommands) -> Array:
+        """Angles in the order of the channels, all within the servos' range, (K, J).
+
+        Raises:
+            UsageError: If a joint leaves its servo's range.
+        """
+        order = [commands.joints.index(joint) for joint in self.joints]
+        angles: Array = commands.angles[:, order]
+        for servo, column in zip(self.channels, angles.T, strict=True):
+            for angle in (float(column.min()), float(column.max())):
+                if not servo.low - NEAR <= angle <= servo.high + NEAR:
+                    raise _outside(servo, angle, servo.low, servo.high)
+        return angles
+
+
+def servo_table(
+    card: Card,
+    joints: Sequence[str],
+    kind: str,
+    pwm: bool | None,
+    given: Mapping[str, JointServo] | None = None,
+) -> ServoTable:
+    """The servos of a robot.
+
+    Args:
+        card: The robot's, which may say something about single servos.
+        joints: Names of all joints in the order of the legs, which is that of the
+            channels where nothing else is said.
+        kind: Make of the servos; another name if it is none of those known.
+        pwm: Whether they are told pulses (True) or ticks on a bus (False); None asks
+            for their range alone, and servos of no make have none.
+        given: A table that replaces the card's.
+
+    Raises:
+        UsageError: If two joints are on the same channel.
+    """
+    made = SERVO_KINDS.get(kind)
+    if pwm is not None and (made is None or (made.bus == "pwm") != pwm):
+        made = PWM if pwm else None
+    said = card.joint_servos if given is None else given
+    servos = [
+        _channel(joint, number, said.get(joint, JointServo()), made, pwm)
+        for number, joint in enumerate(joints)
+    ]
+    ticks = round(2 * made.reach / made.resolution) if made else TURN
+    return ServoTable(
+        channels=tuple(sorted(servos, key=lambda servo: servo.channel)),
+        largest=(FRAME if pwm else max(ticks, TURN if said else 0)) - 1,
+        frame_rate=made.command_rate if made and pwm else 0.0,
+    )
+
+
+def _channel(
+    joint: str, number: int, said: JointServo, made: ServoKind | None, pwm: bool | None
+) -> Channel:
+    """What is said of a servo, and for the rest what its make or a turn gives."""
+    center = made.center if made else TURN // 2
+    reach = made.reach if made else (inf if pwm is None else pi)
+    low, high = said.limits or (said.offset - reach, said.offset + reach)
+    return Channel(
+        joint=joint,
+        channel=number if said.channel is None else said.channel,
+        sign=said.sign,
+        center=center if said.center is None else said.center,
+        offset=said.offset,
+        counts_per_radian=said.counts_per_radian
+        or (1 / made.resolution if made else TURN / (2 * pi)),
+        low=low,
+        high=high,
+    )
+
+
+def _outside(servo: Channel, angle: float, low: float, high: float) -> UsageError:
+    return UsageError(
+        f"joint {servo.joint!r} goes to {angle:.4f} rad ({degrees(angle):.1f} degrees) "
+        f"and its servo from {low:.4f} to {high:.4f} rad",
+        f"channel {servo.channel}",
+        f"give it other limits or another offset under [servo.{servo.joint}] in the "
+        "card, or plan smaller strokes",
+    )

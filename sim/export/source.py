@@ -1,0 +1,159 @@
+"""What is exported: the commands of a run folder, or of a scenario walked for it."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from models import (
+    Card,
+    Robot,
+    actuator_of,
+    compile_model,
+    load,
+    read_card,
+    silence_the_engine,
+)
+from planner import Array
+from sim.errors import UsageError
+from sim.evaluation.assessment import trajectory
+from sim.export.servo_commands import ServoCommands, taken
+from sim.progress import Progress, silent
+from sim.scenarios.file import load_scenario
+from sim.scenarios.scenario import Scenario
+from sim.simulation import simulate
+from sim.world.servo_settings import servo_settings
+
+UNFINISHED = "give the folder of a finished run, or the name of a scenario"
+REFERENCE = ("time", "quasi_static_pose", "world_start_pose")  # of trajectory.npz
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A finished walk, as far as exporting and playing it needs.
+
+    Attributes:
+        robot: The robot that walked.
+        card: Its card; in a run folder it may have been given other servos.
+        model: Robot and world, as simulated.
+        pieces: Commands in order, one row a physics step, shape (n, nu) each.
+        steps: Number of physics steps.
+        kind: Make of the servos, or `ideal`.
+        rate: Commands a second; 0 for one a physics step.
+        summary: Contents of summary.json.
+        reference: Arrays of trajectory.npz, those of `REFERENCE`.
+    """
+
+    robot: Robot
+    card: Card
+    model: mujoco.MjModel
+    pieces: Iterable[Array]
+    steps: int
+    kind: str
+    rate: float
+    summary: Mapping[str, Any]
+    reference: Mapping[str, Array]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints of all legs, leg by leg: swing, lift, and those that are held."""
+        legs = self.card.legs
+        return tuple(joint for leg in sorted(legs) for joint in legs[leg].joints)
+
+    @property
+    def actuators(self) -> Array:
+        """Actuator of each joint, shape (J,)."""
+        return np.array([actuator_of(self.model, joint) for joint in self.joints])
+
+    @property
+    def timestep(self) -> float:
+        """Of the physics [s]."""
+        return float(self.model.opt.timestep)
+
+    def commands(self, rate: float) -> ServoCommands:
+        """What servos are told at a rate.
+
+        Args:
+            rate: Commands a second, where the walk itself has no rate.
+
+        Raises:
+            UsageError: If the rate is higher than that of the physics.
+        """
+        asked = self.rate or rate
+        return taken(self.pieces, self.joints, self.actuators, asked, self.timestep)
+
+
+def from_run(folder: Path, *, allow_external: bool = False) -> Source:
+    """A walk from its run folder.
+
+    Args:
+        folder: Run folder.
+        allow_external: Whether its robot may open files outside its own folder.
+
+    Raises:
+        UsageError: If it is not the folder of a finished run.
+        ModelError: If its robot cannot be used.
+    """
+    try:
+        scenario = load_scenario(str(folder / "scenario.toml"))
+        summary = json.loads((folder / "summary.json").read_text())
+        arrays = _arrays(folder / "trajectory.npz", REFERENCE)
+        ctrl = _arrays(folder / "commands.npz", ("ctrl",))["ctrl"]
+        card, model = read_card(folder / "model.toml"), _model(folder / "model.xml")
+    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        if isinstance(error, UsageError) and folder.joinpath("scenario.toml").exists():
+            raise
+        what = f"not a finished run, {' '.join(str(error).split())}"
+        raise UsageError(what, str(folder), UNFINISHED) from error
+    servo = servo_settings(scenario, card)
+    robot = load(scenario.robot, allow_external=allow_external)
+    return Source(
+        robot, card, model, (ctrl,), len(ctrl), servo.name, servo.rate, summary, arrays
+    )
+
+
+def from_scenario(
+    scenario: Scenario, robot: Robot, progress: Progress = silent
+) -> Source:
+    """A walk that is simulated now; nothing is written.
+
+    Args:
+        scenario: What to walk.
+        robot: The scenario's robot.
+        progress: Called with each stage and the finished part of it.
+
+    Raises:
+        PlannerError: If there is no plan.
+        UsageError: If the walk takes more steps or memory than there can be.
+        SimulationError: If the plan is refused, or the physics diverges.
+    """
+    done = simulate(scenario, robot=robot, progress=progress)
+    walk = done.walk
+    return Source(
+        robot=robot,
+        card=robot.card,
+        model=walk.setup.model,
+        pieces=list(walk.commands()),
+        steps=walk.steps,
+        kind=walk.setup.servo.name,
+        rate=walk.setup.servo.rate,
+        summary=done.summary,
+        reference={k: v for k, v in trajectory(done.evaluation) if k in REFERENCE},
+    )
+
+
+def _arrays(path: Path, names: Iterable[str]) -> dict[str, Array]:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+        return {name: arrays[name] for name in names}
+
+
+def _model(path: Path) -> mujoco.MjModel:
+    silence_the_engine()
+    return compile_model(mujoco.MjSpec.from_file(str(path)), str(path))

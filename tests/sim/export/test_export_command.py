@@ -1,0 +1,157 @@
+"""`stratawalk export`: a walk leaves for its servos, comes back and is played."""
+
+import json
+
+import numpy as np
+import pytest
+import yaml
+
+from sim.cli import main
+from sim.folder import RunFolder
+from sim.run_folder import run
+from sim.scenarios.body_path import line
+from sim.scenarios.scenario import Scenario
+
+SHORT = ("--robot", "hexapod-classroom", "--segments", "1")
+
+
+@pytest.fixture(scope="module")
+def classroom(tmp_path_factory):
+    """Run folder of a centimetre on servos with counts and a rate."""
+    folder = tmp_path_factory.mktemp("classroom")
+    path = line((0.01, 0.0, 0.0))
+    robot = "hexapod-classroom"
+    summary = run(
+        Scenario(name="short", robot=robot, segments=1, path=path), RunFolder(folder)
+    )
+    return folder, summary
+
+
+def exported(capsys, *words):
+    assert main(["export", *map(str, words), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("form", ["header", "csv", "ros2"])
+def test_what_servos_take_as_it_is_leads_where_the_run_led(
+    classroom, tmp_path, capsys, form
+):
+    folder, summary = classroom
+    out = tmp_path / "walk"
+    told = exported(capsys, folder, "--format", form, "--out", out)
+    played, achieved = told["exported"], summary["achieved"]
+    # the run's commands are on counts already; what is left is rounding of angles,
+    # 5e-10 rad in YAML, and what contacts make of it; 1e-6 m was measured
+    assert played["pose"] == pytest.approx(achieved["pose"], abs=2e-5)
+    assert played["min_margin"] == pytest.approx(achieved["min_margin"], abs=2e-5)
+    assert played["slip"] == pytest.approx(achieved["slip"], rel=0.01)
+    assert told["rate"] == 60
+    steps = len(np.load(folder / "commands.npz")["time"])
+    assert told["commands"] == 1 + int((steps - 1) * 0.0005 * 60 + 1e-6)
+    off = summary["error"]["quasi_static"]["position"]
+    assert played["error"]["quasi_static"]["position"] == pytest.approx(off, abs=2e-5)
+
+
+def test_angles_are_the_commands_of_the_run_at_their_instants(walked, tmp_path, capsys):
+    out = tmp_path / "walk.csv"
+    told = exported(capsys, walked, "--format", "csv", "--out", out, "--no-play")
+    assert told["exported"] is None
+    assert told["rate"] == 50  # of a run without a rate
+    values = np.genfromtxt(out, delimiter=",", names=True)
+    ctrl = np.load(walked / "commands.npz")["ctrl"]
+    names = values.dtype.names
+    assert names[:3] == ("time", "swing_1", "lift_1")
+    assert len(names) == 1 + ctrl.shape[1]
+    assert len(values) == np.ceil(len(ctrl) / 40)
+    for number, name in enumerate(names[1:]):
+        assert (values[name] == ctrl[::40, number]).all(), name
+
+
+def test_a_walk_for_servos_of_no_rate_is_noticed(walked, tmp_path, capsys):
+    words = ("--format", "ros2", "--rate", "100", "--no-play")
+    code = main(["export", str(walked), *words, "--out", str(tmp_path / "walk.yaml")])
+    assert code == 0
+    said = capsys.readouterr()
+    assert "--set command_rate=100" in said.err
+    assert "100 a second" in said.out
+    points = yaml.safe_load((tmp_path / "walk.yaml").read_text())["points"]
+    assert points[1]["time_from_start"] == {"sec": 0, "nanosec": 10_000_000}
+
+
+@pytest.mark.physics
+def test_a_scenario_is_walked_and_nothing_else_is_written(
+    tmp_path, capsys, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    words = ("line", *SHORT, "--set", "path.goal=[0.005, 0, 0]", "--no-play")
+    assert main(["export", *words, "--format", "header", "--out", "walk.h"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["walk.h"]
+    assert "12 servos, 60 a second" in capsys.readouterr().out
+
+
+def test_a_servo_table_of_ros_gives_channels_and_ticks(classroom, tmp_path, capsys):
+    joints = [f"{kind}_{leg}" for leg in range(1, 7) for kind in ("swing", "lift")]
+    servo = "{{name: {}, id: {}, ticks: 1024, center: 512, max_radians: 5.236}}"
+    servos = tmp_path / "servos.yaml"
+    servos.write_text(
+        "\n".join(f"- {servo.format(j, n)}" for n, j in enumerate(joints))
+    )
+    words = ("--format", "dynamixel", "--servo-table", servos, "--no-play")
+    exported(capsys, classroom[0], *words, "--out", tmp_path / "ticks.csv")
+    values = np.genfromtxt(tmp_path / "ticks.csv", delimiter=",", names=True)
+    assert values["lift_3"][0] == 512
+    assert values["lift_3"].max() > 512
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--format", "csv", "--microseconds"), "only a header has pulses"),
+        (("--format", "header", "--rate", "50"), "took 60 a second"),
+        (("--format", "csv", "--set", "friction=1"), "exported as it was walked"),
+        (
+            ("--format", "csv", "--replan", "--segments", "3"),
+            "--segments, --replan for",
+        ),
+        (("--format", "header", "--servo-table", "none.yaml"), "cannot be read"),
+        (("--format", "bvh"), "invalid choice: 'bvh'"),
+        (("--format", "csv", "--rate", "0"), "is no rate"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(classroom, tmp_path, capsys, words, said):
+    out = tmp_path / "walk"
+    assert main(["export", str(classroom[0]), *words, "--out", str(out)]) == 2
+    assert said in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_a_joint_beyond_its_servo_is_refused_and_nothing_is_written(
+    classroom, tmp_path, capsys
+):
+    folder, out = classroom[0], tmp_path / "walk.h"
+    card = folder / "model.toml"
+    before = card.read_text()
+    card.write_text(f"{before}\n[servo.lift_4]\nlimits = [-0.2, 0.2]\n")
+    code = main(["export", str(folder), "--format", "header", "--out", str(out)])
+    card.write_text(before)
+    assert code == 2
+    assert "joint 'lift_4' goes to" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("name", ["there", "nowhere/walk", ""])
+def test_a_file_that_cannot_be_made_is_refused_before_the_walk(
+    tmp_path, capsys, monkeypatch, name
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "there").write_text("mine")
+    assert main(["export", "line", "--format", "csv", "--out", name]) == 2
+    assert (tmp_path / "there").read_text() == "mine"
+    assert capsys.readouterr().out == ""
+
+
+def test_a_folder_that_is_no_run_is_refused(tmp_path, capsys):
+    out = str(tmp_path / "walk")
+    assert main(["export", str(tmp_path), "--format", "csv", "--out", out]) == 2
+    assert "not a finished run" in capsys.readouterr().err

@@ -1,0 +1,175 @@
+"""Files for servos: what is read back differs by half a count at most."""
+
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+import yaml
+
+from models.description.joint_servo import JointServo
+from models.library import load
+from sim.errors import UsageError
+from sim.export.header import identifier, read_header, write_header
+from sim.export.servo_commands import ServoCommands
+from sim.export.servo_table import servo_table
+from sim.export.tables import read_angles, read_ticks, write_angles, write_ticks
+from sim.export.trajectory import read_trajectory, write_trajectory
+
+CARD = load("hexapod-classroom").card
+JOINTS = tuple(joint for n in sorted(CARD.legs) for joint in CARD.legs[n].joints)
+MIRRORED = {
+    "swing_1": JointServo(channel=11, sign=-1, center=350.5, offset=0.2),
+    "lift_6": JointServo(channel=0, counts_per_radian=120.0, limits=(-0.9, 0.9)),
+    "lift_1": JointServo(channel=12),
+}
+TITLE = {"title": "line on a robot", "name": "line", "file": "line.h"}
+
+
+@pytest.fixture
+def commands():
+    angles = np.random.default_rng(3).uniform(-0.8, 0.8, (200, len(JOINTS)))
+    return ServoCommands(JOINTS, 60.0, angles)
+
+
+def table(pwm=True, given=None, kind="mg90"):
+    return servo_table(CARD, JOINTS, kind, pwm, given)
+
+
+def in_order(read):
+    order = [read.joints.index(joint) for joint in JOINTS]
+    return read.angles[:, order]
+
+
+def test_angles_are_read_back_to_the_last_digit(commands):
+    text = write_angles(commands)
+    assert text.splitlines()[0] == ",".join(("time", *JOINTS))
+    read = read_angles(text)
+    assert read.rate == pytest.approx(60.0, rel=1e-12)
+    assert (read.angles == commands.angles).all()
+
+
+@pytest.mark.parametrize("given", [None, MIRRORED], ids=["by order", "by table"])
+@pytest.mark.parametrize("unit", ["counts", "microseconds"])
+def test_a_header_is_read_back_to_half_a_count(commands, given, unit):
+    servos = table(given=given)
+    servos = servos.in_microseconds() if unit == "microseconds" else servos
+    text = write_header(commands, servos, **TITLE)
+    read = read_header(text, servos)
+    assert read.rate == 60.0
+    half = {s.joint: 0.5 / s.counts_per_radian for s in servos.channels}
+    off = np.abs(in_order(read) - commands.angles).max(axis=0)
+    assert (off <= np.array([half[joint] for joint in JOINTS]) + 1e-12).all()
+    assert off.max() > 0.4 * min(half.values())  # counts are as coarse as they say
+    assert unit in text
+    assert "PROGMEM" in text
+
+
+def test_counts_of_a_make_are_those_of_its_data_sheet(commands):
+    counts = table().counts(commands)
+    # 350 counts are 180 degrees, about 365
+    wanted = 365 + commands.angles * 350 / np.pi
+    assert np.abs(counts - wanted).max() <= 0.5 + 1e-9
+    micro = table().in_microseconds().counts(commands)
+    assert np.abs(micro - wanted * 1e6 / 60 / 4096).max() <= 0.5 + 1e-9
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no C compiler")
+def test_the_header_compiles_and_says_the_same_in_c(commands, tmp_path):
+    servos = table(given=MIRRORED)
+    (tmp_path / "line.h").write_text(write_header(commands, servos, **TITLE))
+    (tmp_path / "main.c").write_text(
+        "#include <stdio.h>\n#include <stdint.h>\n#define PROGMEM\n"
+        '#include "line.h"\nint main(void) {\n'
+        '  for (int i = 0; i < WALK_LINE_JOINTS; i++) printf("%d ", '
+        "walk_line_channel[i]);\n"
+        "  for (int k = 0; k < WALK_LINE_COMMANDS; k++)\n"
+        "    for (int i = 0; i < WALK_LINE_JOINTS; i++)\n"
+        '      printf("%d ", walk_line[k][i]);\n'
+        '  printf("%g", WALK_LINE_RATE);\n  return 0;\n}\n'
+    )
+    strict = ("-std=c99", "-Wall", "-Wextra", "-Werror")
+    subprocess.run(["gcc", *strict, "main.c", "-o", "main"], cwd=tmp_path, check=True)
+    done = subprocess.run([tmp_path / "main"], capture_output=True, text=True)
+    *numbers, rate = done.stdout.split()
+    channels, counts = numbers[: len(JOINTS)], numbers[len(JOINTS) :]
+    assert channels == [str(servo.channel) for servo in servos.channels]
+    assert counts == [str(count) for count in servos.counts(commands).ravel()]
+    assert float(rate) == 60
+
+
+def test_names_in_c_are_letters_and_digits():
+    assert re.fullmatch(r"[A-Za-z_]\w*", identifier("über 2-fach.int"))
+
+
+def test_a_trajectory_is_yaml_with_rising_times(commands):
+    text = write_trajectory(commands)
+    message = yaml.safe_load(text)
+    assert message["joint_names"] == list(JOINTS)
+    times = [p["time_from_start"] for p in message["points"]]
+    assert all(0 <= t["nanosec"] < 10**9 for t in times)
+    seconds = [t["sec"] + t["nanosec"] / 1e9 for t in times]
+    assert seconds == pytest.approx(commands.time, abs=0.6e-9)
+    read = read_trajectory(text)
+    assert np.abs(read.angles - commands.angles).max() <= 0.5e-9 + 1e-15
+    assert read.rate == pytest.approx(60.0, rel=1e-9)
+
+
+def test_small_angles_stay_numbers_in_yaml():
+    tiny = ServoCommands(("a",), 50.0, np.array([[1e-7], [-1e-12]]))
+    points = yaml.safe_load(write_trajectory(tiny))["points"]
+    assert [p["positions"] for p in points] == [[1e-7], [0.0]]
+
+
+def test_ticks_are_4096_a_turn_about_2048_where_nothing_is_said(commands):
+    servos = table(pwm=False, kind="ideal")
+    text = write_ticks(commands, servos)
+    values = np.genfromtxt(text.splitlines(), delimiter=",", names=True)
+    assert values.dtype.names == ("time", *JOINTS)
+    wanted = np.round(2048 + commands.angles[:, 3] * 4096 / (2 * np.pi))
+    assert (values[JOINTS[3]] == wanted).all()
+    read = read_ticks(text, servos)
+    assert np.abs(read.angles - commands.angles).max() <= np.pi / 4096 + 1e-12
+
+
+def test_ticks_of_a_make_are_those_of_its_data_sheet(commands):
+    counts = table(pwm=False, kind="ax-12").counts(commands)
+    wanted = np.round(512 + np.degrees(commands.angles) * 1024 / 300)
+    assert (counts == wanted).all()
+
+
+@pytest.mark.parametrize("kind", ["mg90", "ax-12", "xl-330", "ideal"])
+@pytest.mark.parametrize("pwm", [True, False, None])
+def test_a_joint_out_of_its_servos_range_is_refused_by_name(commands, kind, pwm):
+    angles = commands.angles.copy()
+    angles[17, 5] = 3.3
+    beyond = ServoCommands(JOINTS, 60.0, angles)
+    servos = table(pwm=pwm, kind=kind)
+    if kind == "ideal" and pwm is None:  # angles of servos that nothing is known of
+        servos.require_range(beyond)
+        return
+    with pytest.raises(UsageError, match=r"joint 'lift_3' goes to 3\.3000 rad .* from"):
+        servos.require_range(beyond)
+
+
+def test_limits_of_a_card_are_kept(commands):
+    narrow = {"swing_2": JointServo(limits=(-0.1, 0.1))}
+    with pytest.raises(UsageError, match=r"'swing_2' goes to .* from -0\.1000 to 0\.1"):
+        table(given=narrow).require_range(commands)
+
+
+def test_counts_beyond_what_servos_have_are_refused(commands):
+    with pytest.raises(UsageError, match="'swing_2' goes to"):
+        table(given={"swing_2": JointServo(center=4090.0)}).counts(commands)
+
+
+def test_two_joints_on_one_channel_are_refused():
+    with pytest.raises(UsageError, match="'swing_1' and 'swing_2' are both on chan"):
+        table(given={"swing_2": JointServo(channel=0)})
+
+
+@pytest.mark.parametrize("text", ["", "time\n0\n", "a,b\n1,2\n", "time,a\n0,x\n1,2"])
+def test_what_is_no_table_is_refused(text):
+    with pytest.raises(ValueError, match="."):
+        read_angles(text)
