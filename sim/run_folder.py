@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from models import Robot
-from sim.errors import SimulationError
+from sim.errors import SimulationError, one_line
 from sim.evaluation.assessment import Evaluation, Summary, trajectory
 from sim.evaluation.phases import table
 from sim.folder import Pieces, RunFolder, claim
@@ -76,6 +78,19 @@ class Writer:
         """The numbers."""
         self.folder.write_json("summary.json", summary)
 
+    def reported(self, warn: Callable[[str], object] = warnings.warn) -> None:
+        """The page that explains the run; what fails here does not fail the run.
+
+        Args:
+            warn: Told in a line why there is no report.
+        """
+        try:
+            from sim.reports.page import write_report
+
+            write_report(self.folder.path)
+        except Exception as error:  # a drawing library may raise anything
+            warn(f"no report: {one_line(error)}")
+
 
 def run(
     scenario: Scenario,
@@ -84,6 +99,7 @@ def run(
     robot: Robot | None = None,
     look: str | None = None,
     progress: Progress = silent,
+    warn: Callable[[str], object] = warnings.warn,
 ) -> Summary:
     """Carry out a scenario and write everything about it into a folder.
 
@@ -93,6 +109,7 @@ def run(
         robot: The scenario's robot, if it is loaded already.
         look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
         progress: Called with each stage and the finished part of it.
+        warn: Told in a line what could not be written though the run is complete.
 
     Returns:
         The summary, as written to summary.json.
@@ -112,6 +129,9 @@ def run(
     writer.evaluated(simulation.evaluation)
     simulation.timing["render"] = 0.0
     writer.summarised(simulation.summary)
+    progress("report", 0.0)
+    writer.reported(warn)
+    progress("report", 1.0)
     if look is not None:
         from sim.pictures.direction import film_folder
 
@@ -154,4 +174,5 @@ def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Pa
     writer.walked(evaluation.walk)
     writer.evaluated(evaluation)
     writer.summarised(done.summary)
+    writer.reported()
     return made.path

@@ -12,6 +12,7 @@ from sim.errors import UsageError
 
 COMMANDS = (
     "run",
+    "show",
     "plan",
     "export",
     "check",

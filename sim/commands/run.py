@@ -84,7 +84,9 @@ def execute(options: argparse.Namespace) -> ExitCode:
         return _walk_tries(scenario, robot, folder, options)
     try:
         with bar(quiet=options.json) as progress:
-            summary = run(scenario, folder, robot=robot, look=look, progress=progress)
+            summary = run(
+                scenario, folder, robot=robot, look=look, progress=progress, warn=_warn
+            )
     finally:
         folder.discard_if_empty()
     print(json.dumps(summary) if options.json else _report(summary, folder))
@@ -161,16 +163,20 @@ def _can_film(wanted: bool | None) -> bool:
     except RenderError as error:
         if wanted:
             raise
-        print(f"stratawalk: warning: no film: {one_line(error)}", file=sys.stderr)
+        _warn(f"no film: {one_line(error)}")
         return False
     return True
+
+
+def _warn(text: str) -> None:
+    print(f"stratawalk: warning: {text}", file=sys.stderr)
 
 
 def _report(summary: Mapping[str, Any], folder: RunFolder) -> str:
     from sim.evaluation.comparison import describe
 
     lines = [describe(summary), "", f"{'folder':13}{folder.path}"]
-    film = folder.path / "video.mp4"
-    if film.exists():
-        lines.append(f"{'film':13}{film}")
+    for what, name in (("report", "report.html"), ("film", "video.mp4")):
+        if (folder.path / name).exists():
+            lines.append(f"{what:13}{folder.path / name}")
     return "\n".join(lines)

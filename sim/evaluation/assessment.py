@@ -30,6 +30,7 @@ from sim.experiments.predictions import MODELS, twist_model
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
+from sim.versions import versions
 from sim.walking.finished import Stretch, Walk
 
 Summary = dict[str, Any]
@@ -251,6 +252,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "per_metre": per_metre(length, moving_time(walk), strokes),
         "simulated_time": walk.recording.steps * setup.limits.timestep,
         "timestep": setup.limits.timestep,
+        "versions": versions(),
     }
 
 

@@ -29,13 +29,15 @@ ONLY_IN = {
     "matplotlib": {"sim", "scripts"},
     "rich": {"sim"},
     "shapely": {"sim"},
+    "jinja2": {"sim"},
+    "markupsafe": {"sim"},
     "casadi": {"planner", "sim"},
     "ompl": {"sim"},
     "yaml": {"sim"},
 }
 HEAVY = (
     "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely",
-    "matplotlib", "yaml",
+    "matplotlib", "yaml", "jinja2",
 )  # fmt: skip
 LONGEST = 300  # lines
 

@@ -1,0 +1,45 @@
+"""`stratawalk show`: the report of a finished run, drawn again and opened."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+
+HELP = "draw the report of a finished run, and open it where there is a display"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument("run", metavar="RUN", help="folder of a finished run")
+    parser.add_argument(
+        "--browser",
+        action=argparse.BooleanOptionalAction,
+        help="open it; by default where there is a display",
+    )
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Draw the report, print its path and open it."""
+    from sim.reports.page import write_report
+
+    path = write_report(Path(options.run)).resolve()
+    print(json.dumps({"report": str(path)}) if options.json else path)
+    if _has_display() if options.browser is None else options.browser:
+        sys.stdout.flush()
+        _open(path)
+
+
+def _has_display() -> bool:
+    """Whether a browser's window would be seen by the one who asked for it."""
+    screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    return sys.platform == "darwin" or bool(screen)
+
+
+def _open(path: Path) -> None:
+    import webbrowser
+
+    if not webbrowser.open(path.as_uri()):
+        print(f"stratawalk: warning: no browser found for {path}", file=sys.stderr)

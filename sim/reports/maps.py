@@ -1,0 +1,117 @@
+"""The path in plan view, and the error beside it, magnified."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner import Array
+from sim.reports.colours import ACHIEVED, DASHES, NOMINAL, OUTLINES, PREDICTED
+from sim.reports.curves import along, round_factor
+from sim.reports.drawing import Drawing, Key, finish, sheet
+from sim.reports.record import PREDICTIONS, Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MM = 1e3
+WIDTH = 4.2  # [in]
+SHARE = 0.15  # of the path's extent that the largest error takes
+FEWEST = 8  # points at which the error is drawn
+HEIGHTS = (1.8, 4.2)  # [in]
+
+
+def plan_view(run: Record) -> Drawing:
+    """Nominal path, every prediction and the achieved path of the body's centre."""
+    with sheet(_height(_points(run)), WIDTH) as (figure, axes):
+        _draw_obstacles(axes, run)
+        axes.plot(*(MM * run.nominal[:, :2].T), "--", color=NOMINAL, lw=1.2)
+        achieved = _thin(run.achieved[run.walking, :2])
+        axes.plot(*achieved.T, color=ACHIEVED, lw=2.4, alpha=0.55)
+        keys = [Key("nominal path", NOMINAL, dashed=True), Key("achieved", ACHIEVED)]
+        for name, poses in run.predicted.items():
+            line = _thin(poses[run.walking, :2])
+            axes.plot(*line.T, color=PREDICTED[name], lw=0.8, ls=DASHES[name])
+            said = f"predicted, {PREDICTIONS[name]}"
+            keys.append(Key(said, PREDICTED[name], dashed=name != "ideal"))
+        _draw_goal(axes, run)
+        axes.set_aspect("equal", adjustable="datalim")
+        note = (
+            "The ring is the goal. The body does not follow the nominal path itself "
+            "but swings about it: it moves forward and back, and parks sideways."
+        )
+        return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
+
+
+def magnified(run: Record) -> Drawing:
+    """The nominal path with the errors at the ends of segments, magnified."""
+    rows = _ends(run)
+    errors = {name: run.error(name)[rows, :2] for name in run.predicted}
+    shown = {name: e for name, e in errors.items() if name != "identified"}
+    largest = max(float(np.hypot(*e.T).max()) for e in shown.values())
+    extent = float(np.ptp(run.nominal[:, :2], axis=0).max()) or 0.1
+    factor = round_factor(SHARE * extent / largest) if largest else 1.0
+    drawn = {
+        n: MM * (run.predicted[n][rows, :2] + factor * e) for n, e in shown.items()
+    }
+    points = np.concatenate([MM * run.nominal[:, :2], *drawn.values()])
+    keys = [Key("nominal path", NOMINAL, dashed=True)]
+    with sheet(_height(points), WIDTH) as (figure, axes):
+        axes.plot(*(MM * run.nominal[:, :2].T), "--", color=NOMINAL, lw=1.2)
+        for name, moved in drawn.items():
+            colour = PREDICTED[name]
+            axes.plot(*moved.T, "o-", color=colour, markersize=2.5, lw=0.9)
+            for start, end in zip(
+                MM * run.predicted[name][rows, :2], moved, strict=True
+            ):
+                axes.plot(*np.transpose([start, end]), color=colour, lw=0.4)
+            keys.append(Key(f"off the {PREDICTIONS[name]} prediction", colour))
+        axes.set_aspect("equal", adjustable="datalim")
+        note = (
+            f"At the ends of segments, the departure of the physics from each "
+            f"prediction, drawn {factor:g} times as long as it is; the longest is "
+            f"{MM * largest:.3g} mm."
+        )
+        enlarged = f"magnified {factor:g} times" if factor > 1 else "in its own size"
+        heading = f"Error, {enlarged}, x and y [mm]"
+        return finish(figure, heading, keys, note)
+
+
+def _ends(run: Record) -> Array:
+    """Rows at the ends of segments; of phases, where segments are few."""
+    segment = np.array([phase.segment for phase in run.phases])
+    changes = np.flatnonzero(np.diff(segment)) if len(segment) else np.array([], int)
+    if len(changes) < FEWEST:
+        changes = np.arange(len(segment) - 1)
+    ends = [run.phases[i].end for i in changes]
+    last = len(run.time) - 1
+    rows = np.minimum(np.searchsorted(run.time, np.array(ends) - 1e-9), last)
+    return np.unique(np.append(rows, last).astype(int))
+
+
+def _points(run: Record) -> Array:
+    paths = [
+        poses[run.walking, :2] for poses in (run.achieved, *run.predicted.values())
+    ]
+    return MM * np.concatenate([run.nominal[:, :2], *paths])
+
+
+def _height(points: Array) -> float:
+    """Height of a map in which x and y have one scale [in]."""
+    wide, high = np.maximum(np.ptp(points, axis=0), 1e-9)
+    return float(np.clip(WIDTH * high / wide + 0.4, *HEIGHTS))
+
+
+def _thin(points: Array) -> Array:
+    return MM * points[along(points)]
+
+
+def _draw_goal(axes: Axes, run: Record) -> None:
+    x, y, _ = run.summary["goal"]
+    axes.plot(MM * x, MM * y, "o", color=NOMINAL, markersize=8, mfc="none", mew=1.4)
+
+
+def _draw_obstacles(axes: Axes, run: Record) -> None:
+    for outline in run.obstacles:
+        axes.fill(*(MM * outline.T), color=OUTLINES, lw=0)

@@ -1,0 +1,196 @@
+"""Drawings over one time axis: errors, margin, slip, contacts and strata."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from planner import Array
+from sim.reports.colours import ACHIEVED, DASHES, LIMIT, PREDICTED, of_group, of_leg
+from sim.reports.curves import extremes
+from sim.reports.drawing import Drawing, Key, finish, sheet
+from sim.reports.record import PREDICTIONS, Record, key_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MM, MRAD = 1e3, 1e3
+HEIGHT = 1.55  # [in]
+ROW = 0.17  # [in] of a foot
+
+
+def panels(run: Record) -> list[Drawing]:
+    """All drawings over time, in the order of the page."""
+    best = PREDICTIONS[run.best]
+    off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.predicted}
+    turned = {name: MRAD * run.error(name)[:, 2] for name in run.predicted}
+    drawn = [
+        _errors(run, off, "Distance from each prediction [mm]"),
+        _components(run, f"Error in x and y, off the {best} prediction [mm]"),
+        _errors(run, turned, "Error in yaw, off each prediction [mrad]"),
+        _margin(run),
+        _slip(run),
+        _contacts(run),
+    ]
+    if "achieved_clearance" in run.arrays:
+        drawn.insert(4, _clearance(run))
+    return drawn
+
+
+def _line(axes: Axes, run: Record, values: Array, colour: str, **style: object) -> None:
+    rows = extremes(values)
+    axes.plot(run.time[rows], values[rows], color=colour, **style)  # type: ignore[arg-type]
+
+
+def _over_time(axes: Axes, run: Record) -> None:
+    axes.set_xlim(run.time[0], run.time[-1])
+
+
+def _errors(run: Record, values: Mapping[str, Array], heading: str) -> Drawing:
+    with sheet(HEIGHT) as (figure, axes):
+        for name, curve in values.items():
+            _line(axes, run, curve, PREDICTED[name], ls=DASHES[name])
+        _over_time(axes, run)
+        keys = [
+            Key(f"off {PREDICTIONS[name]}", PREDICTED[name], dashed=name != "ideal")
+            for name in values
+        ]
+        return finish(figure, heading, keys)
+
+
+def _components(run: Record, heading: str) -> Drawing:
+    error = MM * run.error(run.best)
+    with sheet(HEIGHT) as (figure, axes):
+        _line(axes, run, error[:, 0], of_leg(0))
+        _line(axes, run, error[:, 1], of_leg(1), ls=DASHES["quasi_static"])
+        _over_time(axes, run)
+        keys = [Key("in x", of_leg(0)), Key("in y", of_leg(1), dashed=True)]
+        return finish(figure, heading, keys)
+
+
+def _margin(run: Record) -> Drawing:
+    margin = MM * run.arrays["achieved_margin"]
+    foreseen = MM * run.arrays[key_of(run.best, "margin")]
+    keys = [
+        Key("achieved", ACHIEVED),
+        Key(f"predicted, {PREDICTIONS[run.best]}", PREDICTED[run.best], dashed=True),
+        Key("limit: below 0 it tips over", LIMIT, dashed=True),
+    ]
+    with sheet(HEIGHT) as (figure, axes):
+        _line(axes, run, margin, ACHIEVED)
+        _line(axes, run, foreseen, PREDICTED[run.best], ls=DASHES[run.best], lw=0.8)
+        axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
+        if asked := run.settings.get("min_margin"):
+            axes.axhline(MM * asked, color=LIMIT, ls=":", lw=1.0)
+            keys.append(
+                Key(f"least that was asked for, {MM * asked:g} mm", LIMIT, True)
+            )
+        _over_time(axes, run)
+        least = MM * run.summary["achieved"]["min_margin"]
+        note = f"The least margin of the walk is {least:.1f} mm."
+        return finish(figure, "Static stability margin [mm]", keys, note)
+
+
+def _clearance(run: Record) -> Drawing:
+    with sheet(HEIGHT) as (figure, axes):
+        _line(axes, run, MM * run.arrays["achieved_clearance"], ACHIEVED)
+        axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
+        _over_time(axes, run)
+        keys = [Key("achieved", ACHIEVED), Key("limit: it touches", LIMIT, dashed=True)]
+        return finish(figure, "Clearance from obstacles [mm]", keys)
+
+
+def _slip(run: Record) -> Drawing:
+    achieved, floor = MM * run.arrays["slip"], run.summary["achieved"]["creep_floor"]
+    foreseen = MM * run.arrays[key_of(run.best, "slip")]
+    with sheet(1.25 * HEIGHT) as (figure, axes):
+        for i in range(len(run.legs)):
+            _line(axes, run, achieved[:, i], of_leg(i))
+            _line(axes, run, foreseen[:, i], of_leg(i), ls=":", lw=0.9)
+        _over_time(axes, run)
+        axes.set_ylim(bottom=0)
+        keys = [Key(f"leg {leg}", of_leg(i)) for i, leg in enumerate(run.legs)]
+        note = (
+            f"Dotted lines are the {PREDICTIONS[run.best]} prediction. Standing still "
+            f"for as long, all feet together creep by {MM * floor:.3g} mm: that much "
+            "is the solver's."
+        )
+        return finish(figure, "Slip of each foot since the start [mm]", keys, note)
+
+
+def _contacts(run: Record) -> Drawing:
+    """A row a foot, filled while it touches; below them the stratum."""
+    feet = len(run.legs)
+    contact, planned = run.arrays["contact"], run.arrays["planned_contact"]
+    with sheet(ROW * (feet + 1.6) + 0.34) as (figure, axes):
+        for i, leg in enumerate(run.legs):
+            y = feet - i
+            colour = of_group(run.group_of_leg[leg])
+            _bars(axes, _spells(run, contact[:, i]), y - 0.36, 0.72, colour)
+            wrong = _spells(run, contact[:, i] != planned[:, i])
+            _bars(axes, wrong, y - 0.5, 0.14, LIMIT)
+        for i, stratum in enumerate(_strata(run)):
+            spells = [
+                (p.start, p.end - p.start) for p in run.phases if p.stratum == stratum
+            ]
+            _bars(axes, spells, -0.45, 0.75, _of_stratum(run, stratum, i))
+        axes.set_yticks(
+            [*range(feet, 0, -1), -0.08],
+            [*(f"leg {leg}" for leg in run.legs), "stratum"],
+        )
+        axes.grid(visible=False)
+        axes.set_ylim(-0.6, feet + 0.6)
+        _over_time(axes, run)
+        keys = [
+            *(Key(f"feet of group {name}", of_group(i), filled=True)
+              for i, name in enumerate(run.groups)),
+            *(Key(f"stratum {name}", _of_stratum(run, name, i), filled=True)
+              for i, name in enumerate(_strata(run))),
+            Key("not as planned", LIMIT, filled=True),
+        ]  # fmt: skip
+        note = (
+            "A bar is a foot on the ground. A stratum is named after the groups that "
+            "stand. Thin red bars are contacts that differ from the plan."
+        )
+        return finish(figure, "Contacts of the feet, and strata", keys, note)
+
+
+def _bars(
+    axes: Axes, spells: list[tuple[float, float]], y: float, high: float, colour: str
+) -> None:
+    """Bars of one row as a single shape, which a page draws and stores fastest."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    if not spells:
+        return
+    start, length = np.array(spells).T
+    x = np.stack([start, start + length, start + length, start], axis=1)
+    upright = np.broadcast_to([y, y, y + high, y + high], x.shape)
+    corners = np.stack([x, upright], axis=-1)
+    shape = Path.make_compound_path_from_polys(corners)
+    axes.add_patch(PathPatch(shape, facecolor=colour, lw=0))
+
+
+def _strata(run: Record) -> list[str]:
+    """Strata that the walk visits, the one with all feet down first."""
+    return sorted({p.stratum for p in run.phases}, key=lambda s: (-len(s), s))
+
+
+def _of_stratum(run: Record, stratum: str, index: int) -> str:
+    """Colour of the only group that stands, else a grey."""
+    standing = [i for i, name in enumerate(run.groups) if name in stratum]
+    if len(standing) == 1:
+        return of_group(standing[0])
+    return ("#c9ced6", "#9aa3af", "#757f8d", "#565f6c")[index % 4]
+
+
+def _spells(run: Record, flag: Array) -> list[tuple[float, float]]:
+    """Start and length of every time for which a flag holds [s]."""
+    edges = np.diff(np.concatenate([[False], flag, [False]]).astype(int))
+    starts, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
+    ends = run.time[np.minimum(stops, len(run.time) - 1)]
+    begun = run.time[starts]
+    return list(zip(begun, ends - begun, strict=True))

@@ -1,0 +1,41 @@
+"""Templates of the pages, their style and their script."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.resources import files
+from typing import TYPE_CHECKING, Any
+
+from markupsafe import Markup
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+
+def render(name: str, **values: Any) -> str:
+    """Fill in a template.
+
+    Args:
+        name: Of its file in this folder.
+        values: By the names that the template has for them.
+    """
+    return _environment().get_template(name).render(**values)
+
+
+@cache
+def _environment() -> Environment:
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FunctionLoader(_text),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["plain"] = Markup  # for our own SVG, style and script
+    return environment
+
+
+def _text(name: str) -> str:
+    return files(__name__).joinpath(name).read_text()

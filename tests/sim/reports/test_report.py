@@ -1,0 +1,187 @@
+"""The report of a run, opened in a real browser: verdict, film, drawings, cursor."""
+
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from sim.cli import main
+from sim.errors import UsageError
+from sim.evaluation.verdict import FAILURES
+from sim.folder import RunFolder
+from sim.pictures.direction import film_folder
+from sim.reports.page import NAME, write_report
+from sim.run_folder import run
+from tests.browser import ask
+
+SEEN = """
+const shown = (e) => e && getComputedStyle(e).display !== "none";
+return {
+  verdict: document.querySelector(".verdict strong").textContent,
+  film: document.body.dataset.film,
+  video: shown(document.querySelector("video")),
+  missing: shown(document.getElementById("missing")),
+  drawings: document.querySelectorAll("figure svg").length,
+  curves: document.querySelectorAll("figure svg path").length,
+  width: document.documentElement.scrollWidth,
+  window: innerWidth,
+  smallest: Math.min(...[...document.querySelectorAll(".time svg text")].map(
+    (e) => e.getBoundingClientRect().height)),
+  now: document.getElementById("now").textContent,
+};
+"""
+CLICK = """
+const drawing = document.querySelectorAll(".time .drawing")[2];
+const [left, top, right, bottom, from, to] = drawing.dataset.box.split(" ").map(Number);
+const frame = drawing.getBoundingClientRect();
+const x = frame.left + frame.width * (left + right) / 2;
+drawing.dispatchEvent(new PointerEvent("pointerdown", {clientX: x, bubbles: true}));
+await new Promise((done) => setTimeout(done, 500));
+const film = document.querySelector("video");
+return {
+  time: Number(document.body.dataset.time), middle: (from + to) / 2,
+  cursors: [...document.querySelectorAll(".time .cursor")].map((e) => e.style.left),
+  film: film.currentTime,
+};
+"""
+
+
+@pytest.fixture(scope="module")
+def report(walked, tmp_path_factory):
+    """The report of a walk that arrived, without a film."""
+    folder = tmp_path_factory.mktemp("reports") / "arrived"
+    shutil.copytree(walked, folder)
+    return write_report(folder)
+
+
+def fallen(folder):
+    """Make a run folder tell of a robot that lies on its side from half-time on."""
+    summary = json.loads((folder / "summary.json").read_text())
+    summary |= {"verdict": "fell", "verdict_text": "fell at 7.0 s: the body tilted"}
+    summary["achieved"]["min_margin"] = -0.4
+    (folder / "summary.json").write_text(json.dumps(summary))
+    with np.load(folder / "trajectory.npz") as file:
+        arrays = dict(file)
+    half = len(arrays["time"]) // 2
+    arrays["achieved_pose"][half:] += (0.2, 0.3, 2.0)
+    arrays["achieved_margin"][half:] = -np.inf  # no foot on the ground
+    arrays["contact"][half:] = False
+    np.savez(folder / "trajectory.npz", **arrays)
+    return folder
+
+
+def test_every_run_folder_holds_its_report(walked):
+    page = (walked / NAME).read_text()
+    assert page.index("Arrived") < page.index("Over time")
+    assert len(page) < 5e6
+
+
+class Links(HTMLParser):
+    """What a page asks for."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found = set(re.findall(r"url\(([^)]*)\)", page))
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        """Note the links of an element."""
+        links = ("src", "href", "xlink:href", "poster", "data", "action")
+        self.found |= {value for name, value in attributes if name in links}
+
+
+def test_the_page_asks_nothing_of_the_network(report):
+    page = report.read_text()
+    asked = {link for link in Links(page).found if not link.startswith("#")}
+    assert asked == {"video.mp4", "data:,"}
+    assert "@import" not in page
+
+
+def test_a_run_that_arrived_is_seen_to(report, tmp_path):
+    seen = ask(report, SEEN, tmp_path)
+    assert seen["verdict"] == "arrived"
+    assert (seen["film"], seen["video"], seen["missing"]) == ("missing", False, True)
+    assert seen["drawings"] == 8
+    assert seen["curves"] > 50
+    assert "stratum 12, standing still; margin" in seen["now"]
+
+
+def test_a_telephone_shows_all_of_the_page_without_scrolling_sideways(report, tmp_path):
+    seen = ask(report, SEEN, tmp_path, width=375)
+    assert seen["width"] == seen["window"] == 375
+    assert seen["smallest"] > 8  # px, with its line's spacing
+
+
+def test_a_run_that_fell_is_seen_to(folder, tmp_path):
+    seen = ask(write_report(fallen(folder)), SEEN, tmp_path)
+    assert seen["verdict"] in FAILURES
+    assert seen["drawings"] == 8
+
+
+@pytest.mark.render
+def test_the_cursor_moves_all_drawings_and_the_film(driver, report, tmp_path):
+    folder = shutil.copytree(report.parent, tmp_path / "filmed")
+    film_folder(folder)
+    page = folder / NAME  # drawn before there was a film
+    seen = ask(page, SEEN, tmp_path)
+    assert (seen["film"], seen["video"], seen["missing"]) == ("shown", True, False)
+    found = ask(page, CLICK, tmp_path)
+    assert found["time"] == pytest.approx(found["middle"], abs=0.01)
+    assert len(found["cursors"]) == 6
+    # The film shows that moment; a picture of it is a thirtieth of a second.
+    assert 60 * found["film"] == pytest.approx(found["time"], abs=60 / 30)
+
+
+def test_show_draws_the_report_again_and_prints_its_path(folder, capsys):
+    (folder / NAME).unlink()
+    assert main(["show", str(folder), "--no-browser"]) == 0
+    assert capsys.readouterr().out == f"{folder.resolve() / NAME}\n"
+    assert (folder / NAME).exists()
+
+
+def test_show_of_what_is_no_run_is_refused(tmp_path, capsys):
+    assert main(["show", str(tmp_path)]) == 2
+    assert main(["show", str(tmp_path / "nothing")]) == 2
+    assert "no such run folder" in capsys.readouterr().err
+    with pytest.raises(UsageError):
+        write_report(tmp_path)
+
+
+@pytest.mark.parametrize("display", [None, ":7"])
+def test_a_browser_opens_only_where_there_is_a_display(
+    folder, tmp_path, monkeypatch, capsys, display
+):
+    """A real program in the browser's place notes what it is asked to open."""
+    noted, browser = tmp_path / "noted", tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\nprintf %s "$1" > {noted}\n')
+    browser.chmod(0o755)
+    monkeypatch.setenv("BROWSER", str(browser))
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    if display:
+        monkeypatch.setenv("DISPLAY", display)
+    assert main(["show", str(folder)]) == 0
+    opened = noted.read_text() if noted.exists() else None
+    assert opened == ((folder / NAME).resolve().as_uri() if display else None)
+
+
+def test_a_report_that_cannot_be_written_leaves_the_run(scenario, tmp_path):
+    (tmp_path / NAME).mkdir()
+    told = []
+    summary = run(scenario(timestep=0.002), RunFolder(tmp_path), warn=told.append)
+    assert summary["verdict"]
+    assert (tmp_path / "summary.json").exists()
+    (line,) = told
+    assert line.startswith("no report: cannot be written")
+
+
+def test_names_are_escaped(folder):
+    text = (folder / "scenario.toml").read_text()
+    told = re.sub(r'description = "[^"]*"', 'description = "<b>&</b>"', text)
+    (folder / "scenario.toml").write_text(told)
+    page = write_report(folder).read_text()
+    assert "&lt;b&gt;&amp;&lt;/b&gt;" in page
+    assert "<b>&</b>" not in page
