@@ -26,7 +26,7 @@ from planner import Array, StratifiedSystem
 
 NODES = 13  # along the stroke; the twist is smooth there but for where feet let go
 ACROSS = 5  # along the angle of the other group, which matters through its weight alone
-DROPPED = 1e-9  # [m/rad] and [rad/rad]; smaller coefficients are rounding
+DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out
 WHOLE = 2  # groups up to which every combination of angles is covered
 
 
@@ -178,9 +178,20 @@ def _fit(
         inverse = np.linalg.inv(chebyshev.chebvander(u, len(u) - 1))
         product = np.tensordot(inverse, coefficients, (1, axis))
         coefficients = np.moveaxis(product, 0, axis)
-    coefficients = np.where(np.abs(coefficients) < DROPPED, 0.0, coefficients)
+    small = np.abs(coefficients) < DROPPED
+    coefficients = _cropped(np.where(small, 0.0, coefficients))
     field = ContactField(stratum, direction, axes, ranges, coefficients, (0.0,) * 3)
     return replace(field, error=_error(field, twists, lift))
+
+
+def _cropped(coefficients: Array) -> Array:
+    """Without the highest degrees, where all their coefficients are zero."""
+    for axis in range(1, coefficients.ndim):
+        others = tuple(i for i in range(coefficients.ndim) if i != axis)
+        used = np.flatnonzero(np.abs(coefficients).max(axis=others))
+        size = int(used[-1]) + 1 if len(used) else 1
+        coefficients = np.take(coefficients, range(size), axis)
+    return coefficients
 
 
 def _axes(along: Array, spans: Array) -> tuple[Array, Array]:
