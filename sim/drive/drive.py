@@ -19,6 +19,7 @@ from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 
 SLACK = 1e-9  # of a command's number, for rounding
+STICKY = 0.8  # counts, within which a lift joint keeps the count it has
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -33,6 +34,8 @@ class Drive:
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = _zero_offsets(setup, len(self._joints))
         self._held: Array | None = None
+        self._lifts = _lift_places(setup)
+        self._kept: Array | None = None
 
     @property
     def plain(self) -> bool:
@@ -152,9 +155,23 @@ class Drive:
             told[:, joints] += borne / self._stiffness
         told[:, joints] += self._offset
         if self._servo.resolution:
-            counts = np.round(told[:, joints] / self._servo.resolution)
+            counts = self._counts(told[:, joints] / self._servo.resolution)
             told[:, joints] = counts * self._servo.resolution
         return told
+
+    def _counts(self, wanted: Array) -> Array:
+        """Whole counts; lift joints keep theirs until another one is clearly nearer.
+
+        Torques change slowly on standing legs, and a count back and forth for nothing
+        is half a millimetre at the foot: enough to let go of the floor.
+        """
+        counts = np.round(wanted)
+        kept = counts[0, self._lifts] if self._kept is None else self._kept
+        for row, want in zip(counts, wanted[:, self._lifts], strict=True):
+            near = np.abs(want - kept) <= STICKY
+            row[self._lifts] = kept = np.where(near, kept, row[self._lifts])
+        self._kept = kept
+        return counts
 
     def _speed(self, schedule: Schedule, rows: Array) -> Array:
         """Intended speed of the joints at steps of a schedule, (n, J) [rad/s]."""
@@ -173,3 +190,10 @@ def _zero_offsets(setup: Setup, joints: int) -> Array:
     """By how much each servo's zero is off, (J,) [rad]; the same for the same draw."""
     spread = setup.scenario.zero_offset
     return np.random.default_rng(setup.scenario.draw).uniform(-spread, spread, joints)
+
+
+def _lift_places(setup: Setup) -> Array:
+    """Which of the leg joints' actuators lift, as places among them."""
+    legs = setup.robot.card.legs.values()
+    joints = [joint for leg in legs for joint in leg.joints]
+    return np.array([joints.index(leg.lift) for leg in legs])

@@ -6,7 +6,7 @@ import pytest
 
 from models.description.servos import SERVO_KINDS, ServoKind
 from planner.systems.flows import Flow
-from sim.drive.drive import Drive
+from sim.drive.drive import STICKY, Drive
 from sim.drive.lead import Lead, smoothed
 from sim.drive.rehearsal import Rehearsal, leg_actuators
 from sim.errors import SimulationError, UsageError
@@ -76,7 +76,25 @@ def test_counts_are_whole_multiples_of_the_resolution_from_joint_zero(scenario):
     told, wanted = rows(Drive(setup), schedule), intended(setup, schedule)
     counts = told / resolution
     assert np.abs(counts - np.round(counts)).max() < 1e-9
-    assert np.abs(told - wanted).max() <= resolution / 2 + 1e-12
+    off, names = np.abs(told - wanted).max(axis=0), range(setup.model.nu)
+    swings = [i for i in names if setup.model.actuator(i).name.startswith("swing")]
+    assert off[swings].max() <= resolution / 2 + 1e-12
+    assert off.max() <= STICKY * resolution + 1e-12
+
+
+def test_a_lift_joint_keeps_its_count_while_its_torque_changes_little(scenario):
+    resolution = 0.01
+    setup = prepare(scenario(resolution=resolution, feed_forward=True, **SOFT))
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    scheduler.hold(1.0)
+    schedule = scheduler.finish()
+    steps = schedule.stop - schedule.start
+    drift = np.linspace(0.2, 0.7, 11)[:, None] * resolution * 50.0  # half a count
+    lead = Lead(np.tile(drift, (1, setup.model.nu)), spacing=steps // 10)
+    told = rows(Drive(setup), schedule, lead)
+    for i in range(setup.model.nu):
+        kept = len(np.unique(told[:, i])) == 1
+        assert kept == setup.model.actuator(i).name.startswith("lift")
 
 
 def test_commands_lead_by_torque_and_damping_over_stiffness(scenario):
