@@ -9,6 +9,7 @@ Room              What it answers
 ================  ====================================================================
 description       What the MJCF file and its card say
 contact           Where the feet are, which loads they bear, how they slide
+adoption          A card drafted for a robot that has none
 checks            Whether file and card make a robot that can walk
 motion            Its equations of motion, eqs. (16)-(19), and its body twists
 systems           Systems without a body: the paper's, wheels, fingers, chained forms

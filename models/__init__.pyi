@@ -1,4 +1,16 @@
-from .checks.posture import UPRIGHT as UPRIGHT
+from .adoption.draft import (
+    Draft as Draft,
+    draft_card as draft_card,
+)
+from .adoption.source import (
+    Source as Source,
+    source_of as source_of,
+)
+from .checks.parts import check_parts as check_parts
+from .checks.posture import (
+    UPRIGHT as UPRIGHT,
+    check_posture as check_posture,
+)
 from .contact.cores import covering_core as covering_core
 from .contact.ground import (
     Ground as Ground,

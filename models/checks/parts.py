@@ -41,7 +41,10 @@ def check_parts(robot: Robot) -> None:
 
 def _check_names(robot: Robot) -> None:
     named = [part for leg in robot.card.legs.values() for part in _parts(leg)]
-    if missing := [part for part in named if part[1] not in _known(robot, part[0])]:
+    started = [("joint", name) for name in robot.card.start]
+    if missing := [
+        part for part in (*named, *started) if part[1] not in _known(robot, part[0])
+    ]:
         lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing)
         raise ModelError(
             f"the card names what the model lacks: {robot.path}; {lacks}; "

@@ -115,6 +115,7 @@ class Card:
     lift_time: float = LIFT_TIME  # [s], from the ground to `lift_angle`
     servo: Servo | None = None
     joint_servos: Mapping[str, JointServo] = field(default_factory=dict)
+    start: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
     description: str = ""
 
     def __post_init__(self) -> None:

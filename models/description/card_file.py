@@ -33,6 +33,7 @@ KEYS = {
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
     "servo": ("stiffness", "damping", "kind"),
+    "start": (),
 }
 OPTIONAL = ("pattern",)
 
@@ -86,6 +87,7 @@ def _card(table: Table) -> Card:
         lift_time=table.number("lift_time") if "lift_time" in table else LIFT_TIME,
         servo=_servo(table.table("servo")) if "servo" in table else None,
         joint_servos=_joint_servos(table.table("servo")),
+        start=table.gains("start"),
         description=table.text("description") if "description" in table else "",
     )
 

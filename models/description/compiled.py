@@ -52,6 +52,25 @@ def read_spec(path: Path) -> mujoco.MjSpec:
         raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
 
 
+def named(spec: mujoco.MjSpec) -> None:
+    """Name what has no name, by its body and number, so that a card can name it.
+
+    Args:
+        spec: Robot whose geoms and bodies are named.
+    """
+    taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
+    for kind, parts in (("body", spec.bodies), ("geom", spec.geoms)):
+        for number, part in enumerate(parts):
+            if part.name:
+                continue
+            owner = part.parent.name or "robot"
+            name = f"{owner}_{kind}_{number}"
+            while name in taken:
+                name += "_"
+            taken.add(name)
+            part.name = name
+
+
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
     """Indices of the actuators that drive a joint."""
     on_joints = np.isin(model.actuator_trntype, ON_JOINT)

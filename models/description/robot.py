@@ -21,6 +21,7 @@ from models.description.compiled import (
     actuators_of,
     compile_model,
     free_joint,
+    named,
     read_spec,
     root_body,
 )
@@ -121,8 +122,10 @@ class Robot:
         return np.array([self.groups[g] in stratum for g in self.group_of_leg])
 
     def read(self) -> mujoco.MjSpec:
-        """A fresh, editable copy of the MJCF file."""
-        return read_spec(self.path)
+        """A fresh, editable copy of the MJCF file, in which every part has a name."""
+        spec = read_spec(self.path)
+        named(spec)
+        return spec
 
     @cached_property
     def model(self) -> mujoco.MjModel:
@@ -139,6 +142,8 @@ class Robot:
         """Configuration in the keyframe to start from, or the file's, joints held."""
         key, model = self._start, self.model
         qpos = np.array(model.qpos0 if key is None else model.key_qpos[key])
+        for joint, angle in self.card.start.items():
+            qpos[model.joint(joint).qposadr] = angle
         for leg in self.card.legs.values():
             for joint, angle in leg.hold.items():
                 qpos[model.joint(joint).qposadr] = angle

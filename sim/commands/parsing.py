@@ -19,6 +19,7 @@ COMMANDS = (
     "identify",
     "figures",
     "robots",
+    "adopt",
     "systems",
     "scenarios",
     "bench",

@@ -1,0 +1,1 @@
+"""Cards drafted for robots that nobody described yet: legs, groups, posture, servos."""

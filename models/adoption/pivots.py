@@ -1,0 +1,186 @@
+"""Groups of legs that can stand, and the posture in which each has a pivot.
+
+A planted foot moves at right angles to its leg. All legs of a group move the body about
+one point without slip exactly where the legs, produced inward, meet at that point: the
+group's pivot. Legs are turned until they do, and legs farther from the pivot swing
+farther, in proportion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from models.adoption.anatomy import Limb
+from models.contact.loads import static_loads
+from models.errors import ModelError
+from planner import Array
+
+PLACES = 25  # along each side of the field in which pivots are looked for
+MOST_SWING = 0.45  # [rad] either way, of the leg that swings farthest
+LEAST_SWING = 0.1  # [rad] either way, of a group
+LEAST_LOAD = 0.06  # share of the weight on each foot of a group that stands
+MOST_WAYS = 12  # pairs of groups that are tried
+MOST_PAIRS = 200  # pairs of pivots of each
+APART = 0.6  # of the distance between neighbouring feet, that turned legs keep
+
+Groups = tuple[tuple[int, ...], tuple[int, ...]]
+
+
+@dataclass(frozen=True)
+class Stand:
+    """A group's legs turned towards a pivot.
+
+    Attributes:
+        legs: Their places among the limbs.
+        pivot: Where their lines meet, shape (2,) [m].
+        turns: How far each leg is turned from how it stands, anticlockwise [rad].
+        gains: Swing of each leg per angle of the group, at most 1.
+        yaw: Turn of the body per radian of the group.
+        swing: How far the group swings either way [rad].
+        feet: Where the feet are then, shape (legs, 2) [m].
+    """
+
+    legs: tuple[int, ...]
+    pivot: Array
+    turns: Array
+    gains: Array
+    yaw: float
+    swing: float
+    feet: Array
+
+
+def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups]:
+    """Ways to make two groups of legs that each stand alone, the surest first.
+
+    Args:
+        limbs: Legs of the robot.
+        weight: Centre of mass, shape (2,) [m].
+        source: Its file, for refusals.
+
+    Raises:
+        ModelError: There are no such groups.
+    """
+    feet = np.array([limb.toe[:2] for limb in limbs])
+    count = len(limbs)
+
+    def surety(group: tuple[int, ...]) -> float:
+        loads = static_loads(feet[list(group)][None], weight[None])[0]
+        balanced = np.abs(loads @ feet[list(group)] - weight).max() < 1e-6
+        return float(loads.min()) if balanced else 0.0
+
+    ways = []
+    for size in range(3, count - 2):
+        for group in combinations(range(count), size):
+            if group[0] == 0:
+                other = tuple(i for i in range(count) if i not in group)
+                ways.append((min(surety(group), surety(other)), group, other))
+    sure = [way for way in ways if way[0] >= LEAST_LOAD]
+    if not sure:
+        raise ModelError(
+            f"no two groups of its {count} legs can stand alone in turn: {source}; its "
+            "weight is not inside the feet of one while the others are lifted; write a "
+            "card with patterns, as that of the shipped quadruped, if it can row"
+        )
+    sure.sort(key=lambda way: -round(way[0], 6))
+    return [(group, other) for _, group, other in sure[:MOST_WAYS]]
+
+
+def posed(
+    limbs: Sequence[Limb],
+    ways: Sequence[Groups],
+    weight: Array,
+    ranges: Array,
+    source: str,
+) -> tuple[Stand, Stand]:
+    """The pair of pivots from which the robot goes farthest sideways.
+
+    Args:
+        limbs: Legs of the robot.
+        ways: Pairs of groups of them, the preferred ones first.
+        weight: Centre of mass, shape (2,) [m].
+        ranges: How far each leg may turn clockwise and anticlockwise from how it
+            stands, shape (legs, 2) [rad].
+        source: Its file, for refusals.
+
+    Raises:
+        ModelError: No pivots are within the range of the joints.
+    """
+    for groups in ways:
+        first, second = (list(_stands(limbs, g, weight, ranges)) for g in groups)
+        worth = _worth(first, second)
+        for place in np.argsort(-worth, axis=None)[:MOST_PAIRS]:
+            i, j = np.unravel_index(place, worth.shape)
+            if _clear(limbs, first[i], second[j]):
+                return first[i], second[j]
+    raise ModelError(
+        f"its legs cannot be turned to meet at pivots: {source}; within the ranges of "
+        "its swing joints each group can only slide, widen them or start turned"
+    )
+
+
+def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
+    """Way sideways of a rectangle of two full swings, less for legs much turned."""
+    if not first or not second:
+        return np.zeros((0, 0))
+    places = [np.array([stand.pivot for stand in side]) for side in (first, second)]
+    apart = np.linalg.norm(places[0][:, None] - places[1][None], axis=-1)
+    turns, bends = [], []
+    for side in (first, second):
+        turns.append(np.array([stand.yaw * stand.swing for stand in side]))
+        bends.append(np.array([np.abs(stand.turns).max() for stand in side]))
+    bent = np.maximum(bends[0][:, None], bends[1][None])
+    worth: Array = apart * turns[0][:, None] * turns[1][None] * np.exp(-bent)
+    return worth
+
+
+def _stands(
+    limbs: Sequence[Limb], group: tuple[int, ...], weight: Array, ranges: Array
+) -> Iterator[Stand]:
+    hips = np.array([limbs[i].hip for i in group])
+    toes = np.array([limbs[i].toe[:2] for i in group])
+    lengths = np.linalg.norm(toes - hips, axis=1)
+    bearing = np.arctan2(*(toes - hips).T[::-1])
+    every = np.array([limb.hip for limb in limbs])
+    low, high = every.min(axis=0), every.max(axis=0)
+    middle, half = (low + high) / 2, np.maximum((high - low) / 2, lengths.mean() / 2)
+    for x in np.linspace(-1, 1, PLACES) * half[0] + middle[0]:
+        for y in np.linspace(-1, 1, PLACES) * half[1] + middle[1]:
+            pivot = np.array([x, y])
+            away = hips - pivot
+            distance = np.linalg.norm(away, axis=1)
+            if distance.min() < 0.05 * lengths.min():
+                continue
+            turns = np.arctan2(*away.T[::-1]) - bearing
+            turns = (turns + np.pi) % (2 * np.pi) - np.pi
+            feet = hips + away / distance[:, None] * lengths[:, None]
+            ratio = (distance + lengths) / lengths
+            gains = ratio / ratio.max()
+            room = np.minimum(
+                ranges[list(group), 1] - turns, turns - ranges[list(group), 0]
+            )
+            swing = float((np.minimum(room, MOST_SWING) / gains).min())
+            loads = static_loads(feet[None], weight[None])[0]
+            balanced = np.abs(loads @ feet - weight).max() < 1e-6
+            if swing > LEAST_SWING and balanced and loads.min() > LEAST_LOAD:
+                yield Stand(
+                    group, pivot, turns, gains, 1 / float(ratio.max()), swing, feet
+                )
+
+
+def _clear(limbs: Sequence[Limb], one: Stand, other: Stand) -> bool:
+    """Whether turned legs keep apart as they did before."""
+    before = np.array([limb.toe[:2] for limb in limbs])
+    after = before.copy()
+    after[list(one.legs)], after[list(other.legs)] = one.feet, other.feet
+    nearest = (_nearest(points) for points in (before, after))
+    was, now = nearest
+    return now > APART * was
+
+
+def _nearest(points: Array) -> float:
+    apart = np.linalg.norm(points[:, None] - points[None], axis=-1)
+    return float(apart[np.triu_indices(len(points), 1)].min())

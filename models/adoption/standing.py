@@ -1,0 +1,137 @@
+"""A posture to stand in, for legs whose file leaves them stretched out or folded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from models.adoption.anatomy import Limb, Pose
+from models.checks.posture import APART
+from models.errors import ModelError
+from planner import Array
+
+GRID = 41  # angles of each joint that are tried
+CLEARANCE = 0.3  # of a leg's reach, that the body is wanted above the floor
+MARGIN = 0.15  # of a joint's range to keep from its ends
+STEPS = 30  # of the bisection for the height of a foot
+
+
+def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
+    """Whether the feet are on one plane, and nothing else is as low.
+
+    Args:
+        pose: The model as it stands.
+        limbs: Its legs.
+    """
+    toes = np.array([pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs])
+    feet = {pose.model.geom(limb.foot).id for limb in limbs}
+    size = float(np.ptp(toes[:, :2], axis=0).max())
+    others = [pose.bottom(g)[2] for g in pose.solid() if g not in feet]
+    highest = float(toes[:, 2].max())
+    flat = np.ptp(toes[:, 2]) <= APART * size
+    return bool(flat and min(others, default=np.inf) > highest)
+
+
+def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str, float]:
+    """Angles of lift and held joints that put all feet on one floor under the body.
+
+    Args:
+        pose: The model as it stands; it is moved.
+        limbs: Its legs.
+        source: Its file, for refusals.
+
+    Raises:
+        ModelError: No angles do.
+    """
+    body = [
+        pose.bottom(g)[2]
+        for g in pose.solid()
+        if int(pose.model.geom_bodyid[g]) == pose.root
+    ]
+    belly = min(body, default=0.0)
+    tables = [_table(pose, limb) for limb in limbs]
+    lowest = max(float(table[:, 2].min()) for table in tables)
+    reach = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
+    floor = max(belly - CLEARANCE * reach, 0.9 * lowest + 0.1 * belly)
+    if not floor < belly:
+        raise ModelError(
+            f"no posture was found to stand in: {source}; its feet reach "
+            f"{1e3 * (belly - lowest):.0f} mm below its body, give it a keyframe"
+        )
+    angles: dict[str, float] = {}
+    for limb, table in zip(limbs, tables, strict=True):
+        angles |= _lowered(pose, limb, table, floor, source)
+    return angles
+
+
+def joint_span(pose: Pose, joint: str) -> tuple[float, float]:
+    """Range of a hinge [rad]; half a turn either way where it has none.
+
+    Args:
+        pose: The model.
+        joint: Name of the hinge.
+    """
+    index = pose.model.joint(joint).id
+    if not pose.model.jnt_limited[index]:
+        return -np.pi / 2, np.pi / 2
+    low, high = pose.model.jnt_range[index]
+    return float(low), float(high)
+
+
+def _within(pose: Pose, joint: str) -> Array:
+    low, high = joint_span(pose, joint)
+    keep = MARGIN * (high - low)
+    return np.linspace(low + keep, high - keep, GRID)
+
+
+def _table(pose: Pose, limb: Limb) -> Array:
+    """Rows of lift angle, held angle, height of the foot and lean of the shank."""
+    before = pose.qpos
+    hold = limb.hold[-1:]
+    foot = pose.model.geom(limb.foot).id
+    rows = []
+    for lift in _within(pose, limb.lift):
+        for held in _within(pose, hold[0]) if hold else (0.0,):
+            pose.turned({limb.lift: lift} | dict.fromkeys(hold, held))
+            toe = pose.bottom(foot)
+            joint = pose.data.joint(hold[0] if hold else limb.lift)
+            arm = toe - np.array(joint.xanchor)
+            lean = float(np.linalg.norm(arm[:2]) / np.linalg.norm(arm))
+            outward = float(np.linalg.norm(toe[:2] - limb.hip))
+            rows.append((lift, held, toe[2], lean, outward))
+    pose.data.qpos[:] = before
+    pose.turned({})
+    return np.array(rows)
+
+
+def _lowered(
+    pose: Pose, limb: Limb, table: Array, floor: float, source: str
+) -> Mapping[str, float]:
+    """Angles that put one foot on the floor, the shank as upright as it may be."""
+    reach = table[:, 4].max()
+    off = np.abs(table[:, 2] - floor) / reach
+    lean = np.where(table[:, 4] > 0.3 * reach, table[:, 3], 2.0)
+    best = table[np.argmin(10 * off + lean)]
+    held = dict.fromkeys(limb.hold[-1:], float(best[1]))
+    step = float(np.ptp(_within(pose, limb.lift))) / GRID
+    low, high = best[0] - 3 * step, best[0] + 3 * step
+    foot = pose.model.geom(limb.foot).id
+
+    def above(lift: float) -> float:
+        pose.turned(held | {limb.lift: lift})
+        return float(pose.bottom(foot)[2]) - floor
+
+    first, last = above(low), above(high)
+    if first * last > 0:
+        raise ModelError(
+            f"no posture was found to stand in: {source}; {limb.foot!r} cannot be put "
+            "on one floor with the others, give it a keyframe 'start'"
+        )
+    for _ in range(STEPS):
+        middle = (low + high) / 2
+        if above(middle) * first > 0:
+            low = middle
+        else:
+            high = middle
+    return held | {limb.lift: float((low + high) / 2)}

@@ -1,0 +1,95 @@
+"""Robots adopted by one command each, and how they walk: docs/adopted-robots.md.
+
+Each robot of `scripts.adoptees` is written to a folder, adopted, and walks sideways and
+forward by 0.8 of the mean distance of its feet from the middle.
+
+Example:
+    python -m scripts.adopted_robots --out docs/adopted-robots.md
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from models import Kinematics, load
+from scripts.adoptees import ADOPTEES, Adoptee
+from sim import load_scenario, simulate
+from sim.cli import main as stratawalk
+
+FAR = 0.8  # of the mean distance of the feet from the middle
+SEGMENTS = 12
+TIMESTEP = 0.001  # [s]
+PAGE = f"""# Adopted robots
+
+These robots were drawn as others draw them, without a card, and adopted by
+`stratawalk adopt FILE` alone; nothing was corrected by hand. Each walks from (0, 0, 0)
+to (s, s, 0) in {SEGMENTS} segments, where s is {FAR} of the mean distance of its feet
+from the middle. The last but one column is the distance between where it ended and
+where the quasi-static prediction has it, as a share of the path. The table is written
+by `python -m scripts.adopted_robots`; `scripts/adoptees.py` draws the robots.
+
+| robot | file | legs | joints a leg | s [m] | verdict | off the goal | off | bounces |
+|---|---|---|---|---|---|---|---|---|
+"""
+
+
+def row_of(adoptee: Adoptee, folder: Path) -> str:
+    """Adopt one robot, walk it, and report.
+
+    Args:
+        adoptee: What to build.
+        folder: Where to build it.
+    """
+    path = adoptee.write(folder)
+    with contextlib.redirect_stdout(io.StringIO()):
+        code = stratawalk(["adopt", str(path)])
+    if code:
+        raise SystemExit(f"{adoptee.name} was not adopted: code {code}")
+    robot = load(str(path.with_suffix(".xml")))
+    feet = Kinematics(robot).stance(np.zeros(len(robot.groups))).feet
+    far = FAR * float(np.linalg.norm(feet, axis=1).mean())
+    changes: dict[str, object] = {
+        "robot": str(robot.path),
+        "path.goal": [far, far, 0.0],
+        "segments": SEGMENTS,
+        "timestep": TIMESTEP,
+    }
+    summary: Any = simulate(load_scenario("line", changes)).summary
+    error, length = summary["error"], summary["path_length"]
+    cells = (
+        adoptee.name,
+        "URDF" if adoptee.urdf else "MJCF",
+        len(adoptee.hips),
+        adoptee.joints,
+        f"{far:.3f}",
+        summary["verdict"],
+        f"{1e3 * error['goal']['position']:.2f} mm",
+        f"{100 * error['quasi_static']['position'] / length:.2f} %",
+        summary["bounces"],
+    )
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Write the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True, help="page to write")
+    options = parser.parse_args(arguments)
+    rows = []
+    for adoptee in ADOPTEES:
+        with TemporaryDirectory() as folder:
+            rows.append(row_of(adoptee, Path(folder)))
+        print(rows[-1], flush=True)
+    options.out.write_text(PAGE + "\n".join([*rows, ""]))
+
+
+if __name__ == "__main__":
+    main()

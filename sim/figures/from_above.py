@@ -1,0 +1,52 @@
+"""A robot from above: feet, hips, pivots and the support polygon of each group."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from planner import Array
+from sim.figures.style import STYLE
+from sim.motion.stability import support_polygons
+from sim.preparation.setup import Setup
+
+COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red")
+SIZE = 5.0  # of the picture's side [inch]
+
+
+def draw(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
+    """Draw a robot as it starts.
+
+    Args:
+        setup: Robot to draw.
+        pivots: Point that each group turns the body about, shape (2,) [m].
+        path: PNG to write.
+    """
+    robot, kinematics = setup.robot, setup.kinematics
+    stance = kinematics.stance(np.zeros(len(robot.groups)))
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(SIZE, SIZE), layout="constrained")
+        axes = figure.add_subplot(aspect="equal")
+        for number, name in enumerate(robot.groups):
+            colour = COLOURS[number % len(COLOURS)]
+            on = robot.planted(name)[None]
+            hull = support_polygons(stance.feet[None], on)[0]
+            if hull.geom_type == "Polygon":
+                axes.fill(*np.array(hull.exterior.coords).T, color=colour, alpha=0.12)
+            x, y = pivots[number]
+            axes.plot(x, y, "x", color=colour, label=f"pivot of group {name}")
+            for foot in stance.feet[on[0]]:
+                axes.plot([x, foot[0]], [y, foot[1]], ":", color=colour, linewidth=0.8)
+            axes.plot(*stance.feet[on[0]].T, "o", color=colour)
+        for leg, foot in zip(robot.legs, stance.feet, strict=True):
+            axes.annotate(str(leg), foot, xytext=(4, 4), textcoords="offset points")
+        axes.plot(*stance.center_of_mass, "k+", label="centre of mass")
+        axes.set_xlabel("x [m], forward")
+        axes.set_ylabel("y [m], left")
+        axes.set_title(robot.name)
+        axes.legend(loc="best", fontsize="small")
+        figure.savefig(path, dpi=120)

@@ -1,0 +1,113 @@
+"""Drafts of cards: legs, joints, groups, pivots and postures found in foreign files."""
+
+import numpy as np
+import pytest
+
+from models.adoption.draft import draft_card
+from models.adoption.source import source_of
+from models.contact.kinematics import Kinematics
+from models.errors import ModelError, UnknownRobotError
+from models.library import load
+from models.motion.robot_equations import equations
+from scripts.adoptees import ADOPTEES, Adoptee, parallel, radial
+
+SOME = [a for a in ADOPTEES if a.name in ("spider", "crab", "box")]
+DOG = """<mujoco>
+  <worldbody><body name="trunk" pos="0 0 0.3"><freejoint/>
+    <geom type="box" size="0.2 0.1 0.03"/>{}
+  </body></worldbody></mujoco>"""
+PAW = """
+    <body name="roll{0}" pos="{1} {2} 0"><joint name="roll{0}" axis="1 0 0"/>
+      <geom type="sphere" size="0.01"/>
+      <body name="pitch{0}"><joint name="pitch{0}" axis="0 1 0"/>
+        <geom name="paw{0}" type="capsule" size="0.01" fromto="0 0 0 0 0 -0.2"/>
+      </body></body>"""
+
+
+def adopted(adoptee, folder):
+    """The robot with its drafted card beside it, and the draft."""
+    source = source_of(str(adoptee.write(folder)))
+    found = draft_card(source)
+    if source.text is not None:
+        source.path.write_text(source.text)
+    source.path.with_suffix(".toml").write_text(found.card)
+    return load(str(source.path)), found
+
+
+@pytest.mark.parametrize("adoptee", SOME, ids=lambda adoptee: adoptee.name)
+def test_joints_and_feet_are_found_by_what_they_do(adoptee, tmp_path):
+    robot, _ = adopted(adoptee, tmp_path)
+    assert len(robot.legs) == len(adoptee.hips)
+    for leg in robot.card.legs.values():
+        number = leg.swing.removeprefix("yaw")
+        assert leg.lift == f"pitch{number}"
+        assert list(leg.hold) == [f"knee{number}"] * (adoptee.joints - 2)
+        assert leg.raise_sign == -1  # a positive pitch lowers the foot
+        foot = robot.model.geom(leg.foot[0])
+        # beside nothing but ghosts, a toe is the only sphere of its leg
+        assert foot.size[0] == pytest.approx(0.009 * adoptee.size)
+
+
+@pytest.mark.parametrize("adoptee", SOME, ids=lambda adoptee: adoptee.name)
+def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, tmp_path):
+    robot, found = adopted(adoptee, tmp_path)
+    described = equations(robot)
+    stance = Kinematics(robot).stance(np.zeros(2))
+    for i, (name, stand) in enumerate(zip("12", found.stands, strict=True)):
+        forward, left, yaw = described.twists[f"g{name}_{name}"]
+        pivot = np.array([-left, forward]) / yaw
+        assert pivot == pytest.approx(stand.pivot, abs=1e-4)
+        on = robot.planted(name)
+        # at rest no foot slips: it moves against the body as the floor does
+        body = yaw * np.stack([-stance.feet[:, 1], stance.feet[:, 0]], axis=1)
+        slip = stance.rates + body + (forward, left)
+        assert np.abs(slip[on]).max() < 1e-4
+        assert set(np.flatnonzero(robot.group_of_leg == i)) == set(np.flatnonzero(on))
+
+
+def test_straight_knees_are_bent_to_stand(tmp_path):
+    robot, found = adopted(ADOPTEES[0], tmp_path)
+    assert "knees were bent" in found.guesses[0]
+    height = Kinematics(robot).stance(np.zeros(2)).height
+    assert np.ptp(height) < 1e-6
+    assert robot.card.start["knee1"] != 0.0
+
+
+def test_forward_is_forward_for_a_positive_angle(tmp_path):
+    robot, _ = adopted(ADOPTEES[0], tmp_path)
+    assert equations(robot).twists["g1_1"][0] > 0
+    assert equations(robot).twists["g2_2"][0] > 0
+
+
+def refusal(path):
+    with pytest.raises(ModelError) as refused:
+        draft_card(source_of(str(path)))
+    return str(refused.value)
+
+
+def test_legs_without_a_vertical_axis_are_refused_for_that(tmp_path):
+    path = tmp_path / "dog.xml"
+    places = [(0.2, 0.1), (0.2, -0.1), (-0.2, 0.1), (-0.2, -0.1)]
+    paws = "".join(PAW.format(k, *place) for k, place in enumerate(places))
+    path.write_text(DOG.format(paws))
+    assert "cannot swing" in refusal(path)
+    assert "90 degrees off" in refusal(path)
+
+
+def test_legs_that_cannot_stand_in_two_groups_are_refused_for_that(tmp_path):
+    said = refusal(Adoptee("four", radial(4)).write(tmp_path))
+    assert "no two groups of its 4 legs can stand alone in turn" in said
+
+
+def test_legs_that_cannot_meet_are_refused_for_that(tmp_path):
+    said = refusal(Adoptee("long", parallel(8, 0.36)).write(tmp_path))
+    assert "cannot be turned to meet at pivots" in said
+
+
+def test_folder_is_that_of_its_robot_and_not_of_its_scene(tmp_path):
+    ADOPTEES[0].write(tmp_path)
+    (tmp_path / "scene.xml").write_text("<mujoco><include file='spider.xml'/></mujoco>")
+    assert source_of(str(tmp_path)).path == tmp_path / "spider.xml"
+    (tmp_path / "spider.xml").unlink()
+    with pytest.raises(UnknownRobotError, match="has a free joint"):
+        source_of(str(tmp_path))
