@@ -25,7 +25,7 @@ from sim import load_scenario, simulate
 from sim.cli import main as stratawalk
 
 FAR = 0.8  # of the mean distance of the feet from the middle
-SEGMENTS = 12
+SEGMENTS = 20
 TIMESTEP = 0.001  # [s]
 PAGE = f"""# Adopted robots
 
