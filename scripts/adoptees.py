@@ -70,7 +70,7 @@ ADOPTEES = (
     Adoptee("spider", radial(6), straight=True, drive="motor"),
     Adoptee("beetle", parallel(6), drive="motor", down=True, bare=True),
     Adoptee("crab", UNEVEN, drive="position"),
-    Adoptee("scorpion", parallel(8, 0.24, 0.09)),
+    Adoptee("scorpion", radial(8), down=True),
     Adoptee("daisy", radial(6), joints=2, down=True),
     Adoptee("train", parallel(6), joints=2, bare=True),
     Adoptee("giant", UNEVEN, joints=2, size=2.0, drive="motor"),
