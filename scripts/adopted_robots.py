@@ -10,8 +10,8 @@ Example:
 from __future__ import annotations
 
 import argparse
-import contextlib
-import io
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,7 +22,6 @@ import numpy as np
 from models import Kinematics, load
 from scripts.adoptees import ADOPTEES, Adoptee
 from sim import load_scenario, simulate
-from sim.cli import main as stratawalk
 
 FAR = 0.8  # of the mean distance of the feet from the middle
 SEGMENTS = 20
@@ -49,8 +48,8 @@ def row_of(adoptee: Adoptee, folder: Path) -> str:
         folder: Where to build it.
     """
     path = adoptee.write(folder)
-    with contextlib.redirect_stdout(io.StringIO()):
-        code = stratawalk(["adopt", str(path)])
+    adopt = [sys.executable, "-m", "sim.cli", "adopt", str(path)]
+    code = subprocess.run(adopt, stdout=subprocess.DEVNULL).returncode
     if code:
         raise SystemExit(f"{adoptee.name} was not adopted: code {code}")
     robot = load(str(path.with_suffix(".xml")))
