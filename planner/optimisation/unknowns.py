@@ -99,8 +99,8 @@ class Unknowns:
             states[-1] = goal[moved, None]
         along = np.tile(np.array(places), (count + 1, 1))
         along[0], along[-1] = places
-        used = [range(wide) < np.array(len(s.recoveries)) for s in self.stages]
-        free = np.where(used, np.inf, 0.0) * (not self.task.centred or 0.0)
+        laid = [0 if self.task.centred else len(s.recoveries) for s in self.stages]
+        free = np.where(np.arange(wide) < np.array(laid)[:, None], np.inf, 0.0)
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
         times = np.full(count if self.task.together else 0, np.inf)
         high = [states[..., 1].ravel(), along[:, 1], *most, times]

@@ -150,3 +150,8 @@ def test_fields_known_as_functions_are_refused():
 def test_strokes_during_which_legs_recover_meet_the_goal_too():
     found = optimised(together=True).plan()
     assert rollout(found)[-1] == pytest.approx(STEP(1.0), abs=1e-6)
+
+
+def test_strokes_whose_legs_are_set_anew_leave_recoveries_to_others():
+    found = optimised(centred=True).plan()
+    assert {flow.field for flow in found.flows} <= {"g1_1", "g2_2"}
