@@ -126,7 +126,8 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
 
 def _require_as_walked(options: argparse.Namespace) -> None:
     """Refuse settings for a walk that is over."""
-    given = [f"--{key.replace('_', '-')}" for key in NAMED if getattr(options, key)]
+    named = (key for key in NAMED if getattr(options, key, None))
+    given = [f"--{key.replace('_', '-')}" for key in named]
     if options.set:
         given.append("--set")
     if given:
