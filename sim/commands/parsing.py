@@ -13,6 +13,7 @@ from sim.errors import UsageError
 COMMANDS = (
     "run",
     "show",
+    "film",
     "plan",
     "export",
     "check",

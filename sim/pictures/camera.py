@@ -14,14 +14,13 @@ from planner import Array
 from sim.pictures.clock import Clock
 from sim.pictures.story import FilmedWalk
 from sim.pictures.style import FRAME_RATE, HEIGHT, WIDTH
+from sim.pictures.views import ACROSS, ELEVATION, View
 
 FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
-ELEVATION = -50.0  # [degrees]
 SWAY = 7.0  # [degrees] to either side in the course of the film
 ROOM = (0.77, 0.73)  # of half the picture, sideways and upright: the rest is captions
 MIDDLE = (0.16, 0.12)  # of that room, right of and above the middle of the picture
 KNEES = 0.35  # above the feet, in units of the robot's reach
-FARTHEST = 7.0  # in units of the robot's reach; beyond, the camera follows
 HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
 HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
 ROUNDS = 8  # of moving the target; settles to a pixel
@@ -38,26 +37,44 @@ class Camera:
     elevation: float = ELEVATION  # [degrees]
 
 
-def camera(walk: FilmedWalk, clock: Clock) -> Camera:
-    """The camera of a whole film."""
-    pictures = len(clock.rows)
-    sway = SWAY * np.sin(np.linspace(-np.pi / 2, np.pi / 2, pictures))
-    azimuth = _across(walk.nominal) + sway
-    seen = _seen(walk)
-    centre, fitting = _fit(seen, float(azimuth[0] + azimuth[-1]) / 2)
-    distance = min(fitting, FARTHEST * walk.reach)
+def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
+    """The camera of a whole film.
+
+    Args:
+        walk: Finished walk.
+        clock: Which row each picture shows.
+        view: From where; by default across the path, from above.
+    """
+    azimuth, elevation = _azimuth(walk, len(clock.rows), view), view.elevation
+    seen = _seen(walk, clock)
+    centre, fitting = _fit(seen, float(azimuth[0] + azimuth[-1]) / 2, elevation)
+    distance = min(fitting, view.farthest * walk.reach)
     body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
     calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
     follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
-    _, right, up = _axes(azimuth)
+    _, right, up = _axes(azimuth, elevation)
     aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
-    return Camera(centre + follow * (calm - centre) - aside, azimuth, distance)
+    return Camera(
+        centre + follow * (calm - centre) - aside, azimuth, distance, elevation
+    )
 
 
-def _seen(walk: FilmedWalk) -> Array:
+def _azimuth(walk: FilmedWalk, pictures: int, view: View) -> Array:
+    """Direction in which each picture looks, swaying where none is asked for."""
+    if view.azimuth is not None:
+        return np.full(pictures, view.azimuth)
+    sway = SWAY * np.sin(np.linspace(-np.pi / 2, np.pi / 2, pictures))
+    return _across(walk.nominal) + sway
+
+
+def _seen(walk: FilmedWalk, clock: Clock) -> Array:
     """Points that the picture should hold: feet, knees and path, shape (N, 3)."""
-    feet = walk.contact_point[walk.contact]
-    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (walk.nominal[:, :2], 0.0))
+    first, last = int(clock.rows[0]), int(clock.rows[-1])
+    shown = slice(first, last + 1)
+    feet = walk.contact_point[shown][walk.contact[shown]]
+    whole = first == 0 and last == len(walk.contact) - 1
+    path = walk.nominal[:, :2] if whole else walk.achieved[shown, :2]
+    heights = ((feet, 0.0), (feet, KNEES * walk.reach), (path, 0.0))
     return np.concatenate([np.insert(points, 2, z, axis=1) for points, z in heights])
 
 
@@ -69,9 +86,9 @@ def _across(path: Array) -> float:
     return float(np.degrees(angle)) + 90.0
 
 
-def _fit(points: Array, azimuth: float) -> tuple[Array, float]:
+def _fit(points: Array, azimuth: float, elevation: float) -> tuple[Array, float]:
     """Target and distance with which the points just fill the picture's margins."""
-    forward, right, up = _axes(azimuth)
+    forward, right, up = _axes(azimuth, elevation)
     target = points.mean(axis=0)
     for _ in range(ROUNDS):
         seen = points - target
@@ -85,9 +102,9 @@ def _fit(points: Array, azimuth: float) -> tuple[Array, float]:
     return target, distance
 
 
-def _axes(azimuth: Array | float) -> tuple[Array, Array, Array]:
+def _axes(azimuth: Array | float, elevation: float) -> tuple[Array, Array, Array]:
     """Directions forward, right and up of the picture, shape (..., 3) each."""
-    turn, tilt = np.radians(azimuth), np.radians(ELEVATION)
+    turn, tilt = np.radians(azimuth), np.radians(elevation)
     cos, sin, level = np.cos(turn), np.sin(turn), np.zeros_like(turn)
     forward = (cos * np.cos(tilt), sin * np.cos(tilt), level + np.sin(tilt))
     up = (-cos * np.sin(tilt), -sin * np.sin(tilt), level + np.cos(tilt))

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import count
+from math import inf
 
 import numpy as np
 
 from planner import Array
 from sim.pictures.style import FRAME_RATE, LONGEST, TAIL
+
+Stretch = tuple[float, float]
+WHOLE: Stretch = (-inf, inf)
 
 
 @dataclass(frozen=True)
@@ -29,21 +33,32 @@ class Clock:
         return np.searchsorted(self.rows, rows)
 
 
-def clock(time: Array, playback: float | None = None) -> Clock:
+def clock(
+    time: Array, playback: float | None = None, stretch: Stretch = WHOLE
+) -> Clock:
     """Spread the pictures evenly over a walk, and hold the last one for a moment.
 
     Args:
         time: Of each row of the trajectory, ascending, shape (T,) [s].
         playback: Speed against real time; None takes the lowest round one, real time
             at best, that keeps the film within `LONGEST`.
+        stretch: Begin and end of what is shown [s].
     """
-    duration = float(time[-1] - time[0])
+    first, last = rows_of(time, stretch)
+    duration = float(time[last] - time[first])
     if playback is None:
         playback = next(p for p in _round_speeds() if duration / p <= LONGEST - TAIL)
     moving = int(duration / playback * FRAME_RATE)
-    moments = time[0] + np.arange(moving) * playback / FRAME_RATE
-    last = np.full(round(TAIL * FRAME_RATE), len(time) - 1)
-    return Clock(playback, np.concatenate([np.searchsorted(time, moments), last]))
+    moments = time[first] + np.arange(moving) * playback / FRAME_RATE
+    tail = np.full(round(TAIL * FRAME_RATE), last)
+    return Clock(playback, np.concatenate([np.searchsorted(time, moments), tail]))
+
+
+def rows_of(time: Array, stretch: Stretch) -> tuple[int, int]:
+    """First and last row within a stretch of time; equal where it holds no time."""
+    start, stop = stretch
+    first = min(int(np.searchsorted(time, start)), len(time) - 1)
+    return first, max(int(np.searchsorted(time, stop, side="right")) - 1, first)
 
 
 def _round_speeds() -> Iterator[float]:

@@ -20,6 +20,7 @@ from typing import IO
 
 from sim.errors import FilesError, RenderError
 from sim.pictures import gl
+from sim.pictures.clock import WHOLE, Stretch
 from sim.pictures.file import FULL
 
 PATIENCE = 120.0  # [s] without a new picture
@@ -35,12 +36,15 @@ class Piece:
     look: str
     frames: range
     path: Path
+    camera: str = "across"
+    stretch: Stretch = WHOLE
 
     @property
     def command(self) -> list[str]:
         """How to start the process that draws it."""
         frames = (str(self.frames.start), str(self.frames.stop))
-        arguments = [str(self.folder), self.look, *frames, str(self.path)]
+        shot = (self.camera, *map(str, self.stretch))
+        arguments = [str(self.folder), self.look, *frames, str(self.path), *shot]
         return [sys.executable, "-P", "-m", "sim.pictures.worker", *arguments]
 
 

@@ -12,14 +12,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from planner import Array
 from sim.errors import RenderError, UsageError
 from sim.folder import whole
 from sim.pictures import gl
-from sim.pictures.clock import clock
+from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
 from sim.pictures.crew import KEPT, Piece, draw
 from sim.pictures.file import check_encoder, count_pictures, join
 from sim.pictures.story import read_walk
 from sim.pictures.style import LOOKS
+from sim.pictures.views import view_of
 
 NAME = "video.mp4"
 WORKERS = 2  # processes at most; each takes 200 MB
@@ -43,20 +45,28 @@ def film_folder(
     folder: Path,
     *,
     look: str = "draft",
+    camera: str = "across",
+    stretch: Stretch = WHOLE,
+    path: Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
     """Film a run.
 
     Args:
-        folder: Run folder; it receives `video.mp4`.
+        folder: Run folder.
         look: `draft`, or `final` with shadows and smooth edges, four times slower.
+        camera: Name of a view, or `AZIMUTH,ELEVATION` in degrees.
+        stretch: Begin and end of what is filmed [s].
+        path: The film's file, replaced if there is one; None for the run's own
+            `video.mp4`, or a name beside it that tells the stretch.
         progress: Called with the finished part, from 0 to 1.
 
     Returns:
         The film's path.
 
     Raises:
-        UsageError: If the folder holds no finished run, or there is no such look.
+        UsageError: If the folder holds no finished run, there is no such look or
+            camera, or the stretch lies outside the walk.
         RenderError: If pictures cannot be drawn or encoded.
         FilesError: If the film cannot be written.
     """
@@ -64,9 +74,12 @@ def film_folder(
         raise UsageError(
             f"unknown look {look!r}", "film", f"known are {', '.join(LOOKS)}"
         )
-    folder, driver = folder.resolve(), check()
+    view_of(camera)
+    folder = folder.resolve()
     walk = read_walk(folder)
-    pictures = len(clock(walk.time, walk.scenario.playback).rows)
+    _require_time(walk.time, stretch)
+    driver = check()
+    pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)
     drawn = 0
 
     def report(more: int) -> None:
@@ -75,10 +88,10 @@ def film_folder(
         if progress is not None:
             progress(drawn / pictures)
 
-    path = folder / NAME
-    with whole(path) as part, _scratch(folder) as scratch:
+    path = path.absolute() if path else folder / _name(walk.time, stretch)
+    with whole(path) as part, _scratch(path) as scratch:
         pieces = [
-            Piece(folder, look, frames, scratch / f"{i}.mp4")
+            Piece(folder, look, frames, scratch / f"{i}.mp4", camera, stretch)
             for i, frames in enumerate(_shares(pictures))
         ]
         draw(pieces, driver, report)
@@ -90,10 +103,29 @@ def film_folder(
     return path
 
 
+def _require_time(time: Array, stretch: Stretch) -> None:
+    first, last = rows_of(time, stretch)
+    if first == last:
+        start, stop = stretch
+        raise UsageError(
+            f"nothing to film between {start:g} and {stop:g} s",
+            "film",
+            f"give times from 0 to {time[-1]:.2f} s",
+        )
+
+
+def _name(time: Array, stretch: Stretch) -> str:
+    """The run's film is that of the whole walk; others are named after their times."""
+    if stretch == WHOLE:
+        return NAME
+    first, last = rows_of(time, stretch)
+    return f"video-{time[first]:.2f}-{time[last]:.2f}.mp4"
+
+
 @contextmanager
-def _scratch(folder: Path) -> Iterator[Path]:
+def _scratch(film: Path) -> Iterator[Path]:
     """A hidden folder on the film's disk; remains of an earlier film are removed."""
-    scratch = folder / ".video.pieces"
+    scratch = film.parent / f".{film.stem}.pieces"
     shutil.rmtree(scratch, ignore_errors=True)
     scratch.mkdir()
     try:

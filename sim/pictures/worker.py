@@ -15,29 +15,25 @@ import mujoco
 from sim.pictures.camera import camera
 from sim.pictures.captions import Captions
 from sim.pictures.clock import clock
+from sim.pictures.crew import Piece
 from sim.pictures.file import encoding
 from sim.pictures.marks import marks
 from sim.pictures.stage import Stage
 from sim.pictures.story import read_walk
 from sim.pictures.style import LOOKS
+from sim.pictures.views import view_of
 
 
-def draw(folder: Path, look: str, frames: range, piece: Path) -> None:
-    """Draw frames of the film of a run folder.
-
-    Args:
-        folder: Of a finished run.
-        look: Name of the look.
-        frames: Which ones.
-        piece: File to encode them to.
-    """
-    walk = read_walk(folder)
-    film_clock = clock(walk.time, walk.scenario.playback)
+def draw(piece: Piece) -> None:
+    """Draw frames of the film of a run folder."""
+    walk, frames = read_walk(piece.folder), piece.frames
+    film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
+    view = camera(walk, film_clock, view_of(piece.camera))
     captions = Captions(walk, film_clock)
     drawn = marks(walk, film_clock, frames)
     with (
-        Stage(walk, drawn, camera(walk, film_clock), LOOKS[look]) as stage,
-        encoding(piece) as writer,
+        Stage(walk, drawn, view, LOOKS[piece.look]) as stage,
+        encoding(piece.path) as writer,
     ):
         for frame in frames:
             row = int(film_clock.rows[frame])
@@ -48,12 +44,13 @@ def draw(folder: Path, look: str, frames: range, piece: Path) -> None:
 
 
 def main() -> None:
-    """Read the command line that `pictures.direction` composes."""
-    folder, look, start, stop, piece = sys.argv[1:]
+    """Read the command line that a `Piece` composes."""
+    folder, look, start, stop, path, view, begin, end = sys.argv[1:]
     log = mujoco.MjLogConfig.get()
     log.logto_file = False  # it would otherwise appear in the current folder
     log.set()
-    draw(Path(folder), look, range(int(start), int(stop)), Path(piece))
+    frames, stretch = range(int(start), int(stop)), (float(begin), float(end))
+    draw(Piece(Path(folder), look, frames, Path(path), view, stretch))
 
 
 if __name__ == "__main__":

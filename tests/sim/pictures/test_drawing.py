@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.pictures.camera import FARTHEST, camera
+from sim.pictures.camera import camera
 from sim.pictures.clock import clock
 from sim.pictures.ink import CORNERS, dashes, discs, join, polygons, ribbon
 from sim.pictures.story import FlowRow
 from sim.pictures.style import FRAME_RATE, HEIGHT, LONGEST, TAIL, WIDTH
+from sim.pictures.views import FARTHEST
 from sim.pictures.words import describe
 from tests.screen import on_screen
 

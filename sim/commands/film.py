@@ -1,0 +1,69 @@
+"""`stratawalk film`: the film of a finished run, made now or made again."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+from pathlib import Path
+
+from sim.errors import UsageError
+
+HELP = "film a finished run, or a stretch of it, from any side"
+CAMERAS = "across, follow, top, front, back, left, right or AZIMUTH,ELEVATION [degrees]"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument("run", metavar="RUN", help="folder of a finished run")
+    parser.add_argument("--camera", default="across", metavar="VIEW", help=CAMERAS)
+    parser.add_argument(
+        "--from", dest="start", type=float, metavar="S", help="begin [s]; or the start"
+    )
+    parser.add_argument(
+        "--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"
+    )
+    parser.add_argument(
+        "--look", choices=("draft", "final"), default="draft", help="look of the film"
+    )
+    parser.add_argument(
+        "--out",
+        metavar="FILE.mp4",
+        help="film to make; otherwise video.mp4 of the run, which it replaces, or for "
+        "a stretch of time a name beside it",
+    )
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Film the run and print the film's path."""
+    path = _target(options.out)
+    start = -math.inf if options.start is None else options.start
+    stop = math.inf if options.stop is None else options.stop
+
+    from sim.pictures.direction import film_folder
+    from sim.progress import bar
+
+    with bar(quiet=options.json) as progress:
+        film = film_folder(
+            Path(options.run),
+            look=options.look,
+            camera=options.camera,
+            stretch=(start, stop),
+            path=path,
+            progress=lambda part: progress("filming", part),
+        )
+    print(json.dumps({"film": str(film)}) if options.json else film)
+
+
+def _target(out: str | None) -> Path | None:
+    """The film that `--out` names, which must be new."""
+    if out is None:
+        return None
+    path = Path(out)
+    if path.suffix != ".mp4":
+        raise UsageError("not a film's name", f"--out {out}", "give a name in .mp4")
+    if os.path.lexists(path):
+        raise UsageError("already exists", f"--out {out}", "give another name")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
