@@ -14,6 +14,7 @@ COMMANDS = (
     "run",
     "show",
     "film",
+    "compare",
     "plan",
     "export",
     "check",
@@ -27,6 +28,7 @@ COMMANDS = (
     "doctor",
     "completion",
 )
+MODULES = {"film": "film_run"}  # `film` is a function of the front door
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = "stratawalk help COMMAND explains a command."
 OPTIONS = ("-h", "--help", "--version")  # that need no command
@@ -87,7 +89,7 @@ def parser() -> Parser:
     )
     commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
     for name in COMMANDS:
-        module = import_module(f"sim.commands.{name}")
+        module = import_module(f"sim.commands.{MODULES.get(name, name)}")
         command = commands.add_parser(
             name, help=module.HELP, description=module.HELP, allow_abbrev=False
         )

@@ -1,0 +1,86 @@
+"""`stratawalk compare`: several runs as one table, and as one page."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.errors import FilesError, UsageError
+
+if TYPE_CHECKING:
+    from sim.reports.tables import Table
+
+HELP = "compare finished runs: settings that differ first, then what came of them"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "runs", metavar="RUN", nargs="+", help="folders of finished runs, at least two"
+    )
+    parser.add_argument(
+        "--out", metavar="FILE.html", help="page to make, with the paths of all runs"
+    )
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Print the comparison, and write its page."""
+    if len(options.runs) < 2:
+        what = "a single run is compared to nothing"
+        raise UsageError(what, options.runs[0], "give two or more, or use show")
+    if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
+        raise UsageError(
+            "not a page's name", f"--out {options.out}", "give a name in .html"
+        )
+    from sim.reports.comparison import compare, names, page
+    from sim.reports.record import read_run
+
+    runs = [read_run(Path(folder)) for folder in options.runs]
+    compared = compare(runs)
+    if options.out is not None:
+        _write(Path(options.out), page(compared))
+    if options.json:
+        tables = {"settings": compared.differences, "results": compared.results}
+        facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}
+        print(json.dumps(facts | {"page": options.out}))
+        return
+    print(_text(compared.differences), _text(compared.results), sep="\n\n")
+    if options.out is not None:
+        print(f"\n{'page':13}{options.out}")
+
+
+def _write(path: Path, page: str) -> None:
+    from sim.folder import RunFolder
+
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = f"cannot make the page's folder, {error.strerror}"
+        raise FilesError(
+            reason, str(path.parent), "choose another with --out"
+        ) from error
+    RunFolder(path.parent).write_text(path.name, page)
+
+
+def _by_run(table: Table, names: list[str]) -> list[dict[str, object]]:
+    """A row a run, in the order given."""
+    return [
+        {"run": name} | {row[0]: row[column] for row in table.rows}
+        for column, name in enumerate(names, start=1)
+    ]
+
+
+def _text(table: Table) -> str:
+    """The table in columns; settings that do not differ are not in it."""
+    if not table.rows:
+        return "All settings are the same."
+    rows = [table.header, *table.rows]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(table.header))]
+    return "\n".join(
+        "  ".join(
+            cell.ljust(width) for cell, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    )

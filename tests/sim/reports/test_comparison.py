@@ -1,0 +1,71 @@
+"""Runs side by side: differences in settings first, one column a run, one page."""
+
+import json
+import shutil
+
+import pytest
+
+from sim.cli import main
+from tests.browser import ask
+
+SEEN = """
+return {
+  headings: [...document.querySelectorAll("h2")].map((e) => e.textContent),
+  columns: document.querySelectorAll("table")[0].rows[0].cells.length,
+  first: [...document.querySelector("table").rows].map((e) => e.cells[0].textContent),
+  drawings: document.querySelectorAll("figure svg").length,
+  width: document.documentElement.scrollWidth,
+};
+"""
+
+
+@pytest.fixture(scope="module")
+def runs(walked, tmp_path_factory):
+    """The walk, and another that says of itself to have less friction and to fall."""
+    parent = tmp_path_factory.mktemp("compared")
+    one, other = (shutil.copytree(walked, parent / name) for name in ("one", "other"))
+    text = (other / "scenario.toml").read_text()
+    changed = text.replace("friction = 1.0", "friction = 0.3")
+    assert changed != text
+    (other / "scenario.toml").write_text(changed)
+    summary = json.loads((other / "summary.json").read_text())
+    summary |= {"verdict": "fell", "verdict_text": "fell at 3.0 s"}
+    (other / "summary.json").write_text(json.dumps(summary))
+    return one, other
+
+
+def test_the_table_begins_with_the_settings_that_differ(runs, capsys):
+    assert main(["compare", *map(str, runs)]) == 0
+    first, second, empty, *rest = capsys.readouterr().out.splitlines()
+    assert first.split() == ["setting", "one", "other"]
+    assert second.split() == ["friction", "1.0", "0.3"]
+    assert empty == ""
+    assert rest[1].split() == ["verdict", "arrived", "fell"]
+
+
+def test_runs_of_one_scenario_do_not_differ(runs, capsys):
+    assert main(["compare", str(runs[0]), str(runs[0])]) == 0
+    assert capsys.readouterr().out.startswith("All settings are the same.\n")
+
+
+def test_json_holds_a_row_a_run(runs, capsys):
+    assert main(["compare", *map(str, runs), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert [row["run"] for row in found["results"]] == ["one", "other"]
+    assert [row["friction"] for row in found["settings"]] == ["1.0", "0.3"]
+
+
+def test_the_page_is_seen_by_a_browser(runs, tmp_path, capsys):
+    page = tmp_path / "new folder" / "runs.html"
+    assert main(["compare", *map(str, runs), "--out", str(page)]) == 0
+    assert page.stat().st_size < 5e6
+    seen = ask(page, SEEN, tmp_path, width=375)
+    assert seen["headings"][0] == "Settings that differ"
+    assert seen["first"] == ["setting", "friction"]
+    assert (seen["columns"], seen["drawings"], seen["width"]) == (3, 4, 375)
+
+
+def test_what_cannot_be_compared_is_refused(runs, tmp_path, capsys):
+    for words in ([runs[0]], [runs[0], tmp_path], [*runs, "--out", "page.pdf"]):
+        assert main(["compare", *map(str, words)]) == 2
+    assert capsys.readouterr().err.count("\n") == 3
