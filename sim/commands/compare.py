@@ -64,7 +64,7 @@ def _write(path: Path, page: str) -> None:
     RunFolder(path.parent).write_text(path.name, page)
 
 
-def _by_run(table: Table, names: list[str]) -> list[dict[str, object]]:
+def _by_run(table: Table, names: list[str]) -> list[dict[str, str]]:
     """A row a run, in the order given."""
     return [
         {"run": name} | {row[0]: row[column] for row in table.rows}
