@@ -1,0 +1,39 @@
+"""The same walk has the same bytes, on one kind of machine and engine.
+
+On another kind of processor the linear algebra rounds otherwise, and the end of a walk
+differs by some 1e-8 m; so each kind has a sum of its own. Where a change is meant to
+alter walks, write the new sums down.
+"""
+
+import hashlib
+import platform
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+GOLDEN = {
+    ("4.0.0", "x86_64 avx512f"): (
+        "0d80645e730d274be72268b77503ba738073f850530aea4d5fc836f71aad2d92"
+    ),
+}
+"""Sums of the states of the session's short walk, by engine and processor."""
+
+
+def processor():
+    """What decides how numpy rounds: the architecture, and its widest registers."""
+    info = Path("/proc/cpuinfo")
+    flags = set(info.read_text().split()) if info.exists() else set()
+    widest = next((f for f in ("avx512f", "avx2") if f in flags), "plain")
+    return f"{platform.machine()} {widest}"
+
+
+@pytest.mark.physics
+def test_a_walk_has_the_bytes_that_it_always_had(walked):
+    kind = (mujoco.__version__, processor())
+    with np.load(walked / "trajectory.npz") as file:
+        found = hashlib.sha256(file["qpos"].tobytes() + file["qvel"].tobytes())
+    if kind not in GOLDEN:
+        pytest.skip(f"no sum for {kind}; it is {found.hexdigest()}")
+    assert found.hexdigest() == GOLDEN[kind]
