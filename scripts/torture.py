@@ -98,7 +98,7 @@ ROWS = (
     Row("a missing include", "robots mine.xml", 3, world('<include file="no.xml"/>')),
     Row("a model of 300,000 copies", "robots mine.xml", 3, inside(BOMB)),
     Row("an engine without memory", "robots mine.xml", 3, world(SMALL)),
-    Row("a joint that is not there", "robots mine.xml", 3, robot('= "swing_1"', '= "hip"')),
+    Row("a missing joint", "robots mine.xml", 3, robot('= "swing_1"', '= "hip"')),
     Row("servos too soft", f"run line {GO} --set servo_stiffness=1e-9", 3),
     Row("a start in the air", "robots mine.xml", 0, robot("0 0 0.06 1", "0 0 0.5 1")),
     Row("a start upside down", "robots mine.xml", 3, robot("0.06 1 0", "0.3 0 1")),
