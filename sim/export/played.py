@@ -43,7 +43,7 @@ def play(
     address = free_joint(source.model, source.robot.root)
     origin = source.reference["world_start_pose"]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
-    predicted = source.reference["quasi_static_pose"][steps >= starts]
+    predicted = source.reference.get("quasi_static_pose")
     slip = moments.slip[-1] - recording.slip_after(starts)
     goal = np.array(source.summary["goal"])
     return {
@@ -53,8 +53,9 @@ def play(
         "bounces": recording.bounces,
         "error": {
             "goal": _departure(poses[-1], goal),
-            "quasi_static": _departure(poses[-1], predicted[-1])
-            | {"farthest": float(np.hypot(*(poses - predicted)[:, :2].T).max())},
+            "quasi_static": None
+            if predicted is None
+            else _off(poses, predicted[steps >= starts]),
         },
     }
 
@@ -77,6 +78,12 @@ def _recorded(
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         told("playing", done / source.steps)
     return recorder.finish()
+
+
+def _off(poses: Array, predicted: Array) -> dict[str, float]:
+    """Distance at the end, and the farthest on the way."""
+    farthest = float(np.hypot(*(poses - predicted)[:, :2].T).max())
+    return _departure(poses[-1], predicted[-1]) | {"farthest": farthest}
 
 
 def _departure(pose: Array, other: Array) -> dict[str, float]:

@@ -151,7 +151,7 @@ def from_scenario(
 
 def _arrays(path: Path, names: Iterable[str]) -> dict[str, Array]:
     with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-        return {name: arrays[name] for name in names}
+        return {name: arrays[name] for name in names if name in arrays}
 
 
 def _model(path: Path) -> mujoco.MjModel:
