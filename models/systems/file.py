@@ -104,6 +104,7 @@ def _decode(
         stance=_stance(table),
         degree=table.whole("degree") if "degree" in table else None,
         words=_words(table),
+        in_gait="gait" in table,
         flat=_flat(table, formula) if "flat" in table else None,
     )
 

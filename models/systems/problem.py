@@ -54,6 +54,7 @@ class Problem:
         degree: Degree of the nilpotent approximation; the elements' own if None.
         words: Flows of a segment: `printed`, those of the paper, `shortest` or
             `symmetric`.
+        in_gait: Whether plans visit the strata in the order of the gait.
         flat: Flat outputs, where the system has a chained form to be steered in.
 
     Raises:
@@ -74,6 +75,7 @@ class Problem:
     stance: StanceRule = "paper"
     degree: int | None = None
     words: Words = "printed"
+    in_gait: bool = False
     flat: FlatOutputs | None = None
 
     def __post_init__(self) -> None:
@@ -105,7 +107,10 @@ class Problem:
             raise ValueError(f"words {self.words!r} {unknown(self.words, COORDINATES)}")
         coordinates = COORDINATES[self.words]
         return Execution(
-            stance=self.stance, limits=self.limits, coordinates=coordinates
+            stance=self.stance,
+            limits=self.limits,
+            coordinates=coordinates,
+            gait=self.gait if self.in_gait else (),
         )
 
     @property

@@ -136,13 +136,30 @@ def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Pl
         UsageError: The problem asks for the impossible.
         PlannerError: There is no plan.
     """
-    from planner import aim, plan
+    from planner import aim, plan, plan_between
 
     with refused(problem.name):
         path, segments = problem.path, problem.segments
         if aimed:
             return aim(compiled, path, segments, problem.execution)
+        if lifted(problem):
+            return plan_between(compiled, *problem.states, segments, problem.open_loop)
         return plan(compiled, path, segments, execution=problem.open_loop)
+
+
+def lifted(problem: Problem) -> bool:
+    """Whether feet are lifted at the start or at the goal.
+
+    Args:
+        problem: What to reach.
+
+    Raises:
+        StratumError: An end lies on no stratum.
+    """
+    from planner import stratum_at
+
+    system = problem.system
+    return any(stratum_at(system, x) != system.bottom for x in problem.states)
 
 
 @contextmanager

@@ -29,12 +29,23 @@ FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
     "goal": "set a scenario's path.goal",
     "elements": "set a scenario's fields",
+    "gait": "it is in the robot's card",
     "save": "leave it out, run keeps what it walks",
 }
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
 SETTLED = dict.fromkeys(
     (
-        *("start", "goal", "elements", "segments", "replan", "set", "degree", "words"),
+        *(
+            "start",
+            "goal",
+            "elements",
+            "segments",
+            "replan",
+            "set",
+            "degree",
+            "words",
+            "gait",
+        ),
         "optimise",
     ),
     "leave it out",
@@ -56,6 +67,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ELEMENT",
         nargs="+",
         help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
+    )
+    group.add_argument(
+        "--gait",
+        metavar="STRATUM",
+        nargs="+",
+        help="visit the strata in this order again and again, as in 12 1 12 2 12",
     )
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
 
@@ -130,7 +147,14 @@ def _chained(problem: Problem, segments: int) -> tuple[Plan, dict[str, Any]]:
 
 
 def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
-    from sim.commands.problems import changed, coordinates, extended, find, solve
+    from sim.commands.problems import (
+        changed,
+        coordinates,
+        extended,
+        find,
+        lifted,
+        solve,
+    )
 
     changes = {
         "start": options.start and coordinates(options.start, "--start"),
@@ -139,6 +163,8 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
         "elements": options.elements,
         "degree": options.degree,
         "words": options.words,
+        "gait": options.gait and tuple(options.gait),
+        "in_gait": bool(options.gait) or None,
     }
     problem = changed(find(options.scenario, options.set), changes)
     if problem.flat and all(getattr(options, o) in (None, []) for o in BY_ELEMENTS):
@@ -150,6 +176,8 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
     if options.optimise not in (None, "none"):
         planned = _shortest(problem, compiled, planned, options.optimise)
     timing = {"compile": ready - began, "plan": time.perf_counter() - ready}
+    if lifted(problem):
+        return planned, {"timing": timing}
     words = problem.open_loop.coordinates
     accuracy = convergence(compiled, problem.path, words)
     steps = step_lengths(compiled, problem.path, problem.segments)

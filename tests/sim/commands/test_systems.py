@@ -153,6 +153,15 @@ def test_trailers_are_parked_exactly_in_chained_form(facts):
     assert by_elements["elements"][:2] == ["drive", "steer"]
 
 
+def test_gait_and_lifted_feet_are_options(facts):
+    crawl = ("1234", "234", "1234", "134", "1234", "124", "1234", "123", "1234")
+    free = facts("plan", "quadruped-crawl", "--segments", "2")
+    ordered = facts("plan", "quadruped-crawl", "--segments", "2", "--gait", *crawl)
+    assert ordered["contact_switches"] >= free["contact_switches"]
+    lifted = facts("plan", "biped", "--start", "height_1=0.1", "--goal", "y=0.5")
+    assert lifted["end"]["height_1"] == pytest.approx(0.1)  # as at the start
+
+
 def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
     short = facts("plan", "unicycle")["steps"]
     assert short["first"] == pytest.approx(1 / 16)
