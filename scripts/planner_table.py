@@ -16,6 +16,7 @@ import argparse
 import math
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -85,7 +86,8 @@ def _measured(problem: Problem, extended: ExtendedSystem) -> str:
 
 def _shots(problem: Problem, extended: ExtendedSystem) -> tuple[str, str]:
     try:
-        steered = steer(extended, *problem.states, problem.execution)
+        free = replace(problem.execution, limits={}, stance="paper")
+        steered = steer(extended, *problem.states, free)
     except PlannerError:
         return "none", "none"
     return str(len(steered.distances) - 1), str(len(steered.plan.flows))

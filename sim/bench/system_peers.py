@@ -69,7 +69,7 @@ def casadi_cell(problem: Problem) -> str:
             b = field(x + h / 2 * a)
             c = field(x + h / 2 * b)
             x = x + h / 6 * (a + 2 * b + 2 * c + field(x + h * c))
-    quiet = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
+    quiet: Any = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
     program = {"x": durations, "f": casadi.sumsqr(durations), "g": x - casadi.DM(goal)}
     began = time.perf_counter()
     solver = casadi.nlpsol("durations", "ipopt", program, quiet)
