@@ -160,6 +160,7 @@ from .systems.fields import (
     NumericField as NumericField,
     VectorField as VectorField,
     bracket as bracket,
+    rates_with as rates_with,
 )
 from .systems.flows import (
     Flow as Flow,

@@ -6,7 +6,7 @@ A field is a column of sympy expressions in the symbols of the state, or a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -251,6 +251,22 @@ def compile_fields(
         ),
         numeric=tuple(numeric),
     )
+
+
+def rates_with(
+    field: sp.Matrix, state: Symbols, functions: Mapping[str, Callable[..., object]]
+) -> Callable[..., list[object]]:
+    """The rates of a field as a function that another library's numbers can enter.
+
+    Args:
+        field: Field by formulas.
+        state: Symbols of the state, the arguments.
+        functions: That library's functions by the names of sympy's.
+    """
+    rates: Callable[..., list[object]] = sp.lambdify(
+        state, list(field), modules=[dict(functions)]
+    )
+    return rates
 
 
 def sample_configurations(size: int, count: int = SAMPLES) -> Array:

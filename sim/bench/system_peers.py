@@ -11,10 +11,9 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from models import Problem
-from planner import Array, extend, flow_map
+from planner import Array, extend, flow_map, rates_with
 
 ROUNDS = 6  # in which every field is on once
 STEPS = 4  # of Runge and Kutta's method for a flow
@@ -82,10 +81,10 @@ def casadi_cell(problem: Problem) -> str:
 
 
 def _casadi_field(problem: Problem, name: str, casadi: Any) -> Any:
-    column = sp.Matrix(problem.system.fields[name])
     words = ("sin", "cos", "tan")
     functions = {word: getattr(casadi, word) for word in words}
-    rates = sp.lambdify(problem.system.state, list(column), modules=[functions])
+    system = problem.system
+    rates = rates_with(system.fields[name], system.state, functions)
 
     def field(x: Any) -> Any:
         return casadi.vertcat(*rates(*casadi.vertsplit(x)))
