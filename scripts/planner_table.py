@@ -33,7 +33,7 @@ from planner import (
     rollout,
     steer,
 )
-from sim.bench import system_peers
+from sim import casadi_cell, ompl_cell
 
 COUNTS = (32, 64)  # segments between which the order is measured
 HEADER = (
@@ -60,8 +60,8 @@ def row(name: str) -> str:
         _number(critical_step(extended, start, goal - start)),
         f"{np.linalg.norm(goal - start):.3g}",
         *_shots(problem, extended),
-        system_peers.casadi_cell(problem),
-        system_peers.ompl_cell(problem),
+        casadi_cell(problem),
+        ompl_cell(problem),
     ]
     return " | ".join(cells)
 
