@@ -22,7 +22,7 @@ from planner.planning.paths import line
 from planner.planning.shooting import shot_towards
 from planner.systems.strata import StratifiedSystem
 
-DOUBLINGS = 12  # from the given step to one that counts as infinite
+DOUBLINGS = 20  # from the given step to one that counts as infinite
 HALVINGS = 40  # to one that counts as none
 ACCURACY = 1e-3  # relative, of the step
 
