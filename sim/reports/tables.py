@@ -143,7 +143,8 @@ def settings(run: Record) -> Table:
             rows.append((section + name, value or "left open", about))
     servo = run.summary.get("servo") or {}
     for key, value in servo.items():
-        rows.append((f"servo: {key}", str(value), "as it was simulated"))
+        said = "left open" if value is None else str(value)
+        rows.append((f"servo: {key}", said, "as it was simulated"))
     return Table(("setting", "value", "meaning"), rows)
 
 
