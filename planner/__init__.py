@@ -20,15 +20,16 @@ eq. (6)    h_i           backward, forward                    lie/coordinates
 eq. (7)    S' = S B v    backward                             lie/coordinates
 eq. (8)    Ad            LieAlgebra.adjoint_action            lie/free_lie
 eq. (9)    h' = A(h) v   backward_matrix, integrate           lie/coordinates
-Def. 1     Phi_i, S_I    LevelSet, StratifiedSystem           systems/strata
+Def. 1     Phi_i         LevelSet                             systems/level_sets
+Def. 1     S_I           StratifiedSystem                     systems/strata
 eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
 eq. (11)   gait          Gait                                 systems/strata
 Sec. 4     D_i           gait_controllability                 controllability/gaits
-eq. (12)   lift, land    Plan.flows, contact_switches         systems/flows
+eq. (12)   lift, land    contact_switches                     systems/flows
 eq. (13)   [g_11, g_12]  require_decoupled                    controllability/decoupling
 eq. (14)   flows on S_B  on_bottom, tangent_field             controllability/decoupling
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
-(16)-(18)  the hexapod   models.equations                     models/motion
+(16)-(18)  the hexapod   models.hexapod, models.equations     models/systems/legged
 eq. (19)   its elements  models.Equations.elements            models/motion
 eq. (20)   u_1 o u_2     word                                 lie/words
 Sec. 5.2   algorithm     plan, Plan                           planning/algorithm
