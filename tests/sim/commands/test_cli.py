@@ -191,10 +191,11 @@ def test_run_leaves_a_folder_and_says_where(stratawalk, tmp_path):
     }
     assert not (folder / "video.mp4").exists()
     starts = [line.split()[0] for line in done.stdout.splitlines() if line]
-    assert starts[-6:] == [
-        "goal", "ideal", "quasi-static", "identified", "achieved", "folder",
+    assert starts[-7:] == [
+        "goal", "ideal", "quasi-static", "identified", "achieved", "folder", "report",
     ]  # fmt: skip
-    assert done.stdout.splitlines()[-1].split() == ["folder", "runs/line-001"]
+    made = [line.split()[-1] for line in done.stdout.splitlines()[-2:]]
+    assert made == ["runs/line-001", "runs/line-001/report.html"]
 
 
 @pytest.mark.physics
