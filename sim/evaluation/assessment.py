@@ -247,7 +247,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
             "goal": _departure(pose, goal),
         },
         "error_sources": _sources(evaluation),
-        "servo": setup.servo.table(),
+        "servo": setup.servo.table(setup.world.servo),
         "deviation": deviations(scenario, evaluation.predicted, achieved.pose, judged),
         "per_metre": per_metre(length, moving_time(walk), strokes),
         "simulated_time": walk.recording.steps * setup.limits.timestep,

@@ -44,9 +44,17 @@ class ServoSettings:
         """Whether commands lead, for servos of a stiffness [N m/rad]."""
         return stiffness < SOFT if self.feed_forward is None else self.feed_forward
 
-    def table(self) -> dict[str, Any]:
-        """As summary.json has it."""
-        return asdict(self)
+    def table(self, simulated: tuple[float, float] | None) -> dict[str, Any]:
+        """As summary.json has it.
+
+        Args:
+            simulated: Stiffness and damping in the model, where all servos are alike.
+        """
+        table = asdict(self)
+        del table["damping_ratio"]  # what it came to stands under damping
+        if simulated is not None:
+            table["stiffness"], table["damping"] = simulated
+        return table
 
 
 def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
