@@ -57,8 +57,15 @@ def named(spec: mujoco.MjSpec) -> None:
 
     Args:
         spec: Robot whose geoms and bodies are named.
+
+    Raises:
+        ModelError: If a name is not text.
     """
-    taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
+    try:
+        taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
+    except UnicodeDecodeError as error:
+        reason = f"a name of it is not text, {error}"
+        raise ModelError(f"{reason}; write its names in UTF-8") from error
     for kind, parts in (("body", spec.bodies), ("geom", spec.geoms)):
         for number, part in enumerate(parts):
             if part.name:

@@ -68,8 +68,8 @@ def assets(spec: mujoco.MjSpec, model: mujoco.MjModel) -> set[Path]:
 
 def outside(paths: set[Path], folder: Path) -> list[Path]:
     """Those of some files that are not in a folder, links followed; in order."""
-    own = folder.resolve()
-    return sorted(path for path in paths if not path.resolve().is_relative_to(own))
+    own, found = folder.resolve(), {path.resolve(): path for path in sorted(paths)}
+    return sorted(at for real, at in found.items() if not real.is_relative_to(own))
 
 
 def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:

@@ -29,7 +29,7 @@ def exact_rank(fields: Iterable[VectorField], state: Symbols, at: Array) -> int 
         return None
     if len(columns) * len(state) > MOST_ENTRIES:
         return None
-    place = {s: sp.Rational(value) for s, value in zip(state, at.tolist(), strict=True)}
+    place = {s: _decimal(value) for s, value in zip(state, at.tolist(), strict=True)}
     values = [[_exact(entry).subs(place) for entry in field] for field in columns]
     if not all(entry.is_Rational for column in values for entry in column):
         return None
@@ -37,5 +37,10 @@ def exact_rank(fields: Iterable[VectorField], state: Symbols, at: Array) -> int 
 
 
 def _exact(entry: sp.Expr) -> sp.Expr:
-    floats = {number: sp.Rational(number) for number in entry.atoms(sp.Float)}
+    floats = {number: _decimal(float(number)) for number in entry.atoms(sp.Float)}
     return entry.xreplace(floats)
+
+
+def _decimal(number: float) -> sp.Rational:
+    """The decimal that a float was written as: 0.1 + 0.2 is 0.3 then."""
+    return sp.Rational(f"{number:.15g}")

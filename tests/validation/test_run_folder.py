@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from models.description.robot import FOLDER
+from models.library import load
 from sim.errors import SimulationError
 from sim.folder import RunFolder
 from sim.motion.poses import rotate
@@ -188,6 +189,11 @@ def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch)
         assert np.array_equal(commands["time"], np.arange(len(commands["ctrl"])) * 5e-4)
 
 
+def carried_out(scenario, folder):
+    """Run a robot of whose files some lie beside its folder."""
+    return run(scenario, folder, robot=load(scenario.robot, allow_external=True))
+
+
 BOX = {"kind": "box", "center": [0.0, 0.5], "size": [1.0, 0.1]}
 
 
@@ -215,14 +221,15 @@ def moved(tmp_path_factory):
     mine = SHORT | {"robot": str(home / "mine" / "mine.xml"), "obstacles": [BOX]}
     first = runs / "first"
     first.mkdir()
-    summary = run(load_scenario("line", mine), RunFolder(first))
+    summary = carried_out(load_scenario("line", mine), RunFolder(first))
     shutil.rmtree(home)
     return summary, first.rename(runs / "elsewhere")
 
 
 def test_a_run_goes_again_after_it_was_moved_and_its_robot_is_gone(moved, tmp_path):
     summary, folder = moved
-    again = run(load_scenario(str(folder / "scenario.toml")), RunFolder(tmp_path))
+    scenario = load_scenario(str(folder / "scenario.toml"))
+    again = carried_out(scenario, RunFolder(tmp_path))
     assert summary["robot"] == "mine"
     for name in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
         assert (folder / name).read_bytes() == (tmp_path / name).read_bytes()

@@ -78,10 +78,6 @@ PARTS = {
         ['<joint axis="0 -1 0"', '<joint type="slide" axis="0 -1 0"'],
         "leg 1: .*joint 'lift_1' is not a hinge",
     ),
-    "the body has no name": (
-        [TORSO, "<body", '"torso"', '"leg_1"'],
-        "the body with the free joint has no name: .*; give it one",
-    ),
     "the body is fixed": (
         ['<freejoint name="root"/>', "", POSE, 'qpos="'],
         "0 free joints: .*; a walking robot has exactly one",

@@ -14,7 +14,9 @@ from planner.planning.paths import line
 from planner.planning.playback import rollout
 
 GOAL = (0.15, 0.15, 0.0)
-SEGMENTS = {"quadruped": 2}  # steps anew before every stroke, which takes long
+# the quadruped steps anew before every stroke, which takes long; the classroom's robot
+# is small, and goes as far in more and shorter segments
+SEGMENTS = {"quadruped": 2, "hexapod-classroom": 40}
 
 
 def negated(robot, groups):

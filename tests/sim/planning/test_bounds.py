@@ -166,7 +166,7 @@ def test_a_lift_is_decided_by_the_segment_that_left_the_legs_there():
 def test_a_margin_beyond_what_standing_gives_is_refused_with_what_it_gives():
     message = (
         r"min_margin of 0\.06 m cannot be kept: standing on S[12] with all legs at "
-        r"angle 0 the margin is 0\.0536\d* m, the most"
+        r"angle 0 the margin is 0\.0536\d* m, which shorter segments cannot exceed"
     )
     with pytest.raises(BoundError, match=message) as refused:
         bounded(min_margin=0.06)
