@@ -23,15 +23,15 @@ eq. (9)    h' = A(h) v   backward_matrix, integrate           lie/coordinates
 Def. 1     Phi_i         LevelSet                             systems/level_sets
 Def. 1     S_I           StratifiedSystem                     systems/strata
 eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
-eq. (11)   gait          Gait                                 systems/strata
+eq. (11)   gait          Gait                                 systems/gait
 Sec. 4     D_i           gait_controllability                 controllability/gaits
 eq. (12)   lift, land    contact_switches                     systems/flows
-eq. (13)   [g_11, g_12]  require_decoupled                    controllability/decoupling
-eq. (14)   flows on S_B  on_bottom, tangent_field             controllability/decoupling
+eq. (13)   [g_11, g_12]  require_decoupled                    extension/decoupling
+eq. (14)   flows on S_B  on_bottom, tangent_field             extension/decoupling
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
 (16)-(18)  the hexapod   models.hexapod, models.equations     models/systems/legged
 eq. (19)   its elements  models.Equations.elements            models/motion
-eq. (20)   u_1 o u_2     word                                 lie/words
+eq. (20)   u_1 o u_2     word                                 lie/input_words
 Sec. 5.2   algorithm     plan, Plan                           planning/algorithm
 Sec. 5.2   regrouping    regroup                              systems/grouping
 Sec. 5.2   step length   subdivide                            planning/subdivision

@@ -1,12 +1,3 @@
-from .controllability.closure import (
-    LieClosure as LieClosure,
-    involutive_closure as involutive_closure,
-)
-from .controllability.decoupling import (
-    on_bottom as on_bottom,
-    require_decoupled as require_decoupled,
-    tangent_field as tangent_field,
-)
 from .controllability.gaits import (
     MAX_DEPTH as MAX_DEPTH,
     Controllability as Controllability,
@@ -38,16 +29,21 @@ from .execution.stepping import (
 )
 from .extension.bracket_fields import hall_fields as hall_fields
 from .extension.choice import choose_elements as choose_elements
+from .extension.decoupling import (
+    on_bottom as on_bottom,
+    require_decoupled as require_decoupled,
+    tangent_field as tangent_field,
+)
+from .extension.direction_costs import (
+    AFFORDABLE as AFFORDABLE,
+    DirectionCost as DirectionCost,
+    stroke_costs as stroke_costs,
+)
 from .extension.extended import (
     ExtendedSystem as ExtendedSystem,
     extend as extend,
 )
 from .extension.steering import Steering as Steering
-from .extension.strokes import (
-    AFFORDABLE as AFFORDABLE,
-    DirectionCost as DirectionCost,
-    stroke_costs as stroke_costs,
-)
 from .files import (
     require_space as require_space,
     whole_file as whole_file,
@@ -72,8 +68,8 @@ from .lie.hall import (
     hall_basis as hall_basis,
     place as place,
 )
+from .lie.input_words import word as word
 from .lie.tensor import Tensor as Tensor
-from .lie.words import word as word
 from .numerics.arrays import (
     ROUNDING as ROUNDING,
     Array as Array,
@@ -156,6 +152,10 @@ from .planning.subdivision import (
     Slack as Slack,
     subdivide as subdivide,
 )
+from .systems.closure import (
+    LieClosure as LieClosure,
+    involutive_closure as involutive_closure,
+)
 from .systems.fields import (
     NumericField as NumericField,
     VectorField as VectorField,
@@ -172,13 +172,11 @@ from .systems.formulas import (
     RESERVED as RESERVED,
     read_formula as read_formula,
 )
+from .systems.gait import Gait as Gait
 from .systems.grouping import regroup as regroup
 from .systems.level_sets import LevelSet as LevelSet
 from .systems.shape import (
     ShapeCoordinates as ShapeCoordinates,
     ShapeLimits as ShapeLimits,
 )
-from .systems.strata import (
-    Gait as Gait,
-    StratifiedSystem as StratifiedSystem,
-)
+from .systems.strata import StratifiedSystem as StratifiedSystem

@@ -1,1 +1,1 @@
-"""Sec. 4, eqs. (13) and (14): what a gait can reach, and which fields commute."""
+"""Sec. 4: which directions the strata of a gait reach together."""

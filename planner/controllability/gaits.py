@@ -15,10 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner.controllability.closure import LieClosure, involutive_closure
-from planner.controllability.decoupling import coupled, lifts, tangent_field
 from planner.controllability.exact import exact_rank
 from planner.errors import point
+from planner.extension.decoupling import coupled, lifts, tangent_field
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import (
     SPANNED,
@@ -27,8 +26,10 @@ from planner.numerics.subspaces import (
     null_space,
     rank,
 )
+from planner.systems.closure import LieClosure, involutive_closure
+from planner.systems.gait import Gait, steps
 from planner.systems.level_sets import LevelSet
-from planner.systems.strata import Gait, StratifiedSystem, steps
+from planner.systems.strata import StratifiedSystem
 
 OFF_STRATUM = 1e-9  # by which a configuration may miss the level sets
 MAX_DEPTH = 12

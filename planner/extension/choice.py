@@ -13,17 +13,18 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.controllability.closure import involutive_closure
-from planner.controllability.decoupling import on_bottom
 from planner.errors import PlannerError, RankError, SingularConfigurationError
 from planner.extension.bracket_fields import hall_fields
+from planner.extension.decoupling import on_bottom
 from planner.numerics.arrays import Array
 from planner.numerics.budget import tick
 from planner.numerics.subspaces import column_space, in_words
+from planner.systems.closure import involutive_closure
 from planner.systems.elements import Tree, leaves, parse_names
 from planner.systems.fields import VectorField
+from planner.systems.gait import steps
 from planner.systems.rounding import WeighedValues
-from planner.systems.strata import StratifiedSystem, steps
+from planner.systems.strata import StratifiedSystem
 
 LEAST_ANGLE = 0.05  # sine of the angle between a new element and the span
 

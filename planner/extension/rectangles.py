@@ -26,7 +26,7 @@ import numpy as np
 from planner.extension.bracket_fields import HallFields, fields_of, renumbered
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import Bracket, Element, degree, hall_basis
-from planner.lie.words import logarithm_of_word
+from planner.lie.input_words import logarithm_of_word
 from planner.numerics.arrays import Array
 from planner.systems.fields import CompiledFields, compile_fields
 from planner.systems.strata import StratifiedSystem

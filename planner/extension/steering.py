@@ -17,9 +17,9 @@ from planner.extension.rectangles import Rectangles, rectangles, weights
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import Bracket
+from planner.lie.input_words import Order, Spelling, joined, spellings
 from planner.lie.mirrored_words import mirrored_spellings
 from planner.lie.short_words import short_durations
-from planner.lie.words import Order, Spelling, joined, spellings
 from planner.numerics.arrays import Array
 from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word

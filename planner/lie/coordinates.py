@@ -5,7 +5,7 @@ A flow S has backward coordinates h and forward coordinates f,
     S = e^(h_s B_s) ... e^(h_1 B_1) = e^(f_1 B_1) ... e^(f_s B_s),    eq. (6)
 
 in time order: B_s runs first on the left, B_1 on the right. Words of generators that
-realise the coordinates are made in `lie.words`.
+realise the coordinates are made in `lie.input_words`.
 
     integrate(basis, inputs) -> (..., s)    many segments at once, for
         inputs of shape (..., nodes, s) at the nodes of `numerics.collocation`

@@ -21,7 +21,7 @@ import numpy as np
 from planner.lie.coordinates import backward_from_forward
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import Element
-from planner.lie.words import Spelling, spellings
+from planner.lie.input_words import Spelling, spellings
 from planner.numerics.arrays import Array
 
 
@@ -38,7 +38,7 @@ def mirrored_spellings(
         hall_coordinates: Backward coordinates, shape (segments, s).
         bracket_degree: Degree of the brackets that the words approximate; its parity
             chooses the symmetry.
-        vanishing: As in `lie.words.word`.
+        vanishing: As in `lie.input_words.word`.
     """
     signs = (-1.0) ** np.array(lie_algebra(tuple(basis)).degrees)
     if bracket_degree % 2 == 0:

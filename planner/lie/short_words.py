@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.lie.words import NEGLIGIBLE
+from planner.lie.input_words import NEGLIGIBLE
 from planner.numerics.arrays import Array
 
 

@@ -15,7 +15,8 @@ import numpy as np
 from planner.errors import unknown
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import follow
-from planner.systems.strata import StratifiedSystem, steps
+from planner.systems.gait import steps
+from planner.systems.strata import StratifiedSystem
 
 
 class Flow(NamedTuple):

@@ -12,8 +12,9 @@ from collections.abc import Iterable, Sequence
 
 from planner.errors import StratumError
 from planner.systems.flows import Flow, Word
+from planner.systems.gait import Gait, steps
 from planner.systems.grouping import Grouper, run_on
-from planner.systems.strata import Gait, StratifiedSystem, steps
+from planner.systems.strata import StratifiedSystem
 
 
 def regroup_in_gait(

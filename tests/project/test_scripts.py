@@ -3,10 +3,12 @@
 import re
 import subprocess
 import tomllib
+from importlib.metadata import distributions
 from pathlib import Path
 
 import pytest
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,6 +42,16 @@ def test_every_requirement_is_pinned_to_a_version_it_allows():
     assert [
         r for r in wanted if not r.specifier.contains(pinned[canonicalize_name(r.name)])
     ] == []
+
+
+def test_debians_python_can_install_every_pin():
+    asked = {
+        canonicalize_name(d.name): SpecifierSet(d.metadata["Requires-Python"] or "")
+        for d in distributions()
+        if d.version == pins().get(canonicalize_name(d.name))
+    }
+    assert len(asked) > 50
+    assert [name for name, versions in asked.items() if "3.11.2" not in versions] == []
 
 
 @pytest.mark.parametrize(

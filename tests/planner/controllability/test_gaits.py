@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.controllability import closure
-from planner.controllability.closure import involutive_closure
 from planner.controllability.gaits import gait_controllability
 from planner.errors import SingularConfigurationError, StratumError
+from planner.systems import closure
+from planner.systems.closure import involutive_closure
 from planner.systems.fields import NumericField
 from planner.systems.strata import StratifiedSystem
 from tests.systems import GAIT, X, Y, chained, flat_power, heisenberg, hexapod

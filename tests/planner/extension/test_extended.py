@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.controllability.decoupling import tangent_field
 from planner.errors import DecouplingError, PlannerError, RankError
+from planner.extension.decoupling import tangent_field
 from planner.extension.extended import extend
 from planner.planning.playback import play
 from planner.systems.fields import NumericField

@@ -6,8 +6,8 @@ import pytest
 from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import hall_basis
+from planner.lie.input_words import spellings
 from planner.lie.mirrored_words import mirrored_spellings
-from planner.lie.words import spellings
 
 
 def missed(basis, spelling):

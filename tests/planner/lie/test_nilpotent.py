@@ -9,7 +9,7 @@ import pytest
 
 from planner.lie.coordinates import backward
 from planner.lie.hall import degree, hall_basis
-from planner.lie.words import word
+from planner.lie.input_words import word
 from planner.numerics.arrays import Array
 from tests.systems import hall_elements
 

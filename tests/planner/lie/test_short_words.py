@@ -5,8 +5,8 @@ import pytest
 
 from planner.lie.coordinates import product
 from planner.lie.hall import hall_basis
+from planner.lie.input_words import words
 from planner.lie.short_words import short_durations
-from planner.lie.words import words
 
 BASIS = hall_basis(2, 2)
 RNG = np.random.default_rng(8)

@@ -13,7 +13,7 @@ from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan
 from planner.planning.lifted_ends import plan_between, stratum_at
 from planner.planning.playback import rollout
-from planner.systems.strata import steps
+from planner.systems.gait import steps
 from tests.systems import GAIT, LIFTED, hexapod
 
 REVERSED = GAIT[::-1]

@@ -8,8 +8,9 @@ import sympy as sp
 
 from planner.errors import StratumError
 from planner.systems.fields import NumericField
+from planner.systems.gait import Gait
 from planner.systems.level_sets import LevelSet
-from planner.systems.strata import Gait, StratifiedSystem
+from planner.systems.strata import StratifiedSystem
 from tests.systems import GAIT, hexapod
 
 X, Y, H1, H2 = sp.symbols("x y h1 h2")

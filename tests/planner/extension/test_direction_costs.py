@@ -6,7 +6,7 @@ import sympy as sp
 
 from planner.controllability.exact import exact_rank
 from planner.controllability.gaits import gait_controllability
-from planner.extension.strokes import stroke_costs
+from planner.extension.direction_costs import stroke_costs
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, X, Y, heisenberg, hexapod
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings, strategies as st
 from planner.lie.coordinates import backward, backward_from_forward, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import degree, hall_basis
-from planner.lie.words import spellings, word, words
+from planner.lie.input_words import spellings, word, words
 
 BASES = [hall_basis(2, 2), hall_basis(4, 2), hall_basis(2, 4), hall_basis(3, 3)]
 ORDERS = ["backward", "forward"]
