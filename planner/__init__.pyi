@@ -43,6 +43,10 @@ from .extension.extended import (
     ExtendedSystem as ExtendedSystem,
     extend as extend,
 )
+from .extension.panels import (
+    StratifiedPanels as StratifiedPanels,
+    stratified_panels as stratified_panels,
+)
 from .extension.steering import Steering as Steering
 from .files import (
     require_space as require_space,

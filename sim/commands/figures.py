@@ -1,4 +1,4 @@
-"""`stratawalk figures`: the paper's Figs. 5 to 9, on its kinematics and in physics."""
+"""`stratawalk figures`: the paper's Figs. 1 to 9, on its kinematics and in physics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import json
 from sim.commands.options import folder_of
 from sim.figures import NAMES
 
-HELP = "draw the paper's Figs. 5 to 9 again, on its kinematics and beside physics"
+HELP = "draw the paper's Figs. 1 to 9 again, on its kinematics and beside physics"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Draw the figures and print their folder."""
+    """Draw the figures, name each when it is written, and print their folder."""
     from sim.figures.draw import draw
     from sim.folder import claim
     from sim.progress import bar
@@ -28,13 +28,14 @@ def execute(options: argparse.Namespace) -> None:
     folder = claim(folder_of(options), "figures")
     try:
         with bar(quiet=options.json) as progress:
-            sheets = draw(folder, options.only, progress=progress)
+            facts = {}
+            for sheet in draw(folder, options.only, progress=progress):
+                facts[sheet.name] = sheet.caption
+                if not options.json:
+                    print(f"{sheet.name:26}{sheet.title}", flush=True)
     finally:
         folder.discard_if_empty()
     if options.json:
-        facts = {sheet.name: sheet.caption for sheet in sheets}
         print(json.dumps({"folder": str(folder.path), "figures": facts}, indent=1))
         return
-    for sheet in sheets:
-        print(f"{sheet.name:26}{sheet.title}")
     print(f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it")

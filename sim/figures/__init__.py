@@ -1,9 +1,20 @@
-"""The paper's Figs. 5 to 9 drawn again: on its kinematics, and beside physics.
+"""The paper's Figs. 1 to 9 drawn again: on its kinematics, and beside physics.
 
 One module a figure, each with two sheets: `paper` in the paper's units (l = 1) and
 `metres` with physics beside prediction. The
 functions that compute the numbers do not draw.
 """
 
-NAMES = ("stability", "line", "ellipse", "diagonal", "corridor")
-"""Modules of Figs. 5 to 9; each has `WALKS`, `paper()` and `metres(walks)`."""
+NAMES = (
+    "mechanism",
+    "biped",
+    "quadruped",
+    "sequence",
+    "panels",
+    "stability",
+    "line",
+    "ellipse",
+    "diagonal",
+    "corridor",
+)
+"""Modules of Figs. 1 to 9; each has `WALKS`, `paper()` and `metres(walks)`."""

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import count
 from multiprocessing import get_context
 
 import numpy as np
@@ -24,7 +26,6 @@ from sim.walking.walker import Walker
 
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path
-SWAY = 0.4  # [rad] to either side
 PREDICTED = ("ideal", "quasi_static")
 KEPT = ("achieved", *PREDICTED)
 
@@ -36,12 +37,12 @@ class Job:
     Attributes:
         scenario: Its name.
         changes: Settings to replace.
-        sway: Instead of walking, swing each tripod under load from end to end.
+        flows: What to carry out instead of a plan for the scenario.
     """
 
     scenario: str
     changes: Mapping[str, object] = field(default_factory=dict)
-    sway: bool = False
+    flows: tuple[Flow, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -55,6 +56,7 @@ class Walked:
         clearance: Likewise, where there are obstacles.
         swing: Commanded angle of each group, shape (T, G) [rad].
         qpos: Joint positions, shape (T, nq).
+        time: Of each row since the walk starts, shape (T,) [s].
         segment: Of each row, shape (T,).
         moving: Which group swings under load, -1 if none does, shape (T,).
         feet: Where each foot touches and where it was planned to, (T, F, 2) [m].
@@ -68,6 +70,7 @@ class Walked:
     clearance: Mapping[str, Array]
     swing: Array
     qpos: Array
+    time: Array
     segment: Array
     moving: Array
     feet: Mapping[str, Array]
@@ -84,49 +87,60 @@ def perform(job: Job) -> Walked:
     """Make one walk."""
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
     scenario = load_scenario(job.scenario, settings)
-    if job.sway:
-        return _gathered(evaluate(_sway(prepare(scenario))))
+    if job.flows:
+        return _gathered(evaluate(_carried_out(prepare(scenario), job.flows)))
     return _gathered(simulate(scenario).evaluation)
+
+
+@contextmanager
+def begun(
+    jobs: Mapping[str, Job], progress: Progress = silent
+) -> Iterator[Mapping[str, Future[Walked]]]:
+    """Walks being computed in parallel, one on each core.
+
+    Args:
+        jobs: What to walk, by name.
+        progress: Called with the stage and the finished part of it.
+    """
+    cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
+    done = count(1)
+
+    def tell(_: Future[Walked]) -> None:
+        progress("walking", next(done) / len(jobs))
+
+    with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
+        try:
+            later_first = list(jobs)[::-1]  # later figures walk farther
+            walks = {name: pool.submit(perform, jobs[name]) for name in later_first}
+            for walk in walks.values():
+                walk.add_done_callback(tell)
+            yield walks
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 def perform_all(
     jobs: Mapping[str, Job], progress: Progress = silent
 ) -> dict[str, Walked]:
-    """Compute walks in parallel, one on each core.
+    """Compute walks in parallel and wait for them.
 
     Args:
         jobs: What to walk, by name.
-        progress: Called with each stage and the finished part of it.
+        progress: Called with the stage and the finished part of it.
 
     Raises:
         PlannerError: If one of them has no plan.
         SimulationError: If the physics diverges.
     """
-    cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
-    done: dict[str, Walked] = {}
-    with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
-        try:
-            later_first = list(jobs)[::-1]  # later figures walk farther
-            names = {pool.submit(perform, jobs[name]): name for name in later_first}
-            for finished in as_completed(names):
-                done[names[finished]] = finished.result()
-                progress("walking", len(done) / len(jobs))
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-    return done
+    with begun(jobs, progress) as walks:
+        return {name: walk.result() for name, walk in walks.items()}
 
 
-def _sway(setup: Setup) -> Walk:
-    """Swing each tripod from end to end, standing on it alone."""
-    swing = [
-        Flow("2", "g2_1", -SWAY), Flow("1", "g1_1", 2 * SWAY),
-        Flow("1", "g1_2", -SWAY), Flow("2", "g2_2", 2 * SWAY),
-        Flow("2", "g2_1", -SWAY), Flow("1", "g1_2", -SWAY),
-    ]  # fmt: skip
+def _carried_out(setup: Setup, flows: Sequence[Flow]) -> Walk:
     walker = Walker(setup)
     walker.stand()
-    walker.go([swing])
+    walker.go([flows])
     return walker.finish()
 
 
@@ -143,6 +157,7 @@ def _gathered(evaluation: Evaluation) -> Walked:
     planned = ideal.pose[:, None, :2] + rotate(stance.feet, ideal.pose[:, 2:])
     poses = {name: prediction.pose for name, prediction in predicted.items()}
     margins = {name: prediction.margin for name, prediction in predicted.items()}
+    during = made.recording.during[on]
     near = {n: c[on] for n, c in evaluation.clearance.items() if n in KEPT}
     return Walked(
         summary=summarise(evaluation, 0.0),
@@ -151,6 +166,7 @@ def _gathered(evaluation: Evaluation) -> Walked:
         clearance=near,
         swing=swing[on],
         qpos=made.recording.moments.qpos[on],
+        time=setup.limits.timestep * (during - during[0]),
         segment=np.array([phase.segment for phase in phases])[at][on],
         moving=np.array([_swept(setup, phase) for phase in phases])[at][on],
         feet={"planned": planned[on], "achieved": achieved.point[on]},

@@ -83,9 +83,10 @@ def words(text: str, **values: object) -> str:
 
 
 def save(sheet: Sheet, folder: Path) -> None:
-    """Write the drawing as PNG and SVG and its numbers as CSV, each file whole."""
+    """Write the drawing under its title as PNG and SVG, and its numbers as CSV."""
     from matplotlib import rc_context
 
+    sheet.figure.suptitle(sheet.title, x=0.01, ha="left", fontweight="bold")
     with rc_context(STYLE):
         for kind in FORMATS:
             with whole(folder / f"{sheet.name}.{kind}") as part:

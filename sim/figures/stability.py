@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from models import PaperStance
-from planner import Array
-from sim.figures.physics import SWAY, Job, Walked
+from planner import Array, Flow
+from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
 from sim.figures.signs import (
     WIDEST,
@@ -36,6 +36,12 @@ if TYPE_CHECKING:
 # The proportions of `hexapod-parallel`, in leg lengths: the paper gives none.
 STANCE = PaperStance(body_length=20 / 7, leg_length=1.0, half_width=3 / 7)
 BODY = PaperStance(body_length=0.3, leg_length=0.105, half_width=0.045)  # the same [m]
+SWAY = 0.4  # [rad] to either side
+SWAYING = (  # each tripod from end to end, standing on it alone
+    Flow("2", "g2_1", -SWAY), Flow("1", "g1_1", 2 * SWAY),
+    Flow("1", "g1_2", -SWAY), Flow("2", "g2_2", 2 * SWAY),
+    Flow("2", "g2_1", -SWAY), Flow("1", "g1_2", -SWAY),
+)  # fmt: skip
 SHOWN = 0.5  # [rad], the angle that the stance is drawn at
 PHI = np.linspace(-WIDEST, WIDEST, 241)
 PAPER_CAPTION = """
@@ -90,7 +96,7 @@ def paper() -> Sheet:
 
 
 WALKS = {
-    robot: Job("line", {"robot": robot, "segments": 1}, sway=True)
+    robot: Job("line", {"robot": robot, "segments": 1}, flows=SWAYING)
     for robot in ("hexapod", "hexapod-parallel")
 }
 

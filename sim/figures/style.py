@@ -41,6 +41,7 @@ TRIPODS: Mapping[str, str] = {"1": "#0072B2", "2": "#CC3311"}
 STYLE: dict[Any, Any] = {
     "font.size": 8,
     "axes.titlesize": 8,
+    "figure.titlesize": 8,
     "axes.titlelocation": "left",
     "axes.labelsize": 8,
     "axes.linewidth": 0.6,
@@ -116,4 +117,4 @@ def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
 def letter(axes: Mapping[str, Axes], titles: Mapping[str, str]) -> None:
     """Head panels with their letters and titles."""
     for name, title in titles.items():
-        axes[name].set_title(f"({name}) {title}")
+        axes[name].set_title(f"({name}) {title}", loc="left")  # also in 3-D

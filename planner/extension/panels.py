@@ -1,0 +1,237 @@
+"""Stratified panels: the bracket of two strokes as a height function over their angles.
+
+Each of two strokes moves one shape coordinate, on its own stratum or on the same one.
+Going around a rectangle of the two angles, switching strata at its corners, is the word
+of their bracket. Where the rates of a coordinate are functions of the two angles alone,
+its net change is by Green's theorem exactly the integral of its height function, the
+curl of these rates, over the rectangle; at the start the height is the bracket itself.
+A coordinate whose height is zero, such as the heading of a body that its strokes turn
+at constant rates, is a function of the angles and is put in its place in the others.
+
+The name is that of Prasad, Hatton and Jayaram, "Geometric Mechanics of
+Contact-Switching Systems" (RA-L 2023).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+from numpy.polynomial.legendre import leggauss
+
+from planner.errors import unknown
+from planner.numerics.arrays import Array
+from planner.systems.fields import NumericField
+from planner.systems.flows import Flow
+from planner.systems.shape import ShapeCoordinates
+from planner.systems.strata import StratifiedSystem
+
+NODES = 24  # along a side; exact to rounding for sines over several radians
+Rates = tuple[sp.Expr, sp.Expr]
+
+
+@dataclass(frozen=True, eq=False)
+class StratifiedPanels:
+    """Height functions of two strokes, one for each coordinate that is no angle.
+
+    Attributes:
+        strokes: Names of the two fields, the one that is run first in front.
+        strata: Stratum of each.
+        angles: The shape coordinate that each of them moves.
+        speeds: Rate of the angle along each.
+        rates: Of every other coordinate by its name: its change per unit of either
+            angle, as expressions of the two angles.
+        heights: Its height function, the change per unit of area.
+    """
+
+    strokes: tuple[str, str]
+    strata: tuple[str, str]
+    angles: tuple[sp.Symbol, sp.Symbol]
+    speeds: tuple[float, float]
+    rates: Mapping[str, Rates]
+    heights: Mapping[str, sp.Expr]
+
+    def at(self, coordinate: str, first: Array, second: Array) -> Array:
+        """Height function of a coordinate at pairs of angles.
+
+        Args:
+            coordinate: Its name.
+            first: Angles of the first stroke.
+            second: Angles of the second stroke, same shape.
+
+        Raises:
+            ValueError: The coordinate is unknown or an angle.
+        """
+        if coordinate not in self.heights:
+            raise ValueError(f"panel {coordinate} {unknown(coordinate, self.heights)}")
+        values = self._functions[coordinate](first, second)
+        return np.broadcast_to(values, np.shape(first)).astype(float)
+
+    def change(
+        self, coordinate: str, low: Sequence[float], by: Sequence[float]
+    ) -> float:
+        """Net change of a coordinate around a rectangle: its height, integrated.
+
+        The first stroke goes along its side first; sides may be negative.
+
+        Args:
+            coordinate: Its name.
+            low: Both angles at the corner from which the loop starts.
+            by: Length of both sides.
+
+        Raises:
+            ValueError: The coordinate is unknown or an angle.
+        """
+        nodes, weights = leggauss(NODES)
+        first, second = (
+            start + side * (nodes + 1) / 2 for start, side in zip(low, by, strict=True)
+        )
+        grid = np.meshgrid(first, second, indexing="ij")
+        values = self.at(coordinate, *grid)
+        return float(weights @ values @ weights) * by[0] * by[1] / 4
+
+    def loop(self, by: Sequence[float]) -> tuple[Flow, Flow, Flow, Flow]:
+        """The flows around a rectangle, the word of the bracket.
+
+        Args:
+            by: Length of both sides.
+        """
+        (f, g), (on_f, on_g) = self.strokes, self.strata
+        a, b = (side / speed for side, speed in zip(by, self.speeds, strict=True))
+        return Flow(on_f, f, a), Flow(on_g, g, b), Flow(on_f, f, -a), Flow(on_g, g, -b)
+
+    @cached_property
+    def _functions(self) -> dict[str, sp.Expr]:
+        return {
+            name: sp.lambdify(self.angles, height, "numpy")
+            for name, height in self.heights.items()
+        }
+
+
+def stratified_panels(
+    system: StratifiedSystem,
+    strokes: tuple[str, str],
+    start: Mapping[str, float] | None = None,
+) -> StratifiedPanels:
+    """Height functions of two strokes over the two angles that they move.
+
+    Args:
+        system: System that has the fields.
+        strokes: Names of two fields, each of which moves one shape coordinate.
+        start: Coordinates where both angles are zero, by name; those not named are
+            zero.
+
+    Raises:
+        ValueError: A field is unknown or a Python function, moves no shape coordinate
+            of its own, or a coordinate's rates depend on more than the two angles.
+    """
+    start = start or {}
+    shape = ShapeCoordinates(system)
+    functions = [n for n, f in system.fields.items() if isinstance(f, NumericField)]
+    if functions:
+        raise ValueError(f"field {functions[0]} is a Python function; give formulas")
+    for name in strokes:
+        if name not in system.fields:
+            raise ValueError(f"field {name} {unknown(name, system.fields)}")
+    angles, speeds = _angles(shape, strokes)
+    others = [i for i in range(system.dimension) if i not in shape.coordinates]
+    still = [i for i in shape.coordinates if i not in angles]
+    turning = [i for i in still if any(shape.rates[name][i] for name in strokes)]
+    rates = {
+        i: tuple(
+            sp.sympify(system.fields[name][i]) / speed
+            for name, speed in zip(strokes, speeds, strict=True)
+        )
+        for i in sorted([*others, *turning])
+    }
+    symbols = (system.state[angles[0]], system.state[angles[1]])
+    known = {
+        system.state[i]: sp.nsimplify(start.get(str(system.state[i]), 0.0))
+        for i in still
+        if i not in turning
+    }
+    solved = _solved(rates, system.state, symbols, known, start)
+    return StratifiedPanels(
+        strokes=strokes,
+        strata=(system.stratum_of[strokes[0]], system.stratum_of[strokes[1]]),
+        angles=symbols,
+        speeds=speeds,
+        rates=solved,
+        heights={name: _curl(pair, symbols) for name, pair in solved.items()},
+    )
+
+
+def _angles(
+    shape: ShapeCoordinates, strokes: tuple[str, str]
+) -> tuple[tuple[int, int], tuple[float, float]]:
+    """The shape coordinate that each stroke moves and the other does not."""
+    symbols = [f.free_symbols for f in shape.system.fields.values()]
+    used = set().union(*symbols)  # an angle of a leg, unlike a heading, is in no rate
+    found = []
+    for name, other in (strokes, strokes[::-1]):
+        moved = [
+            i
+            for i in shape.coordinates
+            if shape.rates[name][i] and not shape.rates[other][i]
+        ]
+        if not moved:
+            raise ValueError(
+                f"field {name} moves no shape coordinate that {other} leaves alone; "
+                "give two strokes that each swing a leg of its own"
+            )
+        found.append(min(moved, key=lambda i: (shape.system.state[i] in used, i)))
+    (i, j), (f, g) = found, strokes
+    return (i, j), (float(shape.rates[f][i]), float(shape.rates[g][j]))
+
+
+def _solved(
+    rates: Mapping[int, tuple[sp.Expr, ...]],
+    state: Sequence[sp.Symbol],
+    angles: tuple[sp.Symbol, sp.Symbol],
+    known: dict[sp.Symbol, sp.Expr],
+    start: Mapping[str, float],
+) -> dict[str, Rates]:
+    """Rates of all coordinates as expressions of the angles, solved one by one."""
+    left = {i: (pair[0], pair[1]) for i, pair in rates.items()}
+    solved: dict[int, Rates] = {}
+    while left:
+        ready = {
+            i: (f.subs(known), g.subs(known))
+            for i, (f, g) in left.items()
+            if not (f.subs(known).free_symbols | g.subs(known).free_symbols)
+            - set(angles)
+        }
+        if not ready:
+            names = ", ".join(str(state[i]) for i in left)
+            raise ValueError(
+                f"the rates of {names} depend on more than {angles[0]} and "
+                f"{angles[1]}; a height function needs coordinates that these two "
+                "angles determine"
+            )
+        for i, pair in ready.items():
+            solved[i] = pair
+            del left[i]
+            if _curl(pair, angles) == 0:
+                known[state[i]] = _potential(pair, angles) + sp.nsimplify(
+                    start.get(str(state[i]), 0.0)
+                )
+    return {str(state[i]): solved[i] for i in sorted(solved)}
+
+
+def _curl(rates: Rates, angles: tuple[sp.Symbol, sp.Symbol]) -> sp.Expr:
+    along_first, along_second = rates
+    return sp.simplify(
+        sp.diff(along_second, angles[0]) - sp.diff(along_first, angles[1])
+    )
+
+
+def _potential(rates: Rates, angles: tuple[sp.Symbol, sp.Symbol]) -> sp.Expr:
+    """The function with these rates that is zero where both angles are."""
+    first, second = angles
+    s = sp.Dummy()
+    along = sp.integrate(rates[0].subs({first: s, second: 0}), (s, 0, first))
+    across = sp.integrate(rates[1].subs(second, s), (s, 0, second))
+    return sp.expand(along + across)

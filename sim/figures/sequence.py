@@ -1,0 +1,215 @@
+"""Fig. 4: the sequence of flows of eq. (12), from stratum to stratum and back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from models import shipped_system
+from planner import Array, Flow, play
+from sim.figures.physics import Job, Walked
+from sim.figures.sheet import Cell, Sheet, Table, words
+from sim.figures.sheets_crossing import STRATA, draw_sheets, draw_way
+from sim.figures.style import (
+    MM,
+    PATHS,
+    TRIPODS,
+    WEIGHT,
+    letter,
+    sheet_of,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+STROKES = (0.8, 0.5)  # [rad], of foot 1 on S1 and of foot 2 on S2
+SEQUENCE = (
+    Flow("1", "g1_3", 1.0),
+    Flow("1", "g1_1", STROKES[0]),
+    Flow("1", "g1_3", -1.0),
+    Flow("2", "g2_3", 1.0),
+    Flow("2", "g2_2", STROKES[1]),
+    Flow("2", "g2_3", -1.0),
+)
+REORDERED = tuple(SEQUENCE[i] for i in (1, 0, 2, 4, 3, 5))
+"""Eq. (14): lifts commute with strokes (13), so each is undone by the next flow."""
+SAMPLES = 20  # states a flow
+PAPER_CAPTION = """
+The sequence of flows of eq. (12) on the system `biped`. Six flows, numbered in the
+order of time: lift foot 2 and so leave S12 for S1; turn the body about foot 1, by
+{a:g} rad; set foot 2 down; then the same with the feet exchanged, by {b:g} rad. The
+paper calls the lifts g_(1,1) and g_(2,1) and what moves on the strata g_(1,2) and
+g_(2,2); here they are g1_3 and g2_3, and the strokes g1_1 and g2_2. (a) In the
+configuration space of Fig. 2, along the heading of the body. (b) Heights of the feet
+and (c) the pose of the body along the flows. Lifts commute with strokes, eq. (13), and
+each lift is undone: eq. (14), and the two strokes alone, end at the same pose, here
+within {apart:.0e}. That is why strokes of higher strata may be used as fields on S12.
+"""
+METRES_CAPTION = """
+The same by `hexapod` in MuJoCo, with tripods for feet: tripod 1 stands and swings by
+{a:g} rad, then tripod 2 by {b:g} rad. Each has swung back in the air before, so that
+its stroke is centred. (a) Commanded angles of the tripods; grey: no loaded tripod
+swings; bars below: which tripod is on the ground, planned (thin) and measured (broad).
+(b) The body's centre and (c) its yaw: in the physics, and predicted.
+"""
+BARS = -0.5  # [rad], where contacts are drawn
+LOADED = {"1": 0.8, "2": 0.5}  # stroke of each tripod [rad]
+WALKS = {
+    "sequence": Job(
+        "line",
+        {"segments": 1},
+        flows=(
+            Flow("2", "g2_1", -LOADED["1"] / 2),
+            Flow("1", "g1_2", -LOADED["2"] / 2),
+            Flow("1", "g1_1", LOADED["1"]),
+            Flow("2", "g2_2", LOADED["2"]),
+        ),
+    )
+}
+
+
+def paper() -> Sheet:
+    """On the biped, with l = 1."""
+    system = shipped_system("biped").system
+    start = np.zeros(system.dimension)
+    states = play(system, SEQUENCE, start, SAMPLES)
+    strokes = [flow for flow in SEQUENCE if not flow.field.endswith("3")]
+    ends = [play(system, flows, start)[-1] for flows in (REORDERED, strokes)]
+    apart = max(np.abs(end - states[-1]).max() for end in ends)
+    figure, axes = sheet_of(
+        "ab\nac", 3.4, width_ratios=[1.2, 1],
+        per_subplot_kw={"a": {"projection": "3d", "computed_zorder": False}},
+    )  # fmt: skip
+    _draw_space(axes["a"], states)
+    flow = np.arange(len(states)) / SAMPLES
+    names = [str(symbol) for symbol in system.state]
+    for coordinate, label in (
+        ("height_1", "$h_1$, foot 1"),
+        ("height_2", "$h_2$, foot 2"),
+    ):
+        axes["b"].plot(
+            flow, states[:, names.index(coordinate)], label=label,
+            color=TRIPODS[coordinate[-1]],
+        )  # fmt: skip
+    for i, (name, style) in enumerate((("x", "-"), ("y", "--"), (r"$\theta$", ":"))):
+        axes["c"].plot(flow, states[:, i], style, color=WEIGHT, label=name)
+    for name, unit in (("b", "height"), ("c", "pose  [$l$], [rad]")):
+        _shade(axes[name])
+        axes[name].set(xlabel="flow", ylabel=unit, xlim=(0, len(SEQUENCE)))
+        axes[name].set_xticks(np.arange(len(SEQUENCE)) + 0.5, list("123456"))
+        low, high = axes[name].get_ylim()
+        axes[name].set_ylim(low, high + 0.35 * (high - low))  # room for the key
+        axes[name].legend(loc="upper left", ncols=3)
+    titles = ("through the strata", "feet", "body")
+    letter(axes, dict(zip("abc", titles, strict=True)))
+    return Sheet(
+        name="fig4-sequence-paper",
+        title="Fig. 4, a sequence of flows, in the paper's units",
+        caption=words(PAPER_CAPTION, a=STROKES[0], b=STROKES[1], apart=apart),
+        figure=figure,
+        table=_paper_table(states[::SAMPLES], names),
+    )
+
+
+def _draw_space(axes: Any, states: Array) -> None:
+    heading, heights = states[:, 2], states[:, -2:]
+    span = (heading.min() - 0.15, heading.max() + 0.15)
+    draw_sheets(axes, span)
+    points = np.column_stack([heading, heights])
+    draw_way(axes, points, [f.stratum for f in SEQUENCE for _ in range(SAMPLES)])
+    for number in range(len(SEQUENCE)):
+        at = points[number * SAMPLES + SAMPLES // 2]
+        axes.text(
+            *at, str(number + 1), fontsize=6.5, color="white", ha="center", va="center",
+            bbox={"boxstyle": "circle,pad=0.15", "edgecolor": "none",
+                  "facecolor": STRATA[SEQUENCE[number].stratum]},
+        )  # fmt: skip
+    for at, name in ((points[0], "$x_0$"), (points[-1], "$x_f$")):
+        axes.plot(*at, "o", color=WEIGHT, markersize=3)
+        axes.text(*(at + [-0.02, 0.0, 0.04]), name, va="bottom", ha="right")
+    axes.set_xticks((0.0, 0.4, 0.8))
+    axes.set_xlabel(r"heading $\theta$  [rad]", labelpad=-6)
+
+
+def _shade(axes: Axes) -> None:
+    """Colour the background by the stratum that each flow is on."""
+    for number, flow in enumerate(SEQUENCE):
+        axes.axvspan(number, number + 1, color=STRATA[flow.stratum], alpha=0.08, lw=0)
+
+
+def _paper_table(states: Array, names: Sequence[str]) -> Table:
+    rows: list[tuple[Cell, ...]] = [(0, "S12", "start", 0.0, *states[0].tolist())]
+    for number, (flow, state) in enumerate(
+        zip(SEQUENCE, states[1:], strict=True), start=1
+    ):
+        facts = number, f"S{flow.stratum}", flow.field, flow.duration
+        rows.append((*facts, *state.tolist()))
+    return Table(
+        header=("flow", "stratum", "field", "duration", *(f"{n} after" for n in names)),
+        rows=tuple(rows),
+    )
+
+
+def metres(walks: Mapping[str, Walked]) -> Sheet:
+    """By the hexapod in the physics."""
+    walked = walks["sequence"]
+    figure, axes = sheet_of("ab\nac", 3.4, width_ratios=[1.2, 1])
+    _draw_angles(axes["a"], walked)
+    for name, style in PATHS.items():
+        axes["b"].plot(*(MM * walked.pose[name][:, :2].T), **style)
+        axes["c"].plot(walked.time, walked.pose[name][:, 2], **style)
+    axes["b"].set(xlabel="x  [mm]", ylabel="y  [mm]")
+    axes["b"].set_aspect("equal", adjustable="datalim")
+    axes["c"].set(xlabel="time  [s]", ylabel="yaw  [rad]")
+    axes["b"].legend(loc="best")
+    titles = ("tripods", "body centre", "yaw")
+    letter(axes, dict(zip("abc", titles, strict=True)))
+    return Sheet(
+        name="fig4-sequence-metres",
+        title="Fig. 4, a sequence of flows, in metres",
+        caption=words(METRES_CAPTION, a=LOADED["1"], b=LOADED["2"]),
+        figure=figure,
+        table=_metres_table(walked),
+    )
+
+
+LEGS = {"1": (0, 3, 4), "2": (1, 2, 5)}  # rows of each tripod's feet
+
+
+def _draw_angles(axes: Axes, walked: Walked) -> None:
+    for group, (tripod, legs) in enumerate(LEGS.items()):
+        colour = TRIPODS[tripod]
+        axes.plot(
+            walked.time, walked.swing[:, group], color=colour, label=f"tripod {tripod}"
+        )
+        for kind, width, alpha in (("achieved", 5, 0.3), ("planned", 1.5, 1.0)):
+            on = walked.contact[kind][:, legs].all(axis=1)
+            level = np.where(on, BARS - 0.1 * group, np.nan)
+            axes.plot(walked.time, level, color=colour, linewidth=width, alpha=alpha,
+                      solid_capstyle="butt")  # fmt: skip
+    switching = walked.moving < 0
+    axes.fill_between(
+        walked.time, 0, 1, where=switching, color=WEIGHT, alpha=0.06, linewidth=0,
+        transform=axes.get_xaxis_transform(),
+    )  # fmt: skip
+    axes.set(xlabel="time  [s]", ylabel=r"$\varphi$  [rad]")
+    axes.set_ylim(top=0.6)
+    axes.legend(loc="upper left", ncols=2)
+
+
+def _metres_table(walked: Walked) -> Table:
+    rows: list[tuple[Cell, ...]] = []
+    for group, tripod in enumerate(LEGS):
+        on = np.flatnonzero(walked.moving == group)
+        for name in ("ideal", "quasi_static", "achieved"):
+            first, last = walked.pose[name][[on[0], on[-1]]]
+            rows.append(
+                (f"S{tripod}", name.replace("_", "-"), LOADED[tripod],
+                 *(last - first).tolist())
+            )  # fmt: skip
+    return Table(
+        header=("stratum", "pose", "stroke [rad]", "x [m]", "y [m]", "yaw [rad]"),
+        rows=tuple(rows),
+    )
