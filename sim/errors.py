@@ -86,6 +86,12 @@ class FilesError(StratawalkError):
     exit_code = ExitCode.FILES
 
 
+class SweepError(StratawalkError):
+    """A sweep whose points could not all be walked."""
+
+    exit_code = ExitCode.SWEEP
+
+
 class Terminated(KeyboardInterrupt):
     """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
 

@@ -19,7 +19,8 @@ def silent(stage: str, fraction: float) -> None:
     """Show nothing."""
 
 
-def _may_draw() -> bool:
+def may_draw() -> bool:
+    """Whether standard error is a terminal whose user wants bars."""
     plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
     return sys.stderr.isatty() and not plain
 
@@ -31,7 +32,7 @@ def bar(quiet: bool = False) -> Iterator[Progress]:
     Args:
         quiet: Show nothing even on a terminal.
     """
-    if quiet or not _may_draw():
+    if quiet or not may_draw():
         yield silent
         return
     from rich.console import Console

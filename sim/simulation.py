@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -55,13 +55,14 @@ class Simulation:
     Attributes:
         prepared: What was decided beforehand.
         evaluation: The walk beside its predictions.
-        creep_floor: Slip of a robot that stands still for the same time [m].
+        creep_floor: Slip of a robot that stands still for the same time [m], if it was
+            measured.
         timing: Seconds by stage.
     """
 
     prepared: Prepared
     evaluation: Evaluation
-    creep_floor: float
+    creep_floor: float | None
     timing: dict[str, float]
 
     @property
@@ -102,6 +103,7 @@ def simulate(
     robot: Robot | None = None,
     progress: Progress = silent,
     witness: Witness | None = None,
+    without: Collection[str] = (),
 ) -> Simulation:
     """Carry out a scenario.
 
@@ -110,6 +112,8 @@ def simulate(
         robot: The scenario's robot, if it is loaded already.
         progress: Called with each stage and the finished part of it.
         witness: Receives the results before and after the walk.
+        without: Comparisons to leave out, which cost physics of their own: the
+            prediction `identified`, and `creep_floor`.
 
     Raises:
         PlannerError: If there is no plan.
@@ -148,8 +152,9 @@ def simulate(
         timing["simulate"] += walk.seconds["simulate"]
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
-        evaluation = evaluate(walk)
-        floor = creep_floor(prepared.setup, walk.duration)
+        evaluation = evaluate(walk, without)
+        stand = "creep_floor" not in without
+        floor = creep_floor(prepared.setup, walk.duration) if stand else None
     return Simulation(prepared, evaluation, floor, timing)
 
 

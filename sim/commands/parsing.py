@@ -15,6 +15,8 @@ COMMANDS = (
     "show",
     "film",
     "compare",
+    "sweep",
+    "merge",
     "plan",
     "export",
     "check",

@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -16,7 +16,7 @@ from models import MeasurementError, TwistModel
 from planner import Array
 from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
-from sim.evaluation.deviations import deviations, per_metre
+from sim.evaluation.deviations import departure, deviations, off, per_metre
 from sim.evaluation.passage import clearances
 from sim.evaluation.phases import (
     count_changes,
@@ -77,12 +77,20 @@ class Evaluation:
         return self.walking & self.walk.recording.marks.inspected
 
 
-def evaluate(walk: Walk) -> Evaluation:
-    """Compare the achieved motion with every prediction."""
+def evaluate(walk: Walk, without: Collection[str] = ()) -> Evaluation:
+    """Compare the achieved motion with every prediction.
+
+    Args:
+        walk: A finished walk.
+        without: Predictions to leave out, among those that nothing depends on.
+    """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
     given = [list(_commanded(walk, stretch)) for stretch in walk.stretches]
     for name in MODELS:
+        if name in without:
+            unpredicted[name] = "left out"
+            continue
         try:
             predicted[name] = _predicted(walk, twist_model(walk.setup, name), given)
         except MeasurementError as error:
@@ -169,12 +177,12 @@ def trajectory(evaluation: Evaluation) -> Iterator[tuple[str, Array]]:
     yield "world_start_pose", walk.origin
 
 
-def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
+def summarise(evaluation: Evaluation, creep_floor: float | None) -> Summary:
     """The numbers of summary.json, unrounded, timing left out.
 
     Args:
         evaluation: A walk and its predictions.
-        creep_floor: Slip of the same measure while standing as long [m].
+        creep_floor: Slip of the same measure while standing as long [m], if known.
     """
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario
@@ -191,7 +199,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
     }
     absent = dict.fromkeys(evaluation.unpredicted)
     errors = {
-        name: _error(achieved.pose[judged], prediction.pose[judged], length, walked)
+        name: off(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
     }
     verdict = judge(evaluation)
@@ -244,7 +252,7 @@ def summarise(evaluation: Evaluation, creep_floor: float) -> Summary:
         "error": {
             **errors,
             **absent,
-            "goal": _departure(pose, goal),
+            "goal": departure(pose, goal),
         },
         "error_sources": _sources(evaluation),
         "servo": setup.servo.table(setup.world.servo),
@@ -279,21 +287,3 @@ def _sources(evaluation: Evaluation) -> Summary | None:
         name: error_sources(walk, achieved, prediction)
         for name, prediction in evaluation.predicted.items()
     } | dict.fromkeys(evaluation.unpredicted)
-
-
-def _departure(pose: Array, other: Array) -> dict[str, float]:
-    return {
-        "position": float(np.hypot(*(pose - other)[:2])),
-        "yaw": float(abs(wrap(pose[2] - other[2]))),
-    }
-
-
-def _error(poses: Array, others: Array, length: float, walked: float) -> Summary:
-    """Deviation at the end of the walk, and the largest on the way."""
-    departure = _departure(poses[-1], others[-1])
-    position = departure["position"]
-    return departure | {
-        "position_per_path": position / length if length else None,
-        "position_per_walked": position / walked if walked else None,
-        "farthest": float(np.hypot(*(poses - others)[:, :2].T).max()),
-    }

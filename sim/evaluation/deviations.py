@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from planner import Array, Path
+from sim.motion.poses import wrap
 from sim.motion.prediction import Prediction
 from sim.motion.straying import straying
 from sim.scenarios.scenario import Scenario
@@ -61,4 +62,35 @@ def per_metre(length: float, seconds: float, strokes: float) -> dict[str, Any]:
     return {
         "seconds": seconds / length if length else None,
         "strokes": strokes / length if length else None,
+    }
+
+
+def departure(pose: Array, other: Array) -> dict[str, float]:
+    """How far a pose is from another one: position [m] and yaw [rad].
+
+    Args:
+        pose: x [m], y [m], yaw [rad].
+        other: Likewise.
+    """
+    return {
+        "position": float(np.hypot(*(pose - other)[:2])),
+        "yaw": float(abs(wrap(pose[2] - other[2]))),
+    }
+
+
+def off(poses: Array, others: Array, length: float, walked: float) -> dict[str, Any]:
+    """How far a motion is from another one at its end, and at most on the way.
+
+    Args:
+        poses: Shape (T, 3).
+        others: Shape (T, 3), at the same moments.
+        length: Of the nominal path [m]; ratios to a length of zero are None.
+        walked: Length of the way of the ideal body centre [m].
+    """
+    at_end = departure(poses[-1], others[-1])
+    position = at_end["position"]
+    return at_end | {
+        "position_per_path": position / length if length else None,
+        "position_per_walked": position / walked if walked else None,
+        "farthest": float(np.hypot(*(poses - others)[:, :2].T).max()),
     }

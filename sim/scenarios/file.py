@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
+from copy import deepcopy
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -39,17 +40,55 @@ def load_scenario(
         UsageError: If there is no such file, it is not TOML, a key is unknown or
             missing, or a value is impossible.
     """
-    path = _find(source)
-    table = {"name": path.stem, **_read(path)}
-    _anchor_robot(table, path.parent)
-    _anchor_poses(table.get("path"), path.parent)
+    table, where = scenario_table(source)
     given = dict(overrides or {})
     _anchor_robot(given, Path.cwd())
-    for key, value in given.items():
-        _replace(table, key, value)
-    return _decode(
-        table, str(path) if path.parent != FOLDER else f"scenario {source!r}"
-    )
+    return scenario_from(table, given, where)
+
+
+def scenario_table(source: str) -> tuple[dict[str, Any], str]:
+    """A scenario as its file gives it, found from anywhere, and its place in words.
+
+    Args:
+        source: Name of a shipped scenario, or path of a TOML file.
+
+    Raises:
+        UsageError: If there is no such file, or it is not TOML.
+    """
+    path = _find(source)
+    table = {"name": path.stem, **read_toml(path)}
+    anchor(table, path.parent)
+    return table, str(path) if path.parent != FOLDER else f"scenario {source!r}"
+
+
+def scenario_from(
+    table: Mapping[str, Any], overrides: Mapping[str, object], where: str
+) -> Scenario:
+    """A scenario from a table of plain values.
+
+    Args:
+        table: As a file gives it.
+        overrides: Values that replace its; `path.goal` reaches into its table.
+        where: Its place in words.
+
+    Raises:
+        UsageError: If a key is unknown or missing, or a value is impossible.
+    """
+    values = deepcopy(dict(table))
+    for key, value in overrides.items():
+        _replace(values, key, value)
+    return _decode(values, where)
+
+
+def anchor(table: dict[str, Any], folder: Path) -> None:
+    """Make the files that a scenario names findable from wherever it is read next.
+
+    Args:
+        table: As a file gives it; changed in place.
+        folder: Folder of that file.
+    """
+    _anchor_robot(table, folder)
+    _anchor_poses(table.get("path"), folder)
 
 
 def parse_override(text: str) -> tuple[str, object]:
@@ -116,7 +155,12 @@ def _known(source: str) -> str:
     )
 
 
-def _read(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> dict[str, Any]:
+    """A TOML file as a table.
+
+    Raises:
+        UsageError: If it cannot be read or is not TOML.
+    """
     try:
         return parse_toml(path.read_bytes().decode())
     except ValueError as error:

@@ -34,10 +34,14 @@ ONLY_IN = {
     "casadi": {"planner", "sim"},
     "ompl": {"sim"},
     "yaml": {"sim"},
+    "pyarrow": {"sim"},
+    "dask": {"sim"},
+    "distributed": {"sim"},
+    "filelock": {"sim"},
 }
 HEAVY = (
     "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely",
-    "matplotlib", "yaml", "jinja2",
+    "matplotlib", "yaml", "jinja2", "pyarrow", "dask", "distributed", "filelock",
 )  # fmt: skip
 LONGEST = 300  # lines
 

@@ -1,0 +1,36 @@
+"""`stratawalk merge`: the shards of a sweep, joined to one table."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from sim.commands.extras import needs_extra
+from sim.errors import ExitCode
+
+HELP = "join what `sweep --shard` has walked to one table"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="where the table goes; the first folder if not given",
+    )
+
+
+@needs_extra("sweep")
+def execute(options: argparse.Namespace) -> ExitCode:
+    """Write the table of all shards, and say what failed."""
+    from sim.commands.sweep import print_result
+    from sim.sweeps.merging import merge
+
+    folders = [Path(folder) for folder in options.folders]
+    out = folders[0] if options.out is None else Path(options.out)
+    result, table = merge(folders, out)
+    print_result(result, table, options.json)
+    return ExitCode.SWEEP if result.failed else ExitCode.OK

@@ -1,0 +1,128 @@
+"""`stratawalk sweep`: one scenario walked with many settings, into one table."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.commands.extras import needs_extra
+from sim.errors import ExitCode
+
+if TYPE_CHECKING:
+    from sim.sweeps.folder import Shard
+    from sim.sweeps.sweeping import Result
+
+HELP = "walk a scenario with many settings, into one table; what is done is never lost"
+TOLD = 5  # reasons of failed points
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "file", metavar="FILE.toml", help="which scenario, and what varies"
+    )
+    parser.add_argument(
+        "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"
+    )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="walk only what is not done yet; begin if there is nothing",
+    )
+    parser.add_argument(
+        "--force-mix",
+        action="store_true",
+        help="keep points in a table although sweep or versions have changed",
+    )
+    parser.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes on this machine; one a core if not given",
+    )
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers to take"
+    )
+    parser.add_argument(
+        "--shard",
+        type=_shard,
+        metavar="I/N",
+        help="walk the I-th of N equal parts alone, I from 1; `merge` joins them",
+    )
+
+
+def _shard(text: str) -> Shard:
+    from sim.sweeps.folder import Shard
+
+    number, _, count = text.partition("/")
+    if not (number.isdecimal() and count.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text} is not I/N; give 1/4, say")
+    return Shard(int(number), int(count))
+
+
+@needs_extra("sweep")
+def execute(options: argparse.Namespace) -> ExitCode:
+    """Walk what is not done yet, write the table, and say what failed."""
+    from sim.sweeps.file import read_sweep
+    from sim.sweeps.folder import Shard, claim
+    from sim.sweeps.kept import walk_kept
+    from sim.sweeps.progress import sweep_bar
+    from sim.sweeps.sweeping import Labour, carry_on, points_of
+
+    sweep = read_sweep(options.file)
+    shard = options.shard or Shard()
+    labour = Labour(_workers(options), options.scheduler)
+    points = points_of(sweep, shard)
+    folder = claim(Path(options.out), shard, options.resume)
+    with sweep_bar(quiet=options.json) as show:
+        result = carry_on(points, folder, labour, mix=options.force_mix, show=show)
+    for line in walk_kept(points, folder):
+        print(f"stratawalk: warning: not kept, {line}", file=sys.stderr)
+    print_result(result, folder.table, options.json)
+    return ExitCode.SWEEP if result.failed else ExitCode.OK
+
+
+def _workers(options: argparse.Namespace) -> int:
+    from sim.errors import UsageError
+
+    if options.workers is None:
+        return len(os.sched_getaffinity(0))
+    if options.scheduler is not None:
+        what = "a scheduler has workers of its own"
+        raise UsageError(what, "--workers and --scheduler", "keep one of them")
+    if options.workers < 1:
+        raise UsageError(f"{options.workers} workers", "--workers", "give at least 1")
+    workers: int = options.workers
+    return workers
+
+
+def print_result(result: Result, table: Path, as_json: bool) -> None:
+    """Say what became of a sweep.
+
+    Args:
+        result: What became of it.
+        table: Its table.
+        as_json: Whether to print JSON alone.
+    """
+    if as_json:
+        told = {
+            "points": result.points,
+            "failed": result.failed,
+            "walked": result.walked,
+            "reasons": dict(result.reasons),
+            "table": str(table),
+        }
+        print(json.dumps(told))
+        return
+    print(f"{result.points} points, {result.walked} walked now, {result.failed} failed")
+    for reason, count in list(result.reasons.items())[:TOLD]:
+        print(f"{count:6}  {reason}")
+    print(f"{'table':8}{table}")
+    if result.failed:
+        line = f"{result.failed} of {result.points} points failed"
+        where = f"{table}; the column status says why"
+        print(f"stratawalk: error: {line}: {where}", file=sys.stderr)

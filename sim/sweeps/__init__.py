@@ -1,0 +1,1 @@
+"""Sweeps: one scenario walked with many settings, and its numbers in one table."""

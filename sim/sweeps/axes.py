@@ -1,0 +1,150 @@
+"""Values that a sweep goes through: lists, ranges and Sobol samples.
+
+A block is a list of choices; a choice gives values to one or several keys. The points
+of a sweep are all combinations of the choices of its blocks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sim.errors import UsageError
+from sim.scenarios.scenario import settings
+from sim.scenarios.settings import Number, is_number
+
+Choice = tuple[Any, ...]  # values of the block's keys
+Block = tuple[tuple[str, ...], Sequence[Choice]]  # keys, and their choices
+RANGE = {"from", "to", "count", "scale"}
+LINEAR, LOGARITHMIC = "linear", "log"
+MOST = 1_000_000  # points of a sweep
+WHOLE = {
+    item.name
+    for item in settings()
+    if isinstance(kind := item.metadata["kind"], Number) and kind.whole
+}
+
+
+def grid_blocks(table: Mapping[str, Any]) -> Iterator[Block]:
+    """A block for each key, so that all combinations are gone through.
+
+    Raises:
+        UsageError: If a key has neither a list nor a range.
+    """
+    for key, given in flat(table):
+        yield (key,), [(value,) for value in _values(key, given, "[grid]")]
+
+
+def list_block(table: Mapping[str, Any]) -> Block:
+    """One block, in which the lists of all keys go side by side.
+
+    Raises:
+        UsageError: If the lists differ in length, or a key has no list.
+    """
+    columns = {key: _values(key, given, "[list]") for key, given in flat(table)}
+    lengths = {key: len(values) for key, values in columns.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{key} has {count}" for key, count in lengths.items())
+        raise UsageError(
+            f"lists of different lengths, {told}",
+            "[list]",
+            "give all of them as many values, or put them under [grid]",
+        )
+    return tuple(columns), list(zip(*columns.values(), strict=True))
+
+
+def sobol_block(table: Mapping[str, Any]) -> Block:
+    """One block of a scrambled Sobol sequence between lowest and highest values.
+
+    Args:
+        table: Number of `points`, `seed`, and for each key its `[low, high]`.
+
+    Raises:
+        UsageError: If these are missing or impossible.
+    """
+    from scipy.stats import qmc
+
+    count: Any = table.get("points")
+    seed = table.get("seed", 0)
+    _require_whole("points", count, 1, MOST)
+    _require_whole("seed", seed, 0, 2**32 - 1)
+    spans = dict(flat({k: v for k, v in table.items() if k not in ("points", "seed")}))
+    if not spans:
+        raise UsageError("no key varies", "[sobol]", "give a key = [low, high]")
+    engine = qmc.Sobol(len(spans), scramble=True, rng=np.random.default_rng(seed))
+    unit = engine.random_base2(math.ceil(math.log2(count)))[:count]
+    columns = [
+        _stretch(part, *_span(given, f"[sobol] {key}"), key in WHOLE)
+        for part, (key, given) in zip(unit.T, spans.items(), strict=True)
+    ]
+    return tuple(spans), list(zip(*columns, strict=True))
+
+
+def flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
+    """Keys of a table and of the tables in it, as `path.goal`, with their values.
+
+    Ranges, and tables that say what kind of thing they are, count as values.
+    """
+    for key, value in table.items():
+        inner = isinstance(value, Mapping) and "kind" not in value
+        if inner and not ({"from", "to"} <= value.keys()):
+            yield from flat(value, f"{head}{key}.")
+        else:
+            yield f"{head}{key}", value
+
+
+def _values(key: str, given: object, block: str) -> list[Any]:
+    if isinstance(given, list) and given:
+        return list(given)
+    where = f"{block} {key}"
+    if not isinstance(given, Mapping) or not given.keys() <= RANGE:
+        raise UsageError(
+            "neither a list nor a range",
+            where,
+            "give [a, b, ...] or { from = a, to = b, count = n }",
+        )
+    count = given.get("count")
+    _require_whole(f"{where}: count", count, 1, MOST)
+    parts = np.linspace(0.0, 1.0, given["count"])
+    return _stretch(parts, *_span(given, where), key in WHOLE)
+
+
+def _span(given: object, where: str) -> tuple[float, float, str]:
+    """Both ends and the scale."""
+    ends, scale = given, LINEAR
+    if isinstance(given, Mapping):
+        ends, scale = [given.get("from"), given.get("to")], given.get("scale", LINEAR)
+    two = isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))
+    if not isinstance(ends, list) or not two or not all(map(math.isfinite, ends)):
+        raise UsageError("no two ends", where, "give [low, high], two numbers")
+    low, high = ends
+    if scale not in (LINEAR, LOGARITHMIC) or (scale == LOGARITHMIC and low <= 0):
+        raise UsageError(
+            f"scale = {scale!r} from {low} to {high} is not allowed",
+            where,
+            'give scale = "linear", or "log" between two ends above 0',
+        )
+    return low, high, scale
+
+
+def _stretch(
+    unit: np.ndarray, low: float, high: float, scale: str, whole: bool
+) -> list[Any]:
+    """Numbers from 0 to 1 stretched between two ends; rounded if whole ones are due."""
+    values = low + unit * (high - low)
+    if scale == LOGARITHMIC:
+        values = low * (high / low) ** unit
+    return [round(value) if whole else float(f"{value:.12g}") for value in values]
+
+
+def _require_whole(what: str, value: object, low: int, high: int) -> None:
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    if not whole or not low <= value <= high:  # type: ignore[operator]
+        raise UsageError(
+            f"{what} = {value!r} is not allowed",
+            "the sweep's file",
+            f"give a whole number from {low} to {high}",
+        )

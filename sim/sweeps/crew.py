@@ -1,0 +1,210 @@
+"""Workers of a sweep: processes of a Dask cluster, here or on many machines.
+
+Every worker has one point at a time, so that the death of a worker tells which point it
+died of. Such a point is tried once more, and then given up.
+"""
+
+from __future__ import annotations
+
+import logging
+import tempfile
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import dask
+from distributed import Client, Future, KilledWorker, LocalCluster, wait
+
+from sim.errors import SweepError, UsageError, one_line
+from sim.sweeps.identity import differences, software
+from sim.sweeps.ledger import Outcome
+from sim.sweeps.worker import carry_out
+
+PATIENCE = 120.0  # [s] without any worker, before that is an error
+ANSWER = "15s"  # for the scheduler to come forward
+TRIES = 2  # of a point whose worker dies
+SHARED = ("mujoco", "stratawalk", "numpy", "scipy", "machine", "code")
+"""Versions that must be the same on every worker."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A point to be walked."""
+
+    digest: str
+    table: Mapping[str, Any]
+    without: Sequence[str]
+
+
+@dataclass
+class Crew:
+    """The workers that there are at the moment, and what each of them does."""
+
+    client: Client
+    flying: dict[Future, tuple[Task, str]] = field(default_factory=dict)
+    greeted: dict[str, Future] = field(default_factory=dict)
+    welcome: set[str] = field(default_factory=set)
+    refused: dict[str, str] = field(default_factory=dict)
+    deaths: dict[str, int] = field(default_factory=dict)
+
+    def carry_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        """Outcomes of tasks, in the order in which they come.
+
+        Raises:
+            SweepError: If no worker comes, or none that may take part.
+        """
+        waiting = iter(tasks)
+        again: list[Task] = []
+        seen, more = time.monotonic(), True
+        while more or again or self.flying:
+            for worker in self._free():
+                task = again.pop() if again else next(waiting, None)
+                more = more and task is not None
+                if task is not None:
+                    self._send(task, worker)
+            if self.flying:
+                seen = time.monotonic()
+                for task, outcome in self._finished():
+                    if outcome is None:
+                        again.append(task)
+                    else:
+                        yield outcome
+            elif more or again:
+                self._be_patient(seen)
+
+    def _free(self) -> list[str]:
+        """Addresses of workers that may take part and have nothing to do."""
+        there = self.client.scheduler_info(n_workers=-1)["workers"]
+        for worker in there:
+            if worker not in self.greeted:
+                self.greeted[worker] = self._submit(worker, software)
+        for worker, answer in self.greeted.items():
+            if worker not in self.welcome | self.refused.keys() and answer.done():
+                self._judge(worker, answer)
+        busy = {worker for _, worker in self.flying.values()}
+        return [worker for worker in there if worker in self.welcome - busy]
+
+    def _judge(self, worker: str, answer: Future) -> None:
+        """Let a worker take part if it computes with what we compute with."""
+        if answer.status != "finished":
+            if not isinstance(answer.exception(), KilledWorker):
+                self.refused[worker] = one_line(answer.exception())
+            return
+        ours, theirs = software(), answer.result()
+        both = ({key: told[key] for key in SHARED} for told in (ours, theirs))
+        if differ := differences(*both):
+            self.refused[worker] = ", ".join(differ).replace("now", "there")
+        else:
+            self.welcome.add(worker)
+
+    def _submit(self, worker: str, work: Any, *given: Any) -> Future:
+        return self.client.submit(
+            work, *given, workers=[worker], allow_other_workers=False, pure=False
+        )
+
+    def _send(self, task: Task, worker: str) -> None:
+        given = (task.digest, dict(task.table), tuple(task.without))
+        self.flying[self._submit(worker, carry_out, *given)] = task, worker
+
+    def _finished(self) -> list[tuple[Task, Outcome | None]]:
+        """Tasks that have come back; None for one that is to be tried again."""
+        try:
+            done = wait(list(self.flying), 1, return_when="FIRST_COMPLETED").done
+        except TimeoutError:
+            done = set()
+        there = self.client.scheduler_info(n_workers=-1)["workers"] if not done else {}
+        lost = {f for f, (_, w) in self.flying.items() if not done and w not in there}
+        return [self._settle(future) for future in done | lost]
+
+    def _settle(self, future: Future) -> tuple[Task, Outcome | None]:
+        task, _ = self.flying.pop(future)
+        if future.status == "finished":
+            return task, future.result()
+        error = future.exception() if future.status == "error" else None
+        future.cancel()
+        if error is not None and not isinstance(error, KilledWorker):
+            return task, Outcome(task.digest, one_line(error), software=software())
+        self.deaths[task.digest] = self.deaths.get(task.digest, 0) + 1
+        if self.deaths[task.digest] < TRIES:
+            return task, None
+        reason = f"its worker died, {TRIES} times: it was killed, or out of memory"
+        return task, Outcome(task.digest, reason, software=software())
+
+    def _be_patient(self, since: float) -> None:
+        unlike = {w: why for w, why in self.refused.items() if w in self.greeted}
+        there = self.client.scheduler_info(n_workers=-1)["workers"]
+        if there and there.keys() <= unlike.keys():
+            worker, why = next(iter(unlike.items()))
+            raise SweepError(
+                f"no worker computes with the same software, {why}",
+                worker,
+                "install the same versions everywhere, and go on with --resume",
+            )
+        if time.monotonic() - since > PATIENCE:
+            raise SweepError(
+                f"no worker for {PATIENCE:.0f} s",
+                str(self.client.scheduler.address),
+                "start some with `dask worker`, and go on with --resume",
+            )
+        time.sleep(0.05)
+
+
+@contextmanager
+def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
+    """Workers for as long as the block runs.
+
+    Args:
+        workers: How many processes to start on this machine.
+        scheduler: Address of a Dask scheduler whose workers are taken instead.
+
+    Raises:
+        UsageError: If no scheduler answers at that address.
+    """
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    dask.config.set({"distributed.logging.distributed": "critical"})
+    with ExitStack() as stack:
+        at = _local(stack, workers) if scheduler is None else scheduler
+        try:
+            client = stack.enter_context(Client(at, timeout=ANSWER))
+        except (OSError, TimeoutError, ValueError) as error:
+            raise UsageError(
+                f"no scheduler answers, {one_line(error)}",
+                str(at),
+                "start one with `dask scheduler`, and give its address",
+            ) from error
+        stack.enter_context(_blame(client))
+        yield Crew(client)
+
+
+def _local(stack: ExitStack, workers: int) -> LocalCluster:
+    """A scheduler in this process, and workers that listen to this machine alone."""
+    scratch = stack.enter_context(tempfile.TemporaryDirectory())
+    return stack.enter_context(
+        LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            host="127.0.0.1",
+            dashboard_address=None,
+            memory_limit=0,
+            local_directory=scratch,
+            silence_logs=logging.CRITICAL,
+        )
+    )
+
+
+@contextmanager
+def _blame(client: Client) -> Iterator[None]:
+    """Have the scheduler report every death, instead of trying a task again itself."""
+    before = client.run_on_scheduler(_allow_failures, 0)
+    try:
+        yield
+    finally:
+        client.run_on_scheduler(_allow_failures, before)
+
+
+def _allow_failures(count: int, dask_scheduler: Any = None) -> int:
+    before: int = dask_scheduler.allowed_failures
+    dask_scheduler.allowed_failures = count
+    return before

@@ -1,0 +1,188 @@
+"""A sweep's file: which scenario, what is fixed, and what varies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from planner import did_you_mean
+from sim.errors import UsageError
+from sim.scenarios.file import anchor, read_toml, scenario_from, scenario_table
+from sim.scenarios.scenario import Scenario
+from sim.sweeps.axes import MOST, Block, flat, grid_blocks, list_block, sobol_block
+
+TABLES = ("set", "grid", "list", "sobol", "keep")
+KEYS = ("scenario", "without", *TABLES)
+MEASURES = ("identified", "creep_floor")
+"""What a sweep may leave out, since each costs physics of its own."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a sweep's file says.
+
+    Attributes:
+        name: Of the file.
+        scenario: The scenario as a table of plain values.
+        fixed: Settings of every point, by their dotted names.
+        blocks: What varies.
+        without: Measures that are left out.
+        kept: Numbers of the points that get a run folder.
+        filmed: Whether these folders get films.
+    """
+
+    name: str
+    scenario: Mapping[str, Any]
+    fixed: Mapping[str, Any]
+    blocks: tuple[Block, ...]
+    without: tuple[str, ...]
+    kept: tuple[int, ...]
+    filmed: bool
+
+    def __len__(self) -> int:
+        return math.prod(len(choices) for _, choices in self.blocks)
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys that vary, in the order of the file."""
+        return tuple(key for keys, _ in self.blocks for key in keys)
+
+    def varied(self, point: int) -> dict[str, Any]:
+        """Values of the varying keys at a point; the last block varies fastest."""
+        values: dict[str, Any] = {}
+        for keys, choices in reversed(self.blocks):
+            point, place = divmod(point, len(choices))
+            values |= zip(keys, choices[place], strict=True)
+        return {key: values[key] for key in self.keys}
+
+    def at(self, point: int) -> Scenario:
+        """The scenario of a point.
+
+        Raises:
+            UsageError: If its settings are impossible.
+        """
+        return scenario_from(
+            self.scenario,
+            {**self.fixed, **self.varied(point)},
+            f"point {point} of sweep {self.name!r}",
+        )
+
+
+def read_sweep(source: str) -> Sweep:
+    """Read a sweep's file.
+
+    Args:
+        source: Path of a TOML file.
+
+    Raises:
+        UsageError: If there is no such file, it is not TOML, or says the impossible.
+    """
+    path = Path(source)
+    if not path.is_file():
+        raise UsageError("no such sweep file", source, "give a TOML file that exists")
+    table = read_toml(path)
+    scenario = _scenario(table, path)
+    fixed = dict(flat(_inner(table, "set")))
+    _anchor_values(fixed, path.parent)
+    blocks = tuple(_blocks(table))
+    for keys, choices in blocks:
+        _anchor_choices(keys, choices, path.parent)
+    _require_once([*fixed, *(key for keys, _ in blocks for key in keys)], source)
+    if (count := math.prod(len(choices) for _, choices in blocks)) > MOST:
+        raise UsageError(f"{count} points", source, f"ask for {MOST} at most")
+    kept, filmed = _kept(_inner(table, "keep"), count)
+    return Sweep(
+        name=path.stem,
+        scenario=scenario,
+        fixed=fixed,
+        blocks=blocks,
+        without=_without(table.get("without", [])),
+        kept=kept,
+        filmed=filmed,
+    )
+
+
+def _scenario(table: Mapping[str, Any], path: Path) -> Mapping[str, Any]:
+    """The scenario that is named, or the one whose tables stand in the sweep's file."""
+    named = table.get("scenario")
+    own = {key: value for key, value in table.items() if key not in KEYS}
+    if isinstance(named, Mapping):
+        own, named = {**named, **own}, None
+    if named is None:
+        if "path" not in own:
+            what = "no scenario is named"
+            raise UsageError(what, str(path), 'give scenario = "line", say')
+        own = {"name": path.stem, **own}
+        anchor(own, path.parent)
+        return own
+    for key in own:
+        raise UsageError(f"unknown key {key!r}", str(path), did_you_mean(key, KEYS))
+    if not isinstance(named, str):
+        what = f"scenario = {named!r} is no name"
+        raise UsageError(what, str(path), 'give scenario = "line", say')
+    beside = path.parent / named
+    return scenario_table(str(beside) if beside.is_file() else named)[0]
+
+
+def _inner(table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+    inner = table.get(key, {})
+    if not isinstance(inner, Mapping):
+        raise UsageError(f"{key} is no table", "the sweep's file", f"write [{key}]")
+    return inner
+
+
+def _blocks(table: Mapping[str, Any]) -> Iterator[Block]:
+    yield from grid_blocks(_inner(table, "grid"))
+    if side_by_side := _inner(table, "list"):
+        yield list_block(side_by_side)
+    if samples := _inner(table, "sobol"):
+        yield sobol_block(samples)
+
+
+def _require_once(keys: list[str], source: str) -> None:
+    for number, key in enumerate(keys):
+        if key in keys[:number]:
+            what = f"{key} is given twice"
+            raise UsageError(what, source, "keep it in one table")
+
+
+def _anchor_values(values: dict[str, Any], folder: Path) -> None:
+    anchor(values, folder)
+    if isinstance(file := values.get("path.file"), str):
+        values["path.file"] = str((folder / file).resolve())
+
+
+def _anchor_choices(keys: tuple[str, ...], choices: Any, folder: Path) -> None:
+    """Make the robots' files that a block names findable from anywhere."""
+    for place, choice in enumerate(choices):
+        values = dict(zip(keys, choice, strict=True))
+        _anchor_values(values, folder)
+        choices[place] = tuple(values[key] for key in keys)
+
+
+def _without(given: object) -> tuple[str, ...]:
+    if not isinstance(given, list) or not all(word in MEASURES for word in given):
+        what = f"without = {given!r} is not allowed"
+        names = " and ".join(MEASURES)
+        raise UsageError(what, "the sweep's file", f"give a list of {names}")
+    return tuple(sorted(given))
+
+
+def _kept(table: Mapping[str, Any], count: int) -> tuple[tuple[int, ...], bool]:
+    points, filmed = table.get("points", []), table.get("film", False)
+    for key in table.keys() - {"points", "film"}:
+        near = did_you_mean(key, ("points", "film"))
+        raise UsageError(f"unknown key {key!r}", "[keep]", near)
+    whole = isinstance(points, list) and all(type(point) is int for point in points)
+    if not whole or not all(0 <= point < count for point in points):
+        raise UsageError(
+            f"points = {points!r} is not allowed",
+            "[keep]",
+            f"give a list of whole numbers from 0 to {count - 1}",
+        )
+    if not isinstance(filmed, bool):
+        raise UsageError(f"film = {filmed!r}", "[keep]", "give true or false")
+    return tuple(sorted(set(points))), filmed

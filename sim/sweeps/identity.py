@@ -1,0 +1,93 @@
+"""What a point is: its settings and the files of its robot, as a short digest.
+
+The versions of the software stand beside it. A point is done once and for all if its
+digest is known; whether results of other versions may stand in one table is for the
+user to say.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from sim.scenarios.file import to_table
+from sim.scenarios.scenario import Scenario
+from sim.sweeps.axes import flat
+from sim.versions import versions
+
+CODE = ("planner", "models", "sim")
+KINDS = (".py", ".toml", ".xml")
+
+
+def digest(scenario: Scenario, without: Sequence[str]) -> str:
+    """Digest of everything that decides the numbers of a point, but for versions.
+
+    Args:
+        scenario: Its scenario; names and descriptions do not matter.
+        without: Measures that are left out.
+    """
+    table = to_table(scenario)
+    for key in ("name", "description"):
+        table.pop(key, None)
+    robot = [(str(path), _digest_of(path)) for path in _own_files(scenario.robot)]
+    told = json.dumps([table, sorted(without), robot], sort_keys=True, default=str)
+    return hashlib.sha256(told.encode()).hexdigest()[:32]
+
+
+def software() -> dict[str, str]:
+    """Versions that numbers depend on, the machine's architecture, our own code."""
+    return versions() | {"machine": platform.machine(), "code": _code()}
+
+
+def differences(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[str]:
+    """What two tables disagree on, as `key: value, now value`.
+
+    Args:
+        first: Tables within it are gone through by dotted names.
+        second: Likewise.
+    """
+    one, other = dict(flat(first)), dict(flat(second))
+    keys = [*one, *(key for key in other if key not in one)]
+    return [
+        f"{key}: {_told(one, key)}, now {_told(other, key)}"
+        for key in keys
+        if one.get(key) != other.get(key)
+    ]
+
+
+def _told(table: Mapping[str, Any], key: str) -> str:
+    text = json.dumps(table[key]) if key in table else "nothing"
+    return text if len(text) <= 80 else f"{text[:38]} ... {text[-38:]}"
+
+
+@cache
+def _code() -> str:
+    """Digest of this package's own sources; as git's hash, but for what is changed."""
+    sources = (
+        path
+        for package in CODE
+        for path in sorted(Path(str(files(package))).rglob("*"))
+        if path.suffix in KINDS
+    )
+    parts = hashlib.sha256()
+    for path in sources:
+        parts.update(path.name.encode() + path.read_bytes())
+    return parts.hexdigest()[:16]
+
+
+def _own_files(robot: str) -> tuple[Path, ...]:
+    """MJCF and card of a user's own robot; none of a shipped one."""
+    path = Path(robot)
+    both = (path, path.with_suffix(".toml")) if robot.endswith(".xml") else ()
+    return tuple(file for file in both if file.is_file())
+
+
+@cache
+def _digest_of(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,0 +1,108 @@
+"""The ledger of a sweep: a line a finished point, and nothing is ever taken back.
+
+A line is on the disk before its point counts as done. Whatever ends the process, every
+line but the last is whole; a torn last line is cut off when the ledger is next opened,
+and its point is walked again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sim.errors import FilesError
+
+OK = "ok"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a point.
+
+    Attributes:
+        digest: Of its settings.
+        status: `ok`, or the reason why it has no numbers.
+        numbers: The summary's numbers by their dotted names.
+        software: Versions that they come from.
+    """
+
+    digest: str
+    status: str
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    software: Mapping[str, str] = field(default_factory=dict)
+
+
+class Ledger:
+    """A ledger that is open for writing."""
+
+    def __init__(self, path: Path, handle: int) -> None:
+        self._path, self._handle = path, handle
+
+    def add(self, outcomes: Iterable[Outcome]) -> None:
+        """Write lines and wait until they are on the disk.
+
+        Raises:
+            FilesError: If they cannot be written; what was written before stays.
+        """
+        lines = "".join(f"{json.dumps(asdict(outcome))}\n" for outcome in outcomes)
+        content = lines.encode()
+        try:
+            while content:
+                content = content[os.write(self._handle, content) :]
+            os.fsync(self._handle)
+        except OSError as error:
+            reason = f"cannot be written, {error.strerror}"
+            remedy = "make room, and go on with --resume; finished points are kept"
+            raise FilesError(reason, str(self._path), remedy) from error
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Ledger]:
+    """A ledger to add to; a line that was torn is cut off first.
+
+    Args:
+        path: Its file, made if there is none.
+
+    Raises:
+        FilesError: If it cannot be opened.
+    """
+    try:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+        whole = path.read_bytes().rfind(b"\n") + 1
+        os.ftruncate(handle, whole)
+    except OSError as error:
+        reason = f"cannot be opened, {error.strerror}"
+        raise FilesError(reason, str(path), "choose another folder") from error
+    try:
+        yield Ledger(path, handle)
+    finally:
+        os.close(handle)
+
+
+def read_ledger(path: Path) -> dict[str, Outcome]:
+    """Finished points by their digests; none where there is no ledger yet.
+
+    A line that cannot be read counts as not written: its point is walked again.
+
+    Args:
+        path: The ledger's file.
+    """
+    return {outcome.digest: outcome for outcome in _outcomes(path)}
+
+
+def _outcomes(path: Path) -> Iterator[Outcome]:
+    if not path.exists():
+        return
+    with path.open("rb") as file:
+        for line in file:
+            if not line.endswith(b"\n"):
+                return
+            try:
+                yield Outcome(**json.loads(line))
+            except (ValueError, TypeError):
+                continue

@@ -1,0 +1,216 @@
+"""The main job of a sweep: walk the points that are not done, and write the table."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Container, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from models import shipped_robots
+from planner import did_you_mean
+from sim.errors import UsageError
+from sim.scenarios.file import to_table
+from sim.sweeps.crew import Task, hired
+from sim.sweeps.file import Sweep
+from sim.sweeps.folder import Shard, SweepFolder, about, agree
+from sim.sweeps.identity import digest
+from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
+from sim.sweeps.lock import sole_owner
+from sim.sweeps.table import write_table
+
+
+@dataclass(frozen=True, slots=True)
+class Labour:
+    """Who walks the points.
+
+    Attributes:
+        workers: Processes on this machine.
+        scheduler: Address of a Dask scheduler whose workers are taken instead.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What became of a sweep.
+
+    Attributes:
+        points: Number of points, those of this shard.
+        failed: How many of them have no numbers.
+        reasons: How many points failed of each reason, most frequent first.
+        walked: How many were walked now; the others were done already.
+    """
+
+    points: int
+    failed: int
+    reasons: Mapping[str, int]
+    walked: int
+
+
+class Show(Protocol):
+    """Shows how far a sweep has come."""
+
+    def __call__(self, done: int, failed: int, points: int) -> None:
+        """Called at the start and with each outcome."""
+        ...
+
+
+def unseen(done: int, failed: int, points: int) -> None:
+    """Show nothing."""
+
+
+@dataclass(frozen=True)
+class Points:
+    """The points of a sweep, or of a shard of it.
+
+    Attributes:
+        sweep: What the sweep's file says.
+        tables: Scenario of each point, as a table of plain values.
+        digests: Digest of each point's settings; equal points have equal ones.
+    """
+
+    sweep: Sweep
+    tables: Mapping[int, Mapping[str, Any]]
+    digests: Mapping[int, str]
+
+    def tasks(self, known: Container[str]) -> list[Task]:
+        """What is to be walked, those that differ least one after another."""
+        todo = {d: p for p, d in self.digests.items() if d not in known}
+        return [Task(d, self.tables[p], self.sweep.without) for d, p in todo.items()]
+
+    def rows(self, known: Mapping[str, Outcome]) -> Iterator[dict[str, Any]]:
+        """Rows of the table.
+
+        Args:
+            known: Outcomes by digest, one for every point.
+        """
+        for point, code in self.digests.items():
+            varied, outcome = self.sweep.varied(point), known[code]
+            own = {"point": point, **varied, "status": outcome.status}
+            yield own | {k: v for k, v in outcome.numbers.items() if k not in own}
+
+
+def points_of(sweep: Sweep, shard: Shard) -> Points:
+    """All points of a shard.
+
+    Raises:
+        UsageError: If the settings of one are impossible.
+    """
+    numbers = [point for point in range(len(sweep)) if point in shard]
+    scenarios = {point: sweep.at(point) for point in numbers}
+    for robot in {scenario.robot for scenario in scenarios.values()}:
+        _require_robot(robot)
+    return Points(
+        sweep,
+        {point: to_table(scenario) for point, scenario in scenarios.items()},
+        {point: digest(s, sweep.without) for point, s in scenarios.items()},
+    )
+
+
+def carry_on(
+    points: Points,
+    folder: SweepFolder,
+    labour: Labour,
+    *,
+    mix: bool = False,
+    show: Show = unseen,
+) -> Result:
+    """Walk what is not done yet of a sweep, and write its table.
+
+    Args:
+        points: Those of the folder's shard.
+        folder: Its folder.
+        labour: Who walks.
+        mix: Whether the table may hold points of different sweeps and versions.
+        show: Called with the number of points that are done.
+
+    Raises:
+        UsageError: If the folder holds another sweep, or no scheduler answers.
+        FilesError: If another process works in the folder, or it cannot be written.
+        SweepError: If there is no worker.
+    """
+    told = about(points.sweep)
+    with sole_owner(folder.lock):
+        agree(folder, told, mix)
+        known = read_ledger(folder.ledger)
+        tasks = points.tasks(known)
+        if tasks:
+            tally = Tally(points.digests, known, show)
+            with opened(folder.ledger) as ledger, tally.told():
+                for outcome in _outcomes(tasks, labour):
+                    ledger.add([outcome])
+                    known[outcome.digest] = outcome
+                    tally.add(outcome)
+        write_table(folder.table, list(points.rows(known)), told)
+    return result(points.digests, known, len(tasks))
+
+
+def _outcomes(tasks: Sequence[Task], labour: Labour) -> Iterator[Outcome]:
+    with hired(min(labour.workers, len(tasks)), labour.scheduler) as crew:
+        yield from crew.carry_out(tasks)
+
+
+class Tally:
+    """Counts the points that are done."""
+
+    def __init__(
+        self, digests: Mapping[int, str], known: Mapping[str, Outcome], show: Show
+    ) -> None:
+        self._show = show
+        self._count = Counter(digests.values())
+        self._points = len(digests)
+        done = [outcome for code, outcome in known.items() if code in self._count]
+        self._done = self._failed = 0
+        for outcome in done:
+            self._note(outcome)
+        show(self._done, self._failed, self._points)
+
+    def add(self, outcome: Outcome) -> None:
+        """One more is done."""
+        self._note(outcome)
+        self._show(self._done, self._failed, self._points)
+
+    def _note(self, outcome: Outcome) -> None:
+        times = self._count[outcome.digest]
+        self._done += times
+        self._failed += times * (outcome.status != OK)
+
+    @contextmanager
+    def told(self) -> Iterator[None]:
+        """Have whatever ends the block say how far the sweep has come."""
+        try:
+            yield
+        except KeyboardInterrupt as stop:
+            far = f"{self._done} of {self._points} points are done"
+            stop.add_note(f"{far}, go on with --resume")
+            raise
+
+
+def result(
+    digests: Mapping[int, str], known: Mapping[str, Outcome], walked: int
+) -> Result:
+    """What became of a sweep whose points are all done.
+
+    Args:
+        digests: Digest of each point.
+        known: Outcomes by digest.
+        walked: How many were walked now.
+    """
+    wrong = [known[code].status for code in digests.values()]
+    reasons = Counter(status for status in wrong if status != OK)
+    return Result(len(digests), reasons.total(), dict(reasons.most_common()), walked)
+
+
+def _require_robot(robot: str) -> None:
+    """Refuse a robot that cannot be found, before anything is walked."""
+    if robot.endswith(".xml"):
+        if not Path(robot).is_file():
+            raise UsageError("no such robot file", robot, "give one that exists")
+    elif robot not in (shipped := shipped_robots()):
+        what = f"unknown robot {robot!r}"
+        raise UsageError(what, "the sweep's file", did_you_mean(robot, shipped))

@@ -1,0 +1,57 @@
+"""The table of a sweep: a row a point, in one Parquet file; equal rows, equal bytes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+from pyarrow import parquet
+
+from sim.folder import whole
+
+ROWS = 10_000  # of a group; any other number gives other bytes
+Row = Mapping[str, Any]
+
+
+def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, Any]) -> None:
+    """Write the rows as they are given.
+
+    Args:
+        path: File to write, as a whole or not at all.
+        rows: Values by column; what a row lacks is null.
+        about: What the rows come from, kept in the file's metadata as JSON.
+
+    Raises:
+        FilesError: If the disk is full or the folder cannot be written.
+    """
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    columns = [_column([row.get(name) for row in rows]) for name in names]
+    told = {"stratawalk": json.dumps(about, sort_keys=True)}
+    table = pa.table(columns, names=names).replace_schema_metadata(told)
+    with whole(path, table.nbytes // 4) as part:
+        parquet.write_table(table, part, compression="zstd", row_group_size=ROWS)
+
+
+def _column(values: Sequence[Any]) -> pa.Array:
+    """Values in the narrowest type that holds them all, text if they are mixed."""
+    kinds = {type(value) for value in values if value is not None}
+    if not kinds or kinds == {int, float} or kinds == {float}:
+        return pa.array(_numbers(values), pa.float64())
+    if kinds == {bool}:
+        return pa.array(values, pa.bool_())
+    if kinds == {int}:
+        return pa.array(values, pa.int64())
+    return pa.array([_text(value) for value in values], pa.string())
+
+
+def _numbers(values: Iterable[Any]) -> list[float | None]:
+    return [None if value is None else float(value) for value in values]
+
+
+def _text(value: Any) -> str | None:
+    if value is None or isinstance(value, str):
+        return value
+    return json.dumps(value)

@@ -1,0 +1,57 @@
+"""One point of a sweep, from its settings to its numbers or the reason of its failure.
+
+Runs in worker processes, which may be on other machines. What many points have in
+common is kept between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from sim.errors import one_line
+from sim.scenarios.file import scenario_from
+from sim.simulation import simulate
+from sim.sweeps.identity import software
+from sim.sweeps.ledger import OK, Outcome
+
+LEFT_OUT = ("timing",)  # which differs from run to run
+
+
+def carry_out(
+    digest: str, table: Mapping[str, Any], without: Sequence[str] = ()
+) -> Outcome:
+    """Walk one point; whatever goes wrong with it becomes its status.
+
+    Args:
+        digest: Of its settings.
+        table: Its scenario, as a table of plain values.
+        without: Measures that are left out.
+    """
+    try:
+        scenario = scenario_from(table, {}, "the sweep")
+        summary = simulate(scenario, without=without).summary
+    except Exception as error:  # any failure of a point is one of its results
+        return Outcome(digest, one_line(error), software=software())
+    return Outcome(digest, OK, dict(numbers(summary)), software())
+
+
+def numbers(summary: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
+    """Numbers and words of a summary by their dotted names.
+
+    Args:
+        summary: Contents of summary.json.
+        head: What stands before each name.
+    """
+    for key, value in summary.items():
+        if head or key not in LEFT_OUT:
+            yield from _leaves(f"{head}{key}", value)
+
+
+def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, Mapping):
+        yield from numbers(value, f"{name}.")
+    elif isinstance(value, list | tuple):
+        yield from numbers({str(n): one for n, one in enumerate(value)}, f"{name}.")
+    else:
+        yield name, value

@@ -1,0 +1,93 @@
+"""Values that a sweep goes through, and what is refused of them."""
+
+import numpy as np
+import pytest
+
+from sim.errors import UsageError
+from sim.sweeps.axes import grid_blocks, list_block, sobol_block
+
+
+def values(table):
+    ((_, choices),) = grid_blocks(table)
+    return [value for (value,) in choices]
+
+
+def test_a_range_has_both_its_ends_and_even_steps():
+    spread = {"from": 0.2, "to": 1.0, "count": 5}
+    assert values({"friction": spread}) == [0.2, 0.4, 0.6, 0.8, 1.0]
+
+
+def test_a_logarithmic_range_has_even_ratios():
+    spread = {"from": 1, "to": 1000, "count": 4, "scale": "log"}
+    assert values({"servo_stiffness": spread}) == [1, 10, 100, 1000]
+
+
+def test_whole_settings_get_whole_numbers():
+    given = values({"segments": {"from": 2, "to": 9, "count": 3}})
+    assert given == [2, 6, 9]
+    assert all(type(value) is int for value in given)
+
+
+def test_keys_of_inner_tables_have_dotted_names():
+    ((keys, choices),) = grid_blocks({"path": {"goal": [[0.1, 0, 0], [0.2, 0, 0]]}})
+    assert keys == ("path.goal",)
+    assert len(choices) == 2
+
+
+def test_lists_go_side_by_side():
+    keys, choices = list_block({"friction": [0.5, 1.0], "play": [0.0, 0.1]})
+    assert keys == ("friction", "play")
+    assert list(choices) == [(0.5, 0.0), (1.0, 0.1)]
+
+
+def test_lists_of_different_lengths_are_refused_with_their_lengths():
+    with pytest.raises(UsageError, match="friction has 2, play has 1"):
+        list_block({"friction": [0.5, 1.0], "play": [0.0]})
+
+
+def test_sobol_samples_fill_their_box_evenly_and_come_again():
+    table = {"points": 64, "seed": 3, "friction": [0.2, 1.0], "segments": [2, 9]}
+    keys, choices = sobol_block(table)
+    assert keys == ("friction", "segments")
+    assert sobol_block(table) == (keys, choices)
+    friction = np.array([choice[0] for choice in choices])
+    counts, _ = np.histogram(friction, bins=np.linspace(0.2, 1.0, 17))
+    assert (counts == 4).all()  # a net: equal numbers in equal parts
+    assert all(type(choice[1]) is int for choice in choices)
+    assert sobol_block(table | {"seed": 4}) != (keys, choices)
+
+
+def test_fewer_sobol_samples_are_the_first_of_more():
+    few = sobol_block({"points": 5, "friction": [0, 1]})[1]
+    assert list(few) == list(sobol_block({"points": 8, "friction": [0, 1]})[1][:5])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (0.5, "neither a list nor a range"),
+        ([], "neither a list nor a range"),
+        ({"from": 0, "to": 1, "cuont": 2}, "neither a list nor a range"),
+        ({"from": 0, "to": "x", "count": 2}, "no two ends"),
+        ({"from": 0, "to": float("nan"), "count": 2}, "no two ends"),
+        ({"from": 0, "to": 1, "count": 0}, "count = 0 is not allowed"),
+        ({"from": 0, "to": 1, "count": 2, "scale": "log"}, "scale = 'log' from 0"),
+    ],
+)
+def test_impossible_values_are_refused(given, said):
+    with pytest.raises(UsageError, match=said):
+        values({"friction": given})
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"friction": [0, 1]}, "points = None is not allowed"),
+        ({"points": 4}, "no key varies"),
+        ({"points": 4, "friction": [0, 0.5, 1]}, "no two ends"),
+        ({"points": 4, "seed": -1, "friction": [0, 1]}, "seed = -1 is not allowed"),
+    ],
+)
+def test_impossible_samples_are_refused(table, said):
+    with pytest.raises(UsageError, match=said):
+        sobol_block(table)

@@ -1,0 +1,180 @@
+"""`stratawalk sweep` with real workers: its table, its refusals, and going on."""
+
+import json
+import shutil
+
+import duckdb
+import pandas
+import polars
+import pytest
+
+from sim.simulation import simulate
+from sim.sweeps.file import read_sweep
+from sim.sweeps.worker import numbers
+from tests.sweeps import stratawalk, write_sweep
+
+pytestmark = pytest.mark.physics
+VARIES = '[grid]\nfriction = [0.4, 1.0]\nstance = ["centred", "paper"]\n'
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A finished sweep of four points: its file and its folder."""
+    folder = tmp_path_factory.mktemp("swept")
+    file = write_sweep(folder, VARIES)
+    done = stratawalk("sweep", file, "--out", folder / "out", "--workers", 2, "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert (told["points"], told["failed"], told["walked"]) == (4, 0, 4)
+    return file, folder / "out"
+
+
+@pytest.fixture
+def again(swept, tmp_path):
+    """A copy of the sweep's folder, to be spoilt, and its file."""
+    return swept[0], shutil.copytree(swept[1], tmp_path / "copy")
+
+
+def test_the_table_opens_in_pandas_polars_and_duckdb(swept):
+    path = str(swept[1] / "table.parquet")
+    rows = pandas.read_parquet(path)
+    assert rows["point"].tolist() == [0, 1, 2, 3]
+    assert rows["friction"].tolist() == [0.4, 0.4, 1.0, 1.0]
+    assert rows["stance"].tolist() == ["centred", "paper"] * 2
+    assert rows["status"].tolist() == ["ok"] * 4
+    assert not [name for name in rows if name.startswith("timing")]
+    column = "error.quasi_static.position"
+    theirs = polars.read_parquet(path)[column].to_list()
+    assert theirs == rows[column].tolist()
+    found = duckdb.sql(f"select \"{column}\" from '{path}' order by point").fetchall()
+    assert [value for (value,) in found] == theirs
+
+
+def test_a_point_has_the_numbers_of_a_run_with_its_settings(swept):
+    sweep = read_sweep(str(swept[0]))
+    rows = pandas.read_parquet(swept[1] / "table.parquet")
+    summary = simulate(sweep.at(3), without=sweep.without).summary
+    wanted = {k: v for k, v in numbers(summary) if isinstance(v, float)}
+    assert {name: rows[name][3] for name in wanted} == wanted
+
+
+def test_what_is_missing_is_walked_again_to_the_same_bytes(again):
+    file, folder = again
+    wanted = (folder / "table.parquet").read_bytes()
+    (folder / "table.parquet").unlink()
+    lines = (folder / "ledger.jsonl").read_bytes().splitlines(keepends=True)
+    (folder / "ledger.jsonl").write_bytes(lines[2] + lines[0] + lines[3][:50])
+    done = stratawalk("sweep", file, "--out", folder, "--workers", 1, "--resume")
+    assert done.returncode == 0, done.stderr
+    assert "4 points, 2 walked now, 0 failed" in done.stdout
+    assert (folder / "table.parquet").read_bytes() == wanted
+
+
+def test_going_on_with_a_finished_sweep_walks_nothing(again):
+    file, folder = again
+    done = stratawalk("sweep", file, "--out", folder, "--resume")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "4 points, 0 walked now" in done.stdout
+
+
+def test_an_existing_sweep_is_not_begun_again(swept):
+    done = stratawalk("sweep", swept[0], "--out", swept[1])
+    assert done.returncode == 2
+    assert "already exists" in done.stderr
+    assert "--resume" in done.stderr
+
+
+def test_another_sweep_in_its_folder_is_refused_with_what_differs(again, tmp_path):
+    _, folder = again
+    other = write_sweep(tmp_path, VARIES.replace("0.4", "0.5"), "other")
+    done = stratawalk("sweep", other, "--out", folder, "--resume")
+    assert done.returncode == 2
+    assert "friction: [0.4, 1.0], now [0.5, 1.0]" in done.stderr
+    assert "--force-mix" in done.stderr
+
+
+def test_mixing_keeps_equal_points_and_walks_the_others(again, tmp_path):
+    _, folder = again
+    other = write_sweep(tmp_path, VARIES.replace("0.4", "0.5"), "other")
+    words = ("sweep", other, "--out", folder, "--workers", 1)
+    done = stratawalk(*words, "--resume", "--force-mix")
+    assert done.returncode == 0, done.stderr
+    assert "4 points, 2 walked now" in done.stdout
+    rows = pandas.read_parquet(folder / "table.parquet")
+    assert rows["friction"].tolist() == [0.5, 0.5, 1.0, 1.0]
+
+
+@pytest.mark.parametrize("key", ["mujoco", "code"])
+def test_a_sweep_begun_with_other_software_is_refused(again, key):
+    file, folder = again
+    about = json.loads((folder / "sweep.json").read_text())
+    now = about["software"][key]
+    about["software"][key] = "older"
+    (folder / "sweep.json").write_text(json.dumps(about))
+    done = stratawalk("sweep", file, "--out", folder, "--resume")
+    assert done.returncode == 2
+    assert f'{key}: "older", now "{now}"' in done.stderr
+
+
+@pytest.fixture(scope="module")
+def failing(tmp_path_factory):
+    """A sweep of which every second point has no plan."""
+    folder = tmp_path_factory.mktemp("failing")
+    varies = "[grid]\ndegree = [1, 2]\n[keep]\npoints = [1]\n"
+    file = write_sweep(folder, varies, "failing")
+    done = stratawalk("sweep", file, "--out", folder / "out", "--workers", 1)
+    return folder / "out", done
+
+
+def test_failed_points_have_reasons_and_the_others_their_numbers(failing):
+    folder, done = failing
+    assert done.returncode == 8
+    assert "1 of 2 points failed" in done.stderr
+    rows = pandas.read_parquet(folder / "table.parquet")
+    assert rows["status"][1] == "ok"
+    assert "degree" in rows["status"][0]
+    assert rows["error.goal.position"].notna().tolist() == [False, True]
+
+
+def test_chosen_points_have_run_folders(failing):
+    folder, _ = failing
+    (kept,) = (folder / "runs").iterdir()
+    assert kept.name == "point-00001"
+    summary = json.loads((kept / "summary.json").read_text())
+    rows = pandas.read_parquet(folder / "table.parquet")
+    position = summary["error"]["goal"]["position"]
+    assert rows["error.goal.position"][1] == position
+
+
+def test_an_unknown_robot_is_refused_before_anything_is_made(tmp_path):
+    file = write_sweep(tmp_path, '[grid]\nrobot = ["hexapod", "hexpod"]')
+    done = stratawalk("sweep", file, "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert "did you mean 'hexapod'" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_shards_are_merged_to_the_bytes_of_the_whole(swept, tmp_path):
+    file, whole = swept
+    (alone, beside), words = (tmp_path / "a", tmp_path / "b"), ("--workers", 1)
+    for number, folder in ((1, alone), (2, beside)):
+        shard = ("--shard", f"{number}/2")
+        done = stratawalk("sweep", file, "--out", folder, *words, *shard)
+        assert done.returncode == 0, done.stderr
+        rows = pandas.read_parquet(folder / f"table-{number}-of-2.parquet")
+        assert rows["point"].tolist() == [number - 1, number + 1]
+    lacking = stratawalk("merge", alone)
+    assert lacking.returncode == 2
+    assert "2 of 4 points are missing: 1, 3" in lacking.stderr
+    done = stratawalk("merge", alone, beside, "--out", tmp_path / "both")
+    assert done.returncode == 0, done.stderr
+    wanted = (whole / "table.parquet").read_bytes()
+    assert (tmp_path / "both" / "table.parquet").read_bytes() == wanted
+    going_on = stratawalk("sweep", file, "--out", tmp_path / "both", "--resume")
+    assert "4 points, 0 walked now" in going_on.stdout
+
+
+def test_only_shards_of_one_sweep_are_merged(swept, failing):
+    done = stratawalk("merge", swept[1], failing[0], "--out", swept[1].parent / "x")
+    assert done.returncode == 2
+    assert "not of one sweep" in done.stderr

@@ -1,0 +1,69 @@
+"""A sweep's file becomes points, or is refused before anything is walked."""
+
+import pytest
+
+from sim.errors import UsageError
+from sim.sweeps.file import read_sweep
+from tests.sweeps import write_sweep
+
+
+def test_points_are_all_combinations_and_the_last_block_is_fastest(tmp_path):
+    varies = """
+[grid]
+friction = [0.5, 1.0]
+[list]
+play = [0.0, 0.01, 0.02]
+draw = [1, 2, 3]
+"""
+    sweep = read_sweep(str(write_sweep(tmp_path, varies)))
+    assert len(sweep) == 6
+    assert sweep.keys == ("friction", "play", "draw")
+    assert sweep.varied(0) == {"friction": 0.5, "play": 0.0, "draw": 1}
+    assert sweep.varied(1) == {"friction": 0.5, "play": 0.01, "draw": 2}
+    assert sweep.varied(5) == {"friction": 1.0, "play": 0.02, "draw": 3}
+    scenario = sweep.at(5)
+    assert (scenario.friction, scenario.play, scenario.draw) == (1.0, 0.02, 3)
+    assert scenario.segments == 1
+    assert scenario.path.goal == (0.002, 0.002, 0.0)
+
+
+def test_a_sweep_may_have_the_tables_of_a_scenario_itself(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(
+        'robot = "octopod"\n[path]\nkind = "line"\ngoal = [0.1, 0, 0]\n'
+        "[grid]\nfriction = [0.5, 1.0]\n"
+    )
+    scenario = read_sweep(str(path)).at(1)
+    assert (scenario.robot, scenario.friction) == ("octopod", 1.0)
+
+
+def test_a_robots_file_is_found_from_the_sweeps_folder(tmp_path):
+    sweep = read_sweep(
+        str(write_sweep(tmp_path, '[grid]\nrobot = ["hexapod", "mine.xml"]'))
+    )
+    assert sweep.varied(1) == {"robot": str(tmp_path / "mine.xml")}
+
+
+@pytest.mark.parametrize(
+    ("varies", "said"),
+    [
+        ("[grid]\nfriktion = [1]", "unknown key 'friktion'.*did you mean 'friction'"),
+        ("[grid]\nfriction = [-1]", "friction = -1.*a number from 0 to 10"),
+        ("[grid]\nplay = [0.01]\n[list]\nplay = [0.02]", "play is given twice"),
+        ("[grid]\nhold = [0.2]", "hold is given twice"),
+        ("[keep]\npoints = [1]", r"points = \[1\] is not allowed"),
+        ("[keep]\npionts = [0]", "did you mean 'points'"),
+        ("[gird]\nplay = [0.01]", "unknown key 'gird'.*did you mean 'grid'"),
+    ],
+)
+def test_mistakes_are_refused_with_what_was_meant(tmp_path, varies, said):
+    path = str(write_sweep(tmp_path, varies))
+    with pytest.raises(UsageError, match=f"(?s){said}"):
+        read_sweep(path).at(0)
+
+
+def test_what_may_be_left_out_is_said(tmp_path):
+    path = tmp_path / "less.toml"
+    path.write_text('scenario = "line"\nwithout = ["identifed"]\n')
+    with pytest.raises(UsageError, match="give a list of identified and creep_floor"):
+        read_sweep(str(path))
