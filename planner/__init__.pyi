@@ -177,6 +177,11 @@ from .systems.formulas import (
     read_formula as read_formula,
 )
 from .systems.gait import Gait as Gait
+from .systems.gait_order import (
+    gait_steps as gait_steps,
+    gait_walk as gait_walk,
+    walk_switches as walk_switches,
+)
 from .systems.grouping import regroup as regroup
 from .systems.level_sets import LevelSet as LevelSet
 from .systems.shape import (

@@ -9,6 +9,7 @@ only when needed.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import chain, pairwise
 
 from planner.errors import StratumError
 from planner.systems.flows import Flow, Word
@@ -59,15 +60,39 @@ def gait_walk(
     Raises:
         StratumError: The gait is no closed walk, or lacks a stratum that is needed.
     """
+    return (ends[0], *chain(*gait_steps(system, flows, gait, ends)))
+
+
+def gait_steps(
+    system: StratifiedSystem,
+    flows: Iterable[Flow],
+    gait: Sequence[str],
+    ends: tuple[str, str],
+) -> tuple[tuple[str, ...], ...]:
+    """Strata entered before each flow along a gait, and after the last flow.
+
+    Args:
+        system: System that walks.
+        flows: Flows in time order.
+        gait: Closed walk in the graph of strata.
+        ends: Strata before the first flow and after the last one.
+
+    Raises:
+        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    """
     cycle = cycle_of(system, gait)
     wanted = [*(flow.stratum for flow in flows), ends[1]]
     walks = []
     for at in _places(cycle, ends[0]):
-        place = at
+        places = [at]
         for stratum in wanted:
-            place = _next(cycle, place, stratum)
-        walks.append(tuple(cycle[i % len(cycle)] for i in range(at, place + 1)))
-    return min(walks, key=len)
+            places.append(_next(cycle, places[-1], stratum))
+        walks.append(places)
+    places = min(walks, key=lambda walk: walk[-1] - walk[0])
+    return tuple(
+        tuple(cycle[i % len(cycle)] for i in range(before + 1, after + 1))
+        for before, after in pairwise(places)
+    )
 
 
 def walk_switches(system: StratifiedSystem, walk: Sequence[str]) -> int:

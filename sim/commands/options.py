@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 NAMED = (
     "robot", "fields", "segments", "replan", "steer", "degree", "words",
-    "allow_unstable", "optimise", "correct",
+    "allow_unstable", "optimise", "correct", "gait",
 )  # fmt: skip
 """Options that are also keys of a scenario."""
 
@@ -42,6 +42,12 @@ def add_scenario_arguments(
     )
     parser.add_argument(
         "--words", help="flows of a segment: printed, shortest or symmetric"
+    )
+    parser.add_argument(
+        "--gait",
+        metavar="STRATUM",
+        nargs="+",
+        help="visit the strata in this order again and again, as in 12 1 12 2 12",
     )
     parser.add_argument(
         "--replan",

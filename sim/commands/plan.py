@@ -79,7 +79,7 @@ def execute(options: argparse.Namespace) -> None:
         return
     if options.flows:
         print(*flows, "", sep="\n")
-    print(_describe(facts, setup.robot.card.gait))
+    print(_describe(facts, scenario.gait or setup.robot.card.gait))
 
 
 def _replanned(setup: Setup) -> Sequence[Flow]:
@@ -112,7 +112,7 @@ def summarise(
         system: Fields that the flows follow.
         flows: The plan.
     """
-    from planner import contact_switches, play
+    from planner import play
     from sim.motion.poses import wrap
 
     scenario = setup.scenario
@@ -132,10 +132,21 @@ def summarise(
             "position": math.dist(pose[:2], goal[:2]),
             "yaw": abs(float(wrap(pose[2] - goal[2]))),
         },
-        "contact_switches": contact_switches(system, flows),
+        "contact_switches": _switches(setup, system, flows),
         "largest_swing": float(abs(states[:, 3 : 3 + len(setup.robot.groups)]).max()),
         **_travel(setup, flows),
     }
+
+
+def _switches(setup: Setup, system: StratifiedSystem, flows: Sequence[Flow]) -> int:
+    """Lift-offs and touchdowns, also on strata that a gait visits without a flow."""
+    from planner import contact_switches, gait_walk, walk_switches
+
+    gait = setup.scenario.gait
+    if not gait:
+        return contact_switches(system, flows)
+    ends = system.bottom, system.bottom
+    return walk_switches(system, gait_walk(system, flows, gait, ends))
 
 
 def _travel(setup: Setup, flows: Sequence[Flow]) -> dict[str, float]:

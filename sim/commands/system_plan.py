@@ -29,7 +29,6 @@ FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
     "goal": "set a scenario's path.goal",
     "elements": "set a scenario's fields",
-    "gait": "it is in the robot's card",
     "save": "leave it out, run keeps what it walks",
 }
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
@@ -67,12 +66,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ELEMENT",
         nargs="+",
         help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
-    )
-    group.add_argument(
-        "--gait",
-        metavar="STRATUM",
-        nargs="+",
-        help="visit the strata in this order again and again, as in 12 1 12 2 12",
     )
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
 

@@ -10,7 +10,7 @@ from itertools import groupby
 
 import numpy as np
 
-from planner import Flow
+from planner import Flow, gait_steps
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import Setup
 
@@ -18,17 +18,34 @@ Move = tuple[int, Flow, tuple[float, ...]]
 
 
 def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) -> None:
-    """Schedule the flows of consecutive segments, and put all feet down at the end."""
+    """Schedule the flows of consecutive segments, and put all feet down at the end.
+
+    Where the scenario has a gait, its strata are entered in turn, also those on which
+    nothing flows.
+    """
     moves = [
         (number, flow, setup.equations.swings[flow.field])
         for number, flow in joined(segments, scheduler.segment)
     ]
     if setup.scenario.together:
         moves = together(moves, setup.robot.groups)
-    for number, flow, direction in moves:
+    *before, after = _entered(setup, moves)
+    for entered, (number, flow, direction) in zip(before, moves, strict=True):
         scheduler.segment = number
+        for stratum in entered:
+            scheduler.enter(stratum)
         scheduler.flow(flow, direction)
-    scheduler.enter(setup.robot.card.bottom)
+    for stratum in after:
+        scheduler.enter(stratum)
+
+
+def _entered(setup: Setup, moves: Sequence[Move]) -> Sequence[tuple[str, ...]]:
+    """Strata entered before each flow and after the last one."""
+    bottom, gait = setup.robot.card.bottom, setup.scenario.gait
+    if not gait:
+        return [*((flow.stratum,) for _, flow, _ in moves), (bottom,)]
+    flows = [flow for _, flow, _ in moves]
+    return gait_steps(setup.equations.system, flows, gait, (bottom, bottom))
 
 
 def together(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:

@@ -23,6 +23,7 @@ from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
+from sim.preparation.gait import require_gait
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
 from sim.world.model import World, build, load as load_world
@@ -91,6 +92,7 @@ class Setup:
             stance=self.stance,
             coordinates=self.coordinates,
             finish=finish,
+            gait=self.scenario.gait or (),
         )
 
     @property
@@ -157,6 +159,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     """
     robot = load(scenario.robot) if robot is None else robot
     described = equations(robot, scenario.fields)
+    require_gait(scenario, robot, described)
     extended = _extended(described, scenario)
     servo = servo_settings(scenario, robot.card)
     world = build(robot, scenario)

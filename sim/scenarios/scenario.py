@@ -13,7 +13,7 @@ from typing import Any, Literal
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.obstacles import Obstacle
-from sim.scenarios.settings import Choice, Flag, Number, Numbers, Text, setting
+from sim.scenarios.settings import Choice, Flag, Number, Numbers, Text, Texts, setting
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +46,9 @@ class Scenario:
     )
     degree: int | None = setting(
         Number(1, 8, whole=True), "of the nilpotent approximation, Sec. 6", None
+    )
+    gait: tuple[str, ...] | None = setting(
+        Texts(), "order in which strata are visited, eq. (11); any order if open", None
     )
     segments: int = setting(
         Number(1, 100_000, whole=True), "pieces that the nominal path is planned in", 20

@@ -148,6 +148,25 @@ class Text:
         return "a name without slashes" if self.file_name else "text in quotation marks"
 
 
+@dataclass(frozen=True, slots=True)
+class Texts:
+    """A list of texts."""
+
+    def accept(self, value: object) -> tuple[str, ...]:
+        """The texts.
+
+        Raises:
+            ValueError: If it is no list, or holds anything but texts, or nothing.
+        """
+        if not isinstance(value, list | tuple) or not value:
+            raise ValueError
+        return tuple(Text().accept(item) for item in value)
+
+    def __str__(self) -> str:
+        """What is allowed."""
+        return "a list of texts in quotation marks"
+
+
 def setting(kind: Kind, about: str, default: object = MISSING) -> Any:
     """A dataclass field that carries its limits and its meaning with it.
 

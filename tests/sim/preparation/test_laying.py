@@ -1,5 +1,7 @@
 """Flows become phases; recoveries take place during strokes where that is asked for."""
 
+from itertools import groupby
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from planner.systems.flows import Flow
 from sim.motion.prediction import Predictor
 from sim.motion.schedule import Scheduler
 from sim.optimisation.judging import real_twists
+from sim.planning.open_loop import plan_open_loop
 from sim.preparation.laying import lay, together
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
@@ -82,3 +85,57 @@ def test_the_body_goes_where_it_would_have_gone(schedules):
         predict = Predictor(schedule, real_twists(setup), setup.kinematics)
         ends.append(predict(np.array([schedule.stop - 1])).pose[0])
     assert ends[1] == pytest.approx(ends[0], abs=1e-9)
+
+
+def visited(phases):
+    """Strata that phases stand on in turn, those passed while a foot moves included."""
+    on = [phase.stratum for phase in phases if phase.kind == "swing"]
+    return [name for name, _ in groupby(on)]
+
+
+def contacts(phases):
+    """Groups lifted and set down in turn."""
+    moved = [phase for phase in phases if phase.kind in ("lift", "land")]
+    return [(phase.kind, GROUPS[phase.moving[0]]) for phase in moved]
+
+
+def laid(flows, gait=None):
+    changes = {"segments": 1} | ({"gait": gait} if gait else {})
+    setup = prepare(load_scenario("line", changes))
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    lay(setup, scheduler, [flows])
+    return scheduler.finish().phases
+
+
+UP_1, DOWN_1, UP_2, DOWN_2 = (
+    (kind, group) for group in GROUPS for kind in ("lift", "land")
+)
+
+
+def test_a_gait_is_walked_in_full_also_where_nothing_flows():
+    """S1, S2 and again S1, between which the gait comes back to S12 and S1."""
+    twice = ["12", "1", "12", "1", "12", "2", "12"]
+    flows = [Flow("1", "g1_1", 0.2), Flow("2", "g2_2", 0.1), Flow("1", "g1_1", -0.2)]
+    assert contacts(laid(flows)) == [UP_2, DOWN_2, UP_1, DOWN_1, UP_2, DOWN_2]
+    assert contacts(laid(flows, twice)) == contacts(laid(flows))  # enters it half-way
+    back = [*flows, Flow("2", "g2_2", -0.1)]
+    once = [UP_2, DOWN_2, UP_1, DOWN_1]
+    assert contacts(laid(back, twice)) == [*once, UP_2, DOWN_2, *once]
+    assert visited(laid(back, twice)) == ["1", "2", "1", "2"]
+
+
+def test_between_two_strokes_on_a_stratum_the_gait_goes_around():
+    """S2, S1 and again S2, with S12 in between; the second stay on S1 is skipped."""
+    flows = [Flow("2", "g2_2", 0.2), Flow("1", "g1_1", 0.1), Flow("2", "g2_2", -0.2)]
+    thrice = ["12", "1", "12", "1", "12", "1", "12", "2", "12"]
+    turn = [UP_2, DOWN_2]
+    assert contacts(laid(flows, thrice)) == [UP_1, DOWN_1, *turn * 3, UP_1, DOWN_1]
+
+
+def test_the_gait_of_the_card_changes_nothing_for_tripods():
+    plain, ordered = (
+        plan_open_loop(prepare(load_scenario("line", {"segments": 4} | changes)))
+        for changes in ({}, {"gait": ["12", "1", "12", "2", "12"]})
+    )
+    assert plain.flows == ordered.flows
+    assert plain.contact_switches == ordered.contact_switches
