@@ -24,6 +24,9 @@ KNEES = 0.35  # above the feet, in units of the robot's reach
 HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
 HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
 ROUNDS = 8  # of moving the target; settles to a pixel
+DUSK = 4.0  # below the horizon [degrees], where the floor may end
+NEAR_FLOOR = 3.5  # in units of the distance; beyond, a grid would be a blur
+ENOUGH = 2000  # moments at which it is asked what has to be seen
 CALM = 1.5  # [s] of film over which the camera follows
 
 
@@ -36,6 +39,54 @@ class Camera:
     distance: float  # from the target [m]
     elevation: float = ELEVATION  # [degrees]
 
+    @property
+    def pixel(self) -> float:
+        """Width of a pixel at a distance of one metre [m]."""
+        return 2 * HALF_HEIGHT / HEIGHT
+
+    @property
+    def sees_sky(self) -> bool:
+        """Whether the upper edge of the picture comes near the horizon."""
+        return self.elevation + FIELD_OF_VIEW / 2 > -DUSK
+
+    def rests(self, frame: int) -> bool:
+        """Whether a frame is seen from where the frame before it was."""
+        before = max(frame - 1, 0)
+        same_place = bool((self.target[frame] == self.target[before]).all())
+        return same_place and bool(self.azimuth[frame] == self.azimuth[before])
+
+    def eyes(self) -> Array:
+        """Where the camera is in each frame, shape (frames, 3) [m]."""
+        return self.target - self.distance * _axes(self.azimuth, self.elevation)[0]
+
+    def floor_seen(self) -> tuple[Array, Array]:
+        """Least and largest x and y of the floor in view, as far as it is near [m]."""
+        forward, right, up = _axes(self.azimuth, self.elevation)
+        eyes, ground = self.eyes(), []
+        for x, y in ((-1, -1), (-1, 1), (1, -1), (1, 1)):
+            ray = forward + x * HALF_WIDTH * right + y * HALF_HEIGHT * up
+            steep = np.minimum(ray[:, 2], -1e-6)
+            far = np.minimum(-eyes[:, 2] / steep, NEAR_FLOOR * self.distance)
+            ground.append((eyes + far[:, None] * ray)[:, :2])
+        points = np.concatenate(ground)
+        return points.min(axis=0), points.max(axis=0)
+
+    def pixels(self, frame: int, points: Array) -> Array:
+        """Where points appear in a picture, x from the left and y from the top.
+
+        Args:
+            frame: Of the film.
+            points: Shape (..., 3) [m].
+
+        Returns:
+            Shape (..., 2).
+        """
+        forward, right, up = _axes(self.azimuth[frame], self.elevation)
+        seen = points - self.target[frame]
+        depth = (self.distance + seen @ forward) * self.pixel
+        x, y = seen @ right / depth, seen @ up / depth
+        return np.stack([WIDTH / 2 + x, HEIGHT / 2 - y], axis=-1)
+
 
 def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
     """The camera of a whole film.
@@ -45,7 +96,7 @@ def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
         clock: Which row each picture shows.
         view: From where; by default across the path, from above.
     """
-    azimuth, elevation = _azimuth(walk, len(clock.rows), view), view.elevation
+    azimuth, elevation = _azimuth(walk, clock, view), view.elevation
     seen = _seen(walk, clock)
     centre, fitting = _fit(seen, float(azimuth[0] + azimuth[-1]) / 2, elevation)
     distance = min(fitting, view.farthest * walk.reach)
@@ -59,18 +110,18 @@ def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
     )
 
 
-def _azimuth(walk: FilmedWalk, pictures: int, view: View) -> Array:
+def _azimuth(walk: FilmedWalk, clock: Clock, view: View) -> Array:
     """Direction in which each picture looks, swaying where none is asked for."""
     if view.azimuth is not None:
-        return np.full(pictures, view.azimuth)
-    sway = SWAY * np.sin(np.linspace(-np.pi / 2, np.pi / 2, pictures))
-    return _across(walk.nominal) + sway
+        return np.full(len(clock.rows), view.azimuth)
+    part = np.minimum(np.arange(len(clock.rows)) / max(clock.moving, 1), 1.0)
+    return _across(walk.nominal) + SWAY * np.sin(np.pi * (part - 0.5))
 
 
 def _seen(walk: FilmedWalk, clock: Clock) -> Array:
     """Points that the picture should hold: feet, knees and path, shape (N, 3)."""
     first, last = int(clock.rows[0]), int(clock.rows[-1])
-    shown = slice(first, last + 1)
+    shown = slice(first, last + 1, max(1, (last - first) // ENOUGH))
     feet = walk.contact_point[shown][walk.contact[shown]]
     whole = first == 0 and last == len(walk.contact) - 1
     path = walk.nominal[:, :2] if whole else walk.achieved[shown, :2]

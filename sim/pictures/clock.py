@@ -28,6 +28,11 @@ class Clock:
     playback: float
     rows: Array
 
+    @property
+    def moving(self) -> int:
+        """Number of pictures before the last one is held."""
+        return int(np.searchsorted(self.rows, self.rows[-1]))
+
     def frame_of(self, rows: Array) -> Array:
         """First picture that shows each row or a later one, shape as given."""
         return np.searchsorted(self.rows, rows)

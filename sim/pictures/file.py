@@ -20,7 +20,7 @@ from sim.errors import RenderError
 from sim.pictures.style import FRAME_RATE
 
 CODEC = "libx264"
-QUALITY = ("-preset", "veryfast", "-crf", "20", "-threads", "1")
+QUALITY = ("-preset", "superfast", "-crf", "22", "-threads", "1")
 # Fragments keep a piece readable up to where its encoder died.
 FRAGMENTS = ("-movflags", "+frag_keyframe+empty_moov+default_base_moof", "-g", "30")
 FULL = "No space left"  # how ffmpeg reports it

@@ -40,6 +40,14 @@ class Ink:
         start = int(np.searchsorted(self.frames, frame, side="left"))
         return start, stop - start
 
+    def pieces(self, size: int) -> tuple[Ink, ...]:
+        """The drawing in pieces of so many triangles; fleeting ink stays whole."""
+        if self.fleeting:
+            return (self,)
+        cuts = range(size, len(self), size)
+        parts = (np.split(a, cuts) for a in (self.points, self.frames, self.shapes))
+        return tuple(Ink(*part) for part in zip(*parts, strict=True))
+
     def __len__(self) -> int:
         return len(self.frames)
 
@@ -97,15 +105,18 @@ def dashes(line: Array, period: float, width: float) -> Ink:
     return join(pieces)
 
 
-def discs(centres: Array, frames: Array, radius: float) -> Ink:
+def discs(
+    centres: Array, frames: Array, radius: float, corners: int = CORNERS
+) -> Ink:
     """Round spots.
 
     Args:
         centres: Shape (N, 2) [m].
         frames: Frame of each, shape (N,), ascending.
         radius: In [m].
+        corners: Of each; fewer are drawn faster.
     """
-    angle = np.linspace(0, 2 * np.pi, CORNERS, endpoint=False)
+    angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
     rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return polygons([c + rim for c in centres], frames)
 

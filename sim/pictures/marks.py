@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -24,6 +25,8 @@ DASH = 0.08
 FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
 FOOT, TRAIL = 0.014, 0.012  # radius of a footprint, width of its slip
 SPOT, GOAL = 0.032, 0.06  # radii
+FEW = 12  # corners of a footprint, which is a few pixels wide
+PIECE = 400  # triangles that are passed to the driver at once
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,12 @@ class Mark:
     ink: Ink
     colour: style.Colour
     alpha: float = 1.0
+
+    @cached_property
+    def pieces(self) -> tuple[tuple[str, Ink], ...]:
+        """The ink in pieces, each with a name; what is complete stays on the card."""
+        parts = self.ink.pieces(PIECE)
+        return tuple((f"{self.name} {i}", part) for i, part in enumerate(parts))
 
 
 def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
@@ -112,7 +121,7 @@ def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Ink]:
     place = walk.contact_point[:, foot]
     touched = np.concatenate([[False], walk.contact[:, foot], [False]])
     starts, stops = np.flatnonzero(touched[1:] != touched[:-1]).reshape(-1, 2).T
-    yield discs(place[starts], clock.frame_of(starts), FOOT * walk.reach)
+    yield discs(place[starts], clock.frame_of(starts), FOOT * walk.reach, FEW)
     for start, stop in zip(starts, stops, strict=True):
         rows = start + _thinned(place[start:stop], TRAIL * walk.reach)
         yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)

@@ -26,7 +26,7 @@ SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
 NEAR = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
-GRID = f"{PREFIX}grid"
+FLOOR = f"{PREFIX}floor"
 
 
 def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
@@ -41,8 +41,7 @@ def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel
     _light(spec)
     floor = _lay_floor(spec)
     for layer, mark in enumerate(marks, start=1):
-        sheet = mark.ink.shapes % SHEETS / SHEETS
-        _draw(spec, mark, floor + LAYER * walk.reach * (layer + 0.9 * sheet))
+        _draw(spec, mark, floor + LAYER * walk.reach * layer, LAYER * walk.reach)
     visual = spec.visual
     visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
     visual.global_.fovy = FIELD_OF_VIEW
@@ -54,9 +53,15 @@ def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel
     return model
 
 
-def mesh_name(mark: Mark) -> str:
-    """Name of the mesh that holds a mark's ink."""
-    return PREFIX + mark.name
+def has_endless_floor(model: mujoco.MjModel) -> bool:
+    """Whether some plane of the world has no edges behind which there is sky."""
+    planes = model.geom_size[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE]
+    return bool((planes[:, :2] == 0).all(axis=1).any())
+
+
+def mesh_name(piece: str) -> str:
+    """Name of the mesh that holds a piece of a mark's ink."""
+    return PREFIX + piece
 
 
 def _light(spec: mujoco.MjSpec) -> None:
@@ -75,30 +80,38 @@ def _light(spec: mujoco.MjSpec) -> None:
 
 
 def _lay_floor(spec: mujoco.MjSpec) -> float:
-    """Give the plane under the robot a subtle grid of 0.1 m; its height [m]."""
-    spec.add_texture(
-        name=GRID,
-        type=mujoco.mjtTexture.mjTEXTURE_2D,
-        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT,
-        mark=mujoco.mjtMark.mjMARK_EDGE,
-        rgb1=style.rgba(style.PAPER)[:3],
-        rgb2=style.rgba(style.PAPER)[:3],
-        markrgb=style.rgba(style.GRID)[:3],
-        width=200,
-        height=200,
-    )
-    grid = spec.add_material(name=GRID, texrepeat=(10, 10), texuniform=True, specular=0)
-    grid.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = GRID
+    """Make the floor plain, with no texture; its height [m]."""
+    spec.add_material(name=FLOOR, specular=0)
     planes = [g for g in spec.worldbody.geoms if g.type == mujoco.mjtGeom.mjGEOM_PLANE]
     for plane in planes:
-        plane.material, plane.rgba = GRID, (1, 1, 1, 1)
+        plane.material, plane.rgba = FLOOR, style.rgba(style.PAPER)
     return float(planes[0].pos[2]) if planes else 0.0
 
 
-def _draw(spec: mujoco.MjSpec, mark: Mark, height: np.ndarray) -> None:
-    """One mesh for all the triangles that a mark will ever show, each at its height."""
-    name = mesh_name(mark)
-    corners = np.dstack([mark.ink.points, np.repeat(height[:, None], 3, axis=1)])
+def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:
+    """A mesh for each piece of a mark, with all the triangles it will ever show."""
+    material = mesh_name(mark.name)
+    spec.add_material(
+        name=material, rgba=style.rgba(mark.colour, mark.alpha), specular=0
+    )
+    for name, ink in mark.pieces:
+        sheet = ink.shapes % SHEETS / SHEETS
+        _add_mesh(spec, mesh_name(name), ink.points, height + 0.9 * sheet * thickness)
+        spec.worldbody.add_geom(
+            name=mesh_name(name),
+            type=mujoco.mjtGeom.mjGEOM_MESH,
+            meshname=mesh_name(name),
+            material=material,
+            contype=0,
+            conaffinity=0,
+        )
+
+
+def _add_mesh(
+    spec: mujoco.MjSpec, name: str, triangles: np.ndarray, height: np.ndarray
+) -> None:
+    """Triangles seen from above, shape (N, 3, 2) [m], each at a height [m]."""
+    corners = np.dstack([triangles, np.repeat(height[:, None], 3, axis=1)])
     # The compiler wants four points at least; this triangle is never shown.
     corners = np.concatenate([corners, corners[:1] + (1.0, 0.0, 0.0)])
     spec.add_mesh(
@@ -107,15 +120,6 @@ def _draw(spec: mujoco.MjSpec, mark: Mark, height: np.ndarray) -> None:
         userface=np.arange(3 * len(corners)),
         usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(corners)),
         inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-    spec.add_material(name=name, rgba=style.rgba(mark.colour, mark.alpha), specular=0)
-    spec.worldbody.add_geom(
-        name=name,
-        type=mujoco.mjtGeom.mjGEOM_MESH,
-        meshname=name,
-        material=name,
-        contype=0,
-        conaffinity=0,
     )
 
 

@@ -15,8 +15,9 @@ import numpy as np
 
 from planner import Array
 from sim.pictures.camera import Camera
+from sim.pictures.ink import Ink
 from sim.pictures.marks import Mark
-from sim.pictures.scenery import SUN, build, mesh_name
+from sim.pictures.scenery import SUN, build, has_endless_floor, mesh_name
 from sim.pictures.story import FilmedWalk
 from sim.pictures.style import HEIGHT, WIDTH, Look
 
@@ -30,10 +31,13 @@ class Stage:
     def __init__(
         self, walk: FilmedWalk, marks: Sequence[Mark], camera: Camera, look: Look
     ) -> None:
-        self._walk, self._marks, self._camera = walk, marks, camera
+        self._walk, self._camera = walk, camera
         self._model = build(walk, marks, look)
         self._first_face = self._model.mesh_faceadr.copy()
-        self._ink = {self._model.geom(mesh_name(mark)).id for mark in marks}
+        pieces = [piece for mark in marks for piece in mark.pieces]
+        meshes = [self._model.mesh(mesh_name(name)).id for name, _ in pieces]
+        self._pieces = [(m, ink) for m, (_, ink) in zip(meshes, pieces, strict=True)]
+        self._ink = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
         self._data = mujoco.MjData(self._model)
         self._view = mujoco.MjvCamera()
         self._options = mujoco.MjvOption()
@@ -42,6 +46,10 @@ class Stage:
         self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + ROOM)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look.shadows
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        # Half the time of a picture goes into the sky behind the floor.
+        self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = (
+            camera.sees_sky or not has_endless_floor(self._model)
+        )
         self._brush = mujoco.MjrContext(
             self._model, mujoco.mjtFontScale.mjFONTSCALE_100
         )
@@ -73,8 +81,8 @@ class Stage:
         self._look_from(frame)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
-        for mark in self._marks:
-            self._show(mark, frame)
+        for mesh, ink in self._pieces:
+            self._show(mesh, ink, frame)
         mujoco.mjv_updateScene(
             self._model,
             self._data,
@@ -106,11 +114,10 @@ class Stage:
         away = SUN_DISTANCE * self._walk.reach
         self._model.light_pos[0] = self._camera.target[frame] - away * SUN
 
-    def _show(self, mark: Mark, frame: int) -> None:
+    def _show(self, mesh: int, ink: Ink, frame: int) -> None:
         """Pass only the triangles that are visible in this frame to the driver."""
         model = self._model
-        mesh = model.mesh(mesh_name(mark)).id
-        first, count = mark.ink.visible(frame)
+        first, count = ink.visible(frame)
         first += self._first_face[mesh]
         if (model.mesh_faceadr[mesh], model.mesh_facenum[mesh]) != (first, count):
             model.mesh_faceadr[mesh], model.mesh_facenum[mesh] = first, count

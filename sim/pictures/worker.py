@@ -12,11 +12,12 @@ from pathlib import Path
 
 import mujoco
 
-from sim.pictures.camera import camera
+from sim.pictures.camera import Camera, camera
 from sim.pictures.captions import Captions
-from sim.pictures.clock import clock
+from sim.pictures.clock import Clock, clock
 from sim.pictures.crew import Piece
 from sim.pictures.file import encoding
+from sim.pictures.floor import grid
 from sim.pictures.marks import marks
 from sim.pictures.stage import Stage
 from sim.pictures.story import read_walk
@@ -30,17 +31,23 @@ def draw(piece: Piece) -> None:
     film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
     view = camera(walk, film_clock, view_of(piece.camera))
     captions = Captions(walk, film_clock)
-    drawn = marks(walk, film_clock, frames)
+    drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
     with (
         Stage(walk, drawn, view, LOOKS[piece.look]) as stage,
         encoding(piece.path) as writer,
     ):
         for frame in frames:
-            row = int(film_clock.rows[frame])
-            picture = stage.picture(frame, row)
-            captions.write(picture, row)
+            if frame == frames[0] or not _is_held(film_clock, view, frame):
+                row = int(film_clock.rows[frame])
+                picture = stage.picture(frame, row)
+                captions.write(picture, row)
             writer.append_data(picture)
             os.write(sys.stdout.fileno(), b".")
+
+
+def _is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
+    """Whether a frame shows the same picture as the one before it."""
+    return frame > film_clock.moving and view.rests(frame)
 
 
 def main() -> None:
