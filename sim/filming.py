@@ -11,7 +11,7 @@ from sim.errors import UsageError
 from sim.evaluation.assessment import Evaluation, evaluate
 from sim.pictures.direction import film_folder
 from sim.progress import Progress, silent
-from sim.run_folder import write
+from sim.run_folder import write_numbers
 from sim.simulation import Simulation
 from sim.walking.finished import Walk
 
@@ -47,9 +47,9 @@ def film(
         raise UsageError("already exists", str(path), "give another name")
     done = evaluate(walked) if isinstance(walked, Walk) else walked
     with TemporaryDirectory() as scratch:
-        folder = write(done, Path(scratch) / "run")
+        folder = write_numbers(done, Path(scratch) / "run").folder
         made = film_folder(
-            folder, look=look, progress=lambda part: progress("filming", part)
+            folder.path, look=look, progress=lambda part: progress("filming", part)
         )
         shutil.move(made, path)
     return path

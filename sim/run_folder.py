@@ -165,14 +165,33 @@ def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Pa
         UsageError: If the folder exists.
         FilesError: If it cannot be made or written.
     """
+    writer = write_numbers(done, folder)
+    writer.reported()
+    return writer.folder.path
+
+
+def write_numbers(
+    done: Simulation | Evaluation, folder: str | Path | None = None
+) -> Writer:
+    """Write a run folder without its report, which takes as long as all the rest.
+
+    Args:
+        done: What was simulated, or a walk that was evaluated.
+        folder: Folder to make; None takes the next free number in `runs`.
+
+    Returns:
+        What wrote it.
+
+    Raises:
+        UsageError: If the folder exists.
+        FilesError: If it cannot be made or written.
+    """
     evaluation = done.evaluation if isinstance(done, Simulation) else done
     setup = evaluation.walk.setup
     asked = done.prepared.scenario if isinstance(done, Simulation) else setup.scenario
-    made = claim(None if folder is None else Path(folder), asked.name)
-    writer = Writer(made)
+    writer = Writer(claim(None if folder is None else Path(folder), asked.name))
     writer.setup(setup, asked)
     writer.walked(evaluation.walk)
     writer.evaluated(evaluation)
     writer.summarised(done.summary)
-    writer.reported()
-    return made.path
+    return writer

@@ -105,9 +105,7 @@ def dashes(line: Array, period: float, width: float) -> Ink:
     return join(pieces)
 
 
-def discs(
-    centres: Array, frames: Array, radius: float, corners: int = CORNERS
-) -> Ink:
+def discs(centres: Array, frames: Array, radius: float, corners: int = CORNERS) -> Ink:
     """Round spots.
 
     Args:

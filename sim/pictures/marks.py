@@ -20,7 +20,7 @@ from sim.pictures.ink import Ink, dashes, discs, join, polygons, ribbon
 from sim.pictures.story import FilmedWalk
 
 # In units of the robot's reach.
-SPACING, JUMP = 0.004, 0.03  # between points of a path; a longer step is no path
+SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
 FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
 FOOT, TRAIL = 0.014, 0.012  # radius of a footprint, width of its slip

@@ -17,6 +17,7 @@ from planner import Array
 from sim.pictures.camera import Camera
 from sim.pictures.ink import Ink
 from sim.pictures.marks import Mark
+from sim.pictures.numbers import LegNumbers
 from sim.pictures.scenery import SUN, build, has_endless_floor, mesh_name
 from sim.pictures.story import FilmedWalk
 from sim.pictures.style import HEIGHT, WIDTH, Look
@@ -39,6 +40,7 @@ class Stage:
         self._pieces = [(m, ink) for m, (_, ink) in zip(meshes, pieces, strict=True)]
         self._ink = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
         self._data = mujoco.MjData(self._model)
+        self._numbers = LegNumbers(walk, self._model)
         self._view = mujoco.MjvCamera()
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
@@ -97,7 +99,10 @@ class Stage:
         picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)
         mujoco.mjr_render(frame_area, self._scene, self._brush)
         mujoco.mjr_readPixels(picture, None, frame_area, self._brush)
-        return picture[::-1]  # OpenGL counts rows from below
+        picture = picture[::-1]  # OpenGL counts rows from below
+        places = self._numbers.places(self._data)
+        self._numbers.write(picture, self._camera.pixels(frame, places))
+        return picture
 
     def _let_ink_cast_no_shadow(self) -> None:
         """Exclude ink, which lies closer to the floor than depth can resolve."""

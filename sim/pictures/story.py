@@ -9,17 +9,20 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+import mujoco
 import numpy as np
 
 from models import Card, read_card
 from planner import Array
 from sim.errors import UsageError
 from sim.motion.poses import rotate
+from sim.pictures.style import Colour
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
 
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 IDEAL = "ideal prediction"
+NOSE = "nose"  # geom on the front of the shipped robots
 PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static prediction"}
 
 
@@ -51,6 +54,7 @@ class FilmedWalk:
     margin: Array  # (T,) [m]
     clearance: Array | None  # from obstacles, where there are any, (T,) [m]
     nominal: Array  # (N, 3)
+    nose: Colour | None  # of the part that shows which side is the front
 
     @property
     def ideal(self) -> Array:
@@ -133,7 +137,16 @@ def _read(folder: Path) -> FilmedWalk:
             margin=arrays["achieved_margin"],
             clearance=arrays.get("achieved_clearance"),
             nominal=_in_world(start, _nominal(scenario)),
+            nose=_colour_of(folder / "model.xml", NOSE),
         )
+
+
+def _colour_of(model: Path, name: str) -> Colour | None:
+    """Colour of a geom in an MJCF file; None where there is no such geom."""
+    geoms = mujoco.MjSpec.from_file(str(model)).geoms
+    for red, green, blue, _ in (geom.rgba for geom in geoms if geom.name == name):
+        return round(255 * red), round(255 * green), round(255 * blue)
+    return None
 
 
 def _read_flows(path: Path) -> tuple[FlowRow, ...]:

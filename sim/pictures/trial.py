@@ -59,6 +59,7 @@ def _measure() -> float:
     with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
         renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
         renderer.update_scene(data)
         renderer.render()  # the first one is slow
         began = time.perf_counter()

@@ -30,7 +30,7 @@ def draw(piece: Piece) -> None:
     walk, frames = read_walk(piece.folder), piece.frames
     film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
     view = camera(walk, film_clock, view_of(piece.camera))
-    captions = Captions(walk, film_clock)
+    captions = Captions(walk, film_clock, view)
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
     with (
         Stage(walk, drawn, view, LOOKS[piece.look]) as stage,

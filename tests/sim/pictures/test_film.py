@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -169,3 +170,42 @@ def test_a_film_needs_neither_the_current_folder_nor_an_empty_environment(
     assert told[-1] == pytest.approx(1.0)
     assert told == sorted(told)
     assert [path.name for path in elsewhere.iterdir()] == ["sim"]
+
+
+@pytest.mark.render
+def test_every_leg_carries_its_number_in_its_colour(filmed, decoded):
+    walk, film_clock, view = view_of(filmed.parent)
+    model = mujoco.MjModel.from_xml_path(str(walk.model))
+    data = mujoco.MjData(model)
+    frame = len(film_clock.rows) // 3
+    data.qpos[:] = walk.qpos[film_clock.rows[frame]]
+    mujoco.mj_kinematics(model, data)
+    for index, leg in enumerate(sorted(walk.card.legs)):
+        card = walk.card.legs[leg]
+        foot = data.geom(card.foot[0]).xpos
+        place = (data.joint(card.lift).xanchor + foot) / 2
+        x, y = np.round(on_screen(view, frame, place)).astype(int)
+        disc = decoded[frame][y - 8 : y + 9, x - 8 : x + 9].reshape(-1, 3).astype(int)
+        white = (disc.min(axis=1) > 225).mean()
+        dark = (disc.max(axis=1) < 120).mean()
+        assert white > 0.3  # half of the square
+        assert dark > 0.03  # the number
+        rim = np.abs(disc - style.group(walk.group_of_foot[index])).max(axis=1)
+        assert (rim < 60).sum() >= 4
+
+
+@pytest.mark.render
+def test_a_floor_that_ends_shows_the_sky_behind_it(driver, folder):
+    frame = range(1, 2)
+    (endless,) = draw(folder, frame, driver)
+    model = folder / "model.xml"
+    text = model.read_text()
+    assert 'size="0 0 0.05"' in text
+    model.write_text(text.replace('size="0 0 0.05"', 'size="0.3 0.3 0.05"'))
+    (path := folder / f"piece-draft-{driver}.mp4").unlink()
+    (bounded,) = draw(folder, frame, driver)
+    path.unlink()
+    corner = np.s_[340:400, 1200:1270]  # of the picture, beyond 0.3 m
+    assert difference(endless[corner], np.full((60, 70, 3), style.PAPER)) < 8
+    assert bounded[corner].mean() > 5  # a sky, not the void
+    assert difference(endless[corner], bounded[corner]) > 8

@@ -1,0 +1,145 @@
+"""What stands on the pictures: key, scales, numbers on legs and the inset."""
+
+import numpy as np
+import pytest
+
+from sim.pictures import style
+from sim.pictures.camera import camera
+from sim.pictures.clock import clock
+from sim.pictures.floor import cell, grid
+from sim.pictures.inset import BOX, FILL, MIDDLE, SIZE, inset, magnification
+from sim.pictures.legend import _entries
+from sim.pictures.scale_bar import HEIGHT as BAR_HEIGHT, scale_bar
+from sim.pictures.story import read_walk
+from sim.pictures.style import HEIGHT, WIDTH
+from sim.pictures.views import VIEWS, view_of
+from sim.pictures.worker import _is_held
+from tests.screen import on_screen
+
+PAPER = np.array(style.PAPER)
+
+
+@pytest.fixture(scope="module")
+def walk(walked):
+    return read_walk(walked)
+
+
+@pytest.fixture(scope="module")
+def film(walk):
+    return clock(walk.time, walk.scenario.playback)
+
+
+@pytest.fixture(scope="module")
+def view(walk, film):
+    return camera(walk, film)
+
+
+@pytest.mark.parametrize("name", [*VIEWS, "30,-6"])
+def test_the_camera_says_where_a_point_is_on_the_picture(walk, film, name):
+    view = camera(walk, film, view_of(name))
+    points = np.array([[0.0, 0.0, 0.0], [0.2, -0.1, 0.05], [-0.1, 0.3, 0.1]])
+    for frame in (0, len(film.rows) - 1):
+        np.testing.assert_allclose(
+            view.pixels(frame, points), on_screen(view, frame, points), atol=1e-6
+        )
+
+
+@pytest.mark.parametrize("reach", [0.012, 0.2344, 1.0, 37.0])
+def test_a_cell_of_the_grid_is_a_round_length_of_about_half_a_reach(reach):
+    assert 0.3 < cell(reach) / reach < 0.75
+    digits = cell(reach) / 10 ** np.floor(np.log10(cell(reach)) + 1e-9)
+    assert digits == pytest.approx(round(digits))
+    assert round(digits) in (1, 2, 5)
+
+
+def test_the_grid_covers_the_floor_in_view(walk, film, view):
+    points = grid(view, walk.reach).ink.points.reshape(-1, 2)
+    low, high = points.min(axis=0), points.max(axis=0)
+    for frame in (0, len(film.rows) // 2, len(film.rows) - 1):
+        for corner in ((0, 0), (WIDTH, 0), (0, HEIGHT), (WIDTH, HEIGHT)):
+            place = on_floor(view, frame, corner)
+            assert (low < place).all()
+            assert (place < high).all()
+
+
+def on_floor(view, frame, pixel):
+    """The point of the floor at a pixel, found by moving three known points about."""
+    known = np.array([[0.0, 0.0], [0.1, 0.0], [0.0, 0.1], [0.1, 0.1]])
+    seen = on_screen(view, frame, np.insert(known, 2, 0.0, axis=1))
+    rows, values = [], []
+    for (x, y), (u, v) in zip(known, seen, strict=True):  # a plane's view: homography
+        rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
+        values += [u, v]
+    matrix = np.append(np.linalg.solve(rows, values), 1.0).reshape(3, 3)
+    x, y, scale = np.linalg.solve(matrix, [*pixel, 1.0])
+    return np.array([x, y]) / scale
+
+
+def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
+    panel = scale_bar(view, walk.reach, bottom=600)
+    dark = np.asarray(panel.still)[..., :3].astype(int)[BAR_HEIGHT - 15]
+    drawn = np.flatnonzero((np.abs(dark - style.TEXT) < 40).all(axis=1))
+    y = panel.top + BAR_HEIGHT - 15
+    left, right = (on_floor(view, 0, (panel.left + x, y)) for x in drawn[[0, -1]])
+    # The panel measures it at two thirds of its own height, a few pixels higher.
+    length = np.hypot(*(right - left))
+    assert length == pytest.approx(cell(walk.reach), rel=0.03)
+
+
+def test_the_key_explains_nose_goal_and_grid(walk):
+    labels = [label for label, _, _ in _entries(walk)]
+    assert "goal" in labels
+    assert "nose, the front" in labels
+    assert walk.nose == (242, 140, 38)  # of the file, 0.95 0.55 0.15
+    assert f"grid, {1000 * cell(walk.reach):g} mm" in labels
+
+
+@pytest.mark.parametrize(
+    ("largest", "room", "factor"),
+    [(1e-3, 0.0501, 50), (1e-3, 0.049, 20), (0.2, 0.05, 0.2), (2e-4, 0.1, 500)],
+)
+def test_the_error_is_magnified_by_the_greatest_round_factor_that_fits(
+    largest, room, factor
+):
+    assert magnification(largest, room) == pytest.approx(factor)
+
+
+def test_the_inset_shows_the_error_turned_and_scaled_as_the_picture_is(walk, view):
+    from dataclasses import replace
+
+    angle = np.radians(view.azimuth.mean())
+    right = np.array([np.sin(angle), -np.cos(angle)])  # on the floor
+    off = 0.001 * right
+    moved = walk.achieved.copy()
+    moved[:, :2] -= off
+    predicted = {name: moved for name in walk.predicted}
+    panel = inset(replace(walk, predicted=predicted), view, 300, 600, 550)
+    scale = 1 / (view.pixel * view.distance)
+    factor = magnification(0.001, BOX / 2 * FILL / scale)
+    place = MIDDLE + (0.001 * factor * scale, 0)
+    picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+    panel.put(picture, 5)
+    x, y = np.round(place + (panel.left, panel.top)).astype(int)
+    drawn = {tuple(picture[y, x]), tuple(picture[y + 1, x])}
+    assert style.PREDICTED[1] in drawn  # the quasi-static dot lies on top
+
+
+def test_an_inset_that_finds_no_room_under_the_key_goes_to_the_right(walk, view):
+    assert inset(walk, view, 300, 600, 550).left < WIDTH / 2
+    aside = inset(walk, view, 590, 600, 550)
+    assert aside.left > WIDTH / 2
+    assert aside.top + SIZE[1] == 550
+
+
+def test_a_walk_without_error_has_an_inset(walk, view):
+    from dataclasses import replace
+
+    same = replace(walk, predicted={name: walk.achieved for name in walk.predicted})
+    picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    inset(same, view, 300, 600, 550).put(picture, 3)
+    assert picture.any()
+
+
+def test_only_the_held_picture_is_drawn_once(film, view):
+    held = [frame for frame in range(1, len(film.rows)) if _is_held(film, view, frame)]
+    assert held == list(range(film.moving + 1, len(film.rows)))
