@@ -50,7 +50,7 @@ class Strokes:
         change = np.array([c for _, c in moves], float).reshape(-1, len(groups))
         standing = np.array([[g in s for g in groups] for s in strata], bool)
         loaded = ((change != 0) & standing.reshape(change.shape)).any(axis=1)
-        begin = np.cumsum([np.asarray(start, float), *change], axis=0)[:-1]
+        begin = np.cumsum(change, axis=0) - change + np.asarray(start, float)
         on = tuple(s for s, is_loaded in zip(strata, loaded, strict=True) if is_loaded)
         return cls(on, begin[loaded], change[loaded]), loaded
 
