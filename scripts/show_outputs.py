@@ -19,6 +19,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from planner import whole_file
+
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
 COMMAND = re.compile(r"^\$ stratawalk (.*)\n((?:(?!\$ ).*\n)+)", re.MULTILINE)
@@ -57,9 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for page in parser.parse_args(arguments).page:
         text = page.read_text()
         again = BLOCK.sub(lambda block: COMMAND.sub(shown_again, block[0]), text)
-        part = page.with_suffix(".part")
-        part.write_text(again)
-        os.replace(part, page)
+        with whole_file(page) as part:
+            part.write_text(again)
 
 
 if __name__ == "__main__":

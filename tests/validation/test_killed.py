@@ -1,19 +1,16 @@
 """Whenever a walk is ended, and by whatever signal, the files left are whole."""
 
 import json
-import os
 import signal
 import subprocess
-import sys
 import tomllib
 
 import mujoco
 import numpy as np
 import pytest
 
-from sim.pictures import gl
+from tests.commands import COMMAND, OUTSIDE
 
-OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
 CODES = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGKILL: -signal.SIGKILL}
 WALK = ("run", "line", "--segments", "4", "--set", "path.goal=[0.02,0.02,0]")
 
@@ -44,8 +41,8 @@ def test_a_walk_that_is_ended_leaves_whole_files(tmp_path, number):
     for i, moment in enumerate(moments()):
         folder = tmp_path / str(i)
         process = subprocess.Popen(
-            [sys.executable, "-m", "sim.cli", *WALK, "--no-video", "--out", folder],
-            env=OUTSIDE | {"PYTHONPATH": os.getcwd()},
+            [*COMMAND, *WALK, "--no-video", "--out", folder],
+            env=OUTSIDE,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
             text=True,

@@ -1,7 +1,6 @@
 """The command as a user meets it: what it prints, and how it ends."""
 
 import json
-import os
 import re
 import shlex
 import signal
@@ -17,40 +16,11 @@ from planner.errors import PlannerError
 from sim import cli
 from sim.commands.parsing import COMMANDS
 from sim.errors import exit_code, one_line
-from sim.pictures import gl
 from sim.scenarios.file import load_scenario, shipped_scenarios
+from tests.commands import COMMAND, OUTSIDE, refusal
 
 SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
 """A walk of two segments and a few seconds."""
-
-
-# This process may have silenced its own driver; the commands below have not.
-OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
-
-
-@pytest.fixture
-def stratawalk(tmp_path):
-    """Run the real command in an empty folder."""
-
-    def run(*words, **environment):
-        return subprocess.run(
-            [sys.executable, "-m", "sim.cli", *words],
-            cwd=tmp_path,
-            env=OUTSIDE | {"PYTHONPATH": os.getcwd()} | environment,
-            capture_output=True,
-            text=True,
-        )
-
-    return run
-
-
-def refusal(done):
-    """The one line that a refused command prints, without its head."""
-    assert done.stdout == ""
-    (line,) = done.stderr.splitlines()
-    head, _, rest = line.partition("stratawalk: error: ")
-    assert head == ""
-    return rest
 
 
 @pytest.mark.parametrize(
@@ -258,9 +228,9 @@ def test_film_that_cannot_be_drawn_is_refused_before_the_walk(stratawalk, tmp_pa
 def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     words = ("run", "line", "--segments", "400", "--no-video", "--out", "here")
     process = subprocess.Popen(
-        [sys.executable, "-m", "sim.cli", *words],
+        [*COMMAND, *words],
         cwd=tmp_path,
-        env=OUTSIDE | {"PYTHONPATH": os.getcwd()},
+        env=OUTSIDE,
         stderr=subprocess.PIPE,
         text=True,
     )
@@ -279,7 +249,7 @@ def test_reader_that_leaves_is_no_error(tmp_path):
     words = f"{shlex.quote(sys.executable)} -m sim.cli scenarios"
     done = subprocess.run(
         ["sh", "-c", f"{words} | true"],
-        env=OUTSIDE | {"PYTHONPATH": os.getcwd(), "PYTHONUNBUFFERED": "1"},
+        env=OUTSIDE | {"PYTHONUNBUFFERED": "1"},
         capture_output=True,
         text=True,
     )

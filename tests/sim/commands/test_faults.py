@@ -1,6 +1,5 @@
 """Inputs and surroundings that once ended the command with a traceback."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -9,35 +8,7 @@ import time
 import pytest
 
 from models.description.robot import FOLDER
-from sim.pictures import gl
-
-OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
-COMMAND = [sys.executable, "-m", "sim.cli"]
-
-
-@pytest.fixture
-def stratawalk(tmp_path):
-    """Run the real command in an empty folder."""
-
-    def run(*words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **environment):
-        return subprocess.run(
-            [*COMMAND, *words],
-            cwd=tmp_path,
-            env=OUTSIDE | {"PYTHONPATH": os.getcwd()} | environment,
-            stdout=stdout,
-            stderr=stderr,
-            text=True,
-        )
-
-    return run
-
-
-def refusal(done):
-    """The one line that a refused command prints."""
-    (line,) = done.stderr.splitlines()
-    assert line.startswith("stratawalk: error: ")
-    return line
-
+from tests.commands import COMMAND, OUTSIDE, refusal
 
 SYSTEM = """
 state = ["a", "b", "c"]
@@ -221,7 +192,7 @@ def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
     process = subprocess.Popen(
         [*COMMAND, "robots", name],
         cwd=tmp_path,
-        env=OUTSIDE | {"PYTHONPATH": os.getcwd()},
+        env=OUTSIDE,
         stderr=subprocess.PIPE,
         text=True,
     )

@@ -2,16 +2,17 @@
 
 import os
 import subprocess
-import sys
+
+from tests.commands import COMMAND, OUTSIDE
 
 
 def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
     reading, writing = os.pipe()
     os.close(reading)
     done = subprocess.run(
-        [sys.executable, "-m", "sim.cli", "systems"],
+        [*COMMAND, "systems"],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.getcwd()},
+        env=OUTSIDE,
         stdout=writing,
         stderr=subprocess.PIPE,
         text=True,

@@ -1,42 +1,12 @@
 """What walks and robots do wrong is said: divergence, softness, starts, caps."""
 
-import os
 import re
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 from models.description.robot import FOLDER
-from sim.pictures import gl
-
-OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH}
-COMMAND = [sys.executable, "-m", "sim.cli"]
-
-
-@pytest.fixture
-def stratawalk(tmp_path):
-    """Run the real command in an empty folder."""
-
-    def run(*words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **environment):
-        return subprocess.run(
-            [*COMMAND, *words],
-            cwd=tmp_path,
-            env=OUTSIDE | {"PYTHONPATH": os.getcwd()} | environment,
-            stdout=stdout,
-            stderr=stderr,
-            text=True,
-        )
-
-    return run
-
-
-def refusal(done):
-    """The one line that a refused command prints."""
-    (line,) = done.stderr.splitlines()
-    assert line.startswith("stratawalk: error: ")
-    return line
+from tests.commands import refusal
 
 
 @pytest.fixture
