@@ -8,7 +8,7 @@ from math import atan2, cos, degrees, hypot, pi, sin
 
 from models.description.robot import FOLDER
 from models.morphology.mjcf import write_mjcf
-from models.morphology.shipped import HEXAPOD
+from models.morphology.shipped import FEET, HEXAPOD, KAPPA, PIVOTS
 
 TRIPODS = """
 [group]
@@ -115,18 +115,9 @@ def padder(folder):
     Its floor is a metre below the origin and in a body of its own; its keyframe is
     beside the middle and off that floor; two more keyframes fit its actuators alone.
     """
-    feet = {
-        1: (0.15, 0.18),
-        2: (0.15, -0.18),
-        3: (0.0, 0.12),
-        4: (0.0, -0.12),
-        5: (-0.15, 0.18),
-        6: (-0.15, -0.18),
-    }
     bodies = ""
-    for n, (x, y) in feet.items():
-        pivot = 0.0675 if n in (1, 4, 5) else -0.0675
-        dx, dy = 0.56 * x, 0.56 * (y - pivot)
+    for n, (x, y) in FEET.items():
+        dx, dy = KAPPA * (x - PIVOTS[n][0]), KAPPA * (y - PIVOTS[n][1])
         length, half = hypot(dx, dy), atan2(dy, dx) / 2
         quat = f"{cos(half):.9f} 0 0 {sin(half):.9f}"
         bodies += f"""
@@ -142,12 +133,12 @@ def padder(folder):
       </body>"""
     servos = "".join(
         f'<position joint="{kind}{n}" kp="250" kv="0.7" gear="2" ctrlrange="-1 1"/>'
-        for n in feet
+        for n in FEET
         for kind in ("yaw", "roll")
     )
     legs = "\n".join(
         f'{n} = {{ swing = "yaw{n}", lift = "roll{n}", raise = -1, foot = ["pad{n}"] }}'
-        for n in feet
+        for n in FEET
     )
     zeros = "0 " * 12
     body = f"""<mujoco model="padder">

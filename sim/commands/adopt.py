@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.trusted import add_trust_argument
+from sim.commands.trusted import add_robot_argument
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,12 +19,8 @@ HELP = "draft the card of a robot in MJCF or URDF: legs, groups, posture, servos
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument(
-        "robot",
-        metavar="FILE",
-        help="an MJCF or URDF file, or a model folder of MuJoCo Menagerie",
-    )
-    add_trust_argument(parser)
+    about = "an MJCF or URDF file, or a model folder of MuJoCo Menagerie"
+    add_robot_argument(parser, about, metavar="FILE")
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.trusted import add_trust_argument, robot_of
+from sim.commands.trusted import add_robot_argument, robot_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,8 +20,7 @@ PLACES = (-1.0, 0.0, 1.0)  # of the span at which twists are shown
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument("robot", metavar="ROBOT", help="a shipped robot, or a FILE.xml")
-    add_trust_argument(parser)
+    add_robot_argument(parser, "a shipped robot, or a FILE.xml")
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",

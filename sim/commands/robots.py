@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from sim.commands.trusted import add_trust_argument, robot_of
+from sim.commands.trusted import add_robot_argument, robot_of
 
 if TYPE_CHECKING:
     from models import Card
@@ -16,13 +16,8 @@ HELP = "list the shipped robots, or check one and show it in numbers"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument(
-        "robot",
-        metavar="ROBOT",
-        nargs="?",
-        help="a shipped robot, or your FILE.xml with its card (docs/robots.md)",
-    )
-    add_trust_argument(parser)
+    about = "a shipped robot, or your FILE.xml with its card (docs/robots.md)"
+    add_robot_argument(parser, about, optional=True)
 
 
 def execute(options: argparse.Namespace) -> None:

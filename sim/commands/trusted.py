@@ -1,4 +1,4 @@
-"""`--allow-external`: a robot's model may open files outside its own folder."""
+"""The robot of a command, whose model may open files outside its own folder."""
 
 from __future__ import annotations
 
@@ -8,6 +8,26 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from models import Robot
+
+
+def add_robot_argument(
+    parser: argparse.ArgumentParser,
+    about: str,
+    metavar: str = "ROBOT",
+    optional: bool = False,
+) -> None:
+    """Add a robot and `--allow-external` to a command that is about one robot.
+
+    Args:
+        parser: Parser of the command.
+        about: What may be given.
+        metavar: Its name in the usage.
+        optional: Whether it may be left out.
+    """
+    parser.add_argument(
+        "robot", metavar=metavar, nargs="?" if optional else None, help=about
+    )
+    add_trust_argument(parser)
 
 
 def add_trust_argument(parser: argparse.ArgumentParser) -> None:

@@ -97,11 +97,7 @@ def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
     Raises:
         UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
     """
-    if not is_list(points) or len(points) < 2:
-        raise _refusal("path.points", points, "at least two poses [x, y, yaw]")
-    poses = tuple(_pose(f"path.points[{i}]", point) for i, point in enumerate(points))
-    if poses[0] != START:
-        raise _refusal("path.points[0]", points[0], "[0, 0, 0], the start pose")
+    poses = _poses("path.points", points)
     pieces = np.diff(np.array(poses)[:, :2], axis=0)
     length = float(np.hypot(*pieces.T).sum())
     return NominalPath("waypoints", poses, poses[-1], length, planner.waypoints(poses))
@@ -124,11 +120,7 @@ def table(poses: Sequence[Sequence[float]]) -> NominalPath:
     Raises:
         UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
     """
-    if not is_list(poses) or len(poses) < 2:
-        raise _refusal("path.poses", poses, "at least two poses [x, y, yaw]")
-    points = tuple(_pose(f"path.poses[{i}]", pose) for i, pose in enumerate(poses))
-    if points[0] != START:
-        raise _refusal("path.poses[0]", poses[0], "[0, 0, 0], the start pose")
+    points = _poses("path.poses", poses)
     try:
         curve, length = planner.table_curve(points)
     except ValueError as error:
@@ -211,6 +203,16 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
     except ValueError as error:
         what, _, remedy = str(error).partition("; ")
         raise UsageError(what, file, remedy) from error
+
+
+def _poses(key: str, value: object) -> tuple[Pose, ...]:
+    """Two poses or more, the first being the start."""
+    if not is_list(value) or len(value) < 2:
+        raise _refusal(key, value, "at least two poses [x, y, yaw]")
+    poses = tuple(_pose(f"{key}[{i}]", pose) for i, pose in enumerate(value))
+    if poses[0] != START:
+        raise _refusal(f"{key}[0]", value[0], "[0, 0, 0], the start pose")
+    return poses
 
 
 def _pose(key: str, value: object) -> Pose:
