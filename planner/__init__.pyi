@@ -49,6 +49,7 @@ from .extension.panels import (
 )
 from .extension.steering import Steering as Steering
 from .files import (
+    remove_unfinished as remove_unfinished,
     require_space as require_space,
     whole_file as whole_file,
 )
@@ -79,8 +80,10 @@ from .numerics.arrays import (
     Array as Array,
 )
 from .numerics.budget import (
+    best_so_far as best_so_far,
     limited as limited,
     tick as tick,
+    was_answered as was_answered,
 )
 from .optimisation.corridor import (
     Tolerance as Tolerance,

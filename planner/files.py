@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+_unfinished: set[Path] = set()
+
 
 @contextmanager
 def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
@@ -28,6 +30,7 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
     """
     path = Path(path)
     part = path.parent / f".{path.stem}.{os.getpid()}.part{path.suffix}"
+    _unfinished.add(part)
     try:
         require_space(path.parent, size)
         yield part
@@ -38,6 +41,14 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
         reason = error.strerror or str(error)
         raise OSError(error.errno, reason, str(path)) from error
     finally:
+        with suppress(OSError):
+            part.unlink()
+        _unfinished.discard(part)
+
+
+def remove_unfinished() -> None:
+    """Remove the files that are being written, before a process ends at once."""
+    for part in list(_unfinished):
         with suppress(OSError):
             part.unlink()
 

@@ -5,19 +5,23 @@ Errors end it with one line and an exit code. The commands are in `sim.commands`
 
 from __future__ import annotations
 
+import sys
+
+if __name__ == "__main__":  # begin as the installed command does, before all else loads
+    from sim.start import main
+
+    sys.exit(main())
+
 import json
 import os
-import runpy
 import select
-import signal
-import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import NoReturn
 
+from sim import interruption
 from sim.commands.parsing import as_meant, parser
-from sim.errors import ExitCode, Terminated, exit_code, one_line
+from sim.errors import ExitCode, exit_code, one_line
 from sim.pictures import gl
 
 
@@ -31,15 +35,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit code, `errors.ExitCode`.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    signal.signal(signal.SIGTERM, _terminate)
-    # Shells start background jobs deaf to SIGINT; whoever sends it to us means it.
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    interruption.listen()
     gl.choose()
     try:
         code = _execute(words)
         print(end="", flush=True)  # a reader that left must be noticed here
     except BaseException as error:  # a user's own Python may raise anything
-        return _fail(error, words)
+        return _fail(interruption.meant(error), words)
     return code
 
 
@@ -49,10 +51,6 @@ def _execute(words: Sequence[str]) -> int:
     except SystemExit as finished:  # --help
         return int(finished.code or ExitCode.OK)
     return int(options.execute(options) or ExitCode.OK)
-
-
-def _terminate(number: int, frame: object) -> NoReturn:
-    raise Terminated
 
 
 def _fail(error: BaseException, words: Sequence[str]) -> int:
@@ -91,7 +89,3 @@ def _silence_output() -> None:
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-
-
-if __name__ == "__main__":
-    runpy.run_module("sim.start", run_name="__main__")  # as the installed command

@@ -19,6 +19,7 @@ from models import (
     UnknownRobotError,
 )
 from planner import PlannerError
+from sim.interruption import Terminated
 
 LONGEST = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
@@ -90,10 +91,6 @@ class SweepError(StratawalkError):
     """A sweep whose points could not all be walked."""
 
     exit_code = ExitCode.SWEEP
-
-
-class Terminated(KeyboardInterrupt):
-    """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
 
 
 _EXIT_CODES: dict[type[BaseException], ExitCode] = {

@@ -16,20 +16,25 @@ ENDS = {
     signal.SIGINT: (130, "interrupted: Ctrl-C"),
     signal.SIGTERM: (143, "terminated: SIGTERM"),
 }
+INTERRUPTED = (130, 143)
 
 
 def main() -> int:
     """Run the command in a process of its own; its exit code."""
     for number in ENDS:
         signal.signal(number, _end_early)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
     _prepare_streams()
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # libraries' hints to programmers
-    from sim.cli import main as run
+    from sim import cli, interruption
 
-    code = run()
+    interruption.watch()
+    code = cli.main()
     for number in ENDS:  # all is done and said
         signal.signal(number, signal.SIG_IGN)
+    if code in INTERRUPTED:  # libraries take a second to be taken down
+        os._exit(code)
     return code
 
 

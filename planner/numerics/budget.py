@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from planner.errors import BudgetError
 
 
-@dataclass
+@dataclass(eq=False)
 class _Budget:
     seconds: float
     began: float
@@ -25,6 +25,8 @@ class _Budget:
 
 
 _current: ContextVar[_Budget | None] = ContextVar("budget", default=None)
+_open: list[_Budget] = []  # of all threads, the innermost last
+_ANSWERED = "answered with the best so far"
 
 
 @contextmanager
@@ -42,14 +44,31 @@ def limited(
     """
     budget = _Budget(seconds, time.monotonic(), report)
     token = _current.set(budget)
+    _open.append(budget)
     try:
         yield
-    except KeyboardInterrupt as stop:
+    except BaseException as stop:
         if budget.best:
             stop.add_note(f"planning had come to {budget.best}")
         raise
     finally:
+        _open.remove(budget)
         _current.reset(token)
+
+
+def best_so_far() -> str:
+    """The best that the searches going on have found, in words; empty if nothing."""
+    return next((budget.best for budget in reversed(_open) if budget.best), "")
+
+
+def answer(stop: KeyboardInterrupt) -> None:
+    """Note that a search has answered an interruption with its best, and goes on."""
+    stop.add_note(_ANSWERED)
+
+
+def was_answered(stop: KeyboardInterrupt) -> bool:
+    """Whether a search has answered an interruption with its best."""
+    return _ANSWERED in getattr(stop, "__notes__", ())
 
 
 def tick(best: str = "") -> None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
+from planner.numerics.budget import answer
 from planner.optimisation.guesses import Coarse, guesses
 from planner.optimisation.program import Program
 from planner.optimisation.task import Solution, Task
@@ -116,9 +117,10 @@ class Search:
         self._best = None
         try:
             self._explore(window, count)
-        except KeyboardInterrupt:
-            if self._best is None:
-                raise
+        except KeyboardInterrupt as stop:
+            if self._best is None or type(stop) is not KeyboardInterrupt:
+                raise  # nothing is found, or there is no time to go on
+            answer(stop)
             self.hurried = True
         return self._best
 
