@@ -83,7 +83,11 @@ from .numerics.budget import (
     best_so_far as best_so_far,
     limited as limited,
     tick as tick,
-    was_answered as was_answered,
+)
+from .numerics.interruption import (
+    forget_interruption as forget_interruption,
+    note_interruption as note_interruption,
+    unanswered_interruption as unanswered_interruption,
 )
 from .optimisation.corridor import (
     Tolerance as Tolerance,

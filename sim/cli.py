@@ -5,16 +5,15 @@ Errors end it with one line and an exit code. The commands are in `sim.commands`
 
 from __future__ import annotations
 
-import sys
+import runpy
 
 if __name__ == "__main__":  # begin as the installed command does, before all else loads
-    from sim.start import main
-
-    sys.exit(main())
+    runpy.run_module("sim.start", run_name="__main__")  # which exits
 
 import json
 import os
 import select
+import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress

@@ -10,13 +10,21 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import NoReturn
 
-from planner import best_so_far, remove_unfinished, was_answered
+from planner import (
+    best_so_far,
+    forget_interruption,
+    note_interruption,
+    remove_unfinished,
+    unanswered_interruption,
+)
 
 ENDS = {
     signal.SIGINT: (130, "interrupted: Ctrl-C"),
@@ -29,16 +37,12 @@ class Terminated(KeyboardInterrupt):
     """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
 
 
-class _Last:
-    """The last signal: what it raised, and when the command noticed it."""
-
-    stop: KeyboardInterrupt | None = None
-    noticed = -PATIENCE
+_noticed = [-PATIENCE]  # when the command noticed the last signal [s]
 
 
 def listen() -> None:
     """Answer signals from now on; whoever sends SIGINT to a background job means it."""
-    _Last.stop = None
+    forget_interruption()
     for number in ENDS:
         signal.signal(number, _raise)
 
@@ -51,13 +55,23 @@ def watch() -> None:
     threading.Thread(target=_wait, args=(reader,), daemon=True).start()
 
 
+@contextmanager
+def deaf() -> Iterator[None]:
+    """Start processes that leave it to this one to answer signals, and to end them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def meant(error: BaseException) -> BaseException:
     """The interruption that an error stands for, or the error itself.
 
     Libraries written in C answer an exception raised inside them with one of their own,
     for example that an import failed.
     """
-    stop = _unanswered()
+    stop = unanswered_interruption()
     if stop is None or isinstance(error, KeyboardInterrupt):
         return error
     for note in getattr(error, "__notes__", ()):
@@ -66,17 +80,17 @@ def meant(error: BaseException) -> BaseException:
 
 
 def _raise(number: int, frame: FrameType | None) -> NoReturn:
-    _Last.noticed = time.monotonic()
-    if _unanswered() is not None:
+    _noticed[0] = time.monotonic()
+    if unanswered_interruption() is not None:
         _end_now(number, "for the second time")
-    _Last.stop = Terminated() if number == signal.SIGTERM else KeyboardInterrupt()
-    raise _Last.stop
+    stop = Terminated() if number == signal.SIGTERM else KeyboardInterrupt()
+    note_interruption(stop, _tell_that_work_goes_on)
+    raise stop
 
 
-def _unanswered() -> KeyboardInterrupt | None:
-    """The last interruption, unless a search has answered it with its best."""
-    stop = _Last.stop
-    return None if stop is None or was_answered(stop) else stop
+def _tell_that_work_goes_on() -> None:
+    line = "Ctrl-C ended the search, whose best plan is taken; press it again to end"
+    print(f"stratawalk: warning: {line}", file=sys.stderr)
 
 
 def _wait(reader: int) -> None:
@@ -84,7 +98,7 @@ def _wait(reader: int) -> None:
         began = time.monotonic()
         time.sleep(PATIENCE)
         for number in ENDS.keys() & set(signals):
-            if _Last.noticed < began - PATIENCE:
+            if _noticed[0] < began - PATIENCE:
                 _end_now(number, "during a long step")
 
 

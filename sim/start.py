@@ -6,6 +6,7 @@ command as it does later on.
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
@@ -33,7 +34,8 @@ def main() -> int:
     code = cli.main()
     for number in ENDS:  # all is done and said
         signal.signal(number, signal.SIG_IGN)
-    if code in INTERRUPTED:  # libraries take a second to be taken down
+    if code in INTERRUPTED:  # taking all libraries down would take another second
+        atexit._run_exitfuncs()
         os._exit(code)
     return code
 

@@ -14,6 +14,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 
 from planner.errors import BudgetError
+from planner.numerics.interruption import reraise
 
 
 @dataclass(eq=False)
@@ -26,7 +27,6 @@ class _Budget:
 
 _current: ContextVar[_Budget | None] = ContextVar("budget", default=None)
 _open: list[_Budget] = []  # of all threads, the innermost last
-_ANSWERED = "answered with the best so far"
 
 
 @contextmanager
@@ -61,16 +61,6 @@ def best_so_far() -> str:
     return next((budget.best for budget in reversed(_open) if budget.best), "")
 
 
-def answer(stop: KeyboardInterrupt) -> None:
-    """Note that a search has answered an interruption with its best, and goes on."""
-    stop.add_note(_ANSWERED)
-
-
-def was_answered(stop: KeyboardInterrupt) -> bool:
-    """Whether a search has answered an interruption with its best."""
-    return _ANSWERED in getattr(stop, "__notes__", ())
-
-
 def tick(best: str = "") -> None:
     """Say that a search goes on.
 
@@ -80,6 +70,7 @@ def tick(best: str = "") -> None:
     Raises:
         BudgetError: If its time is over.
     """
+    reraise()
     budget = _current.get()
     if budget is None:
         return

@@ -17,7 +17,7 @@ import numpy as np
 from planner.numerics.arrays import Array
 from planner.optimisation.dynamics import STEPS, curve_function, stage_function
 from planner.optimisation.requirements import Requirements
-from planner.optimisation.solver import QUIET, WARM, solver
+from planner.optimisation.solver import QUIET, WARM, interruptible, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.unknowns import Unknowns
@@ -94,13 +94,14 @@ class Program:
         lowest, highest = self.unknowns.bounds(start, places, goal)
         least, most = self._requirements.bounds(tighter)
         compiled = self._near if near else self._solver
-        found = compiled(
-            x0=self.unknowns.packed(guess),
-            lbx=lowest,
-            ubx=highest,
-            lbg=least,
-            ubg=most,
-        )
+        with interruptible():
+            found = compiled(
+                x0=self.unknowns.packed(guess),
+                lbx=lowest,
+                ubx=highest,
+                lbg=least,
+                ubg=most,
+            )
         if not compiled.stats()["success"]:
             return None
         values = np.array(found["x"])[:, 0]

@@ -17,7 +17,8 @@ import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
-from planner.numerics.budget import answer
+from planner.numerics.budget import tick
+from planner.numerics.interruption import answer
 from planner.optimisation.guesses import Coarse, guesses
 from planner.optimisation.program import Program
 from planner.optimisation.task import Solution, Task
@@ -155,6 +156,7 @@ class Search:
             starts = guesses(cycle, count, window.ends, self.coarse)
             for strokes in islice(starts, attempts):
                 guess = program.guess(strokes, window.start, window.ends)
+                tick()
                 here = program.solve(guess, window.ends, window.goal)
                 found |= here is not None
                 self._keep(here)
@@ -167,6 +169,8 @@ class Search:
             return
         if self._best is None or self.score(found) < self.score(self._best):
             self._best = found
+            stages, begin = len(found.strokes), float(found.places[0])
+            tick(f"{stages} stages from {begin:.0%} of the path on")
 
     def _program(self, count: int, first: int) -> Program:
         key = count, first % len(self.task.stages)

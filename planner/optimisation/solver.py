@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+import io
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr
+from typing import Any, TextIO
 
 import sympy as sp
 
 from planner.errors import PlannerError
+from planner.numerics.interruption import reraise, unanswered_interruption
 
 QUIET: dict[str, Any] = {
     "ipopt.print_level": 0,
@@ -52,6 +56,27 @@ def solver() -> Any:
     except ImportError as error:
         raise MissingSolverError from error
     return casadi
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Let Ctrl-C through, which CasADi swallows with a line of its own."""
+    with redirect_stderr(_Filter(sys.stderr)):
+        yield
+    reraise()
+
+
+class _Filter(io.TextIOBase):
+    """A stream without what CasADi says of Ctrl-C."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def write(self, text: str) -> int:
+        return len(text) if unanswered_interruption() else self._stream.write(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
 
 
 def casadi_function(

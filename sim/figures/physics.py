@@ -8,13 +8,14 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import count
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 
 import numpy as np
 
 from planner import Array, Flow
 from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.passage import commanded
+from sim.interruption import deaf
 from sim.motion.poses import rotate
 from sim.motion.schedule import Phase
 from sim.preparation.setup import Setup, prepare
@@ -111,12 +112,15 @@ def begun(
     with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
         try:
             later_first = list(jobs)[::-1]  # later figures walk farther
-            walks = {name: pool.submit(perform, jobs[name]) for name in later_first}
+            with deaf():
+                walks = {name: pool.submit(perform, jobs[name]) for name in later_first}
             for walk in walks.values():
                 walk.add_done_callback(tell)
             yield walks
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
+            for process in active_children():
+                process.kill()
             raise
 
 

@@ -6,6 +6,8 @@ diverges; its warnings are therefore checked after every stretch.
 
 from __future__ import annotations
 
+import dataclasses
+import time
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,7 +21,9 @@ from sim.errors import SimulationError
 
 OF_SPEED = (mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 KEPT = 100  # states before a divergence
-STRETCH = 4000  # steps handed to the engine at once: a tenth of a second of work
+STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
+FIRST = 50  # steps handed to the engine at once to begin with
+PATIENCE = 0.3  # [s] that it may be busy at once, Ctrl-C waits meanwhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +54,8 @@ class Engine:
             keyframe=model.key("start").id, stage=mujoco.mjtStage.mjSTAGE_NONE.value
         )
         self._warnings = self._batch.warning.copy()
-        self._before: Record | None = None  # what led to the state now
+        self._recent: State | None = None  # what led to the state now, (n, ...) each
+        self._piece = FIRST
         self.last: State | None = None  # states before a divergence, (n, ...) each
         self.steps = 0
 
@@ -75,6 +80,18 @@ class Engine:
             SimulationError: If a command is not finite, or the simulation diverges.
         """
         self._check_commands(ctrl)
+        parts, done = [], 0
+        while done < len(ctrl):
+            parts.append(self._play(ctrl[done : done + self._piece]))
+            done += len(parts[-1].qpos)
+        if len(parts) == 1:
+            return parts[0]
+        fields = (field.name for field in dataclasses.fields(Record))
+        return Record(*(np.concatenate([getattr(p, f) for p in parts]) for f in fields))
+
+    def _play(self, ctrl: Array) -> Record:
+        """Apply commands at once, and measure how many may be next time."""
+        began = time.perf_counter()
         items = ("qpos", "qvel", "sensordata", "actuator_force")
         try:
             out = self._batch.rollout(len(ctrl), control=ctrl[None], record=items)
@@ -82,8 +99,10 @@ class Engine:
             raise self._failure(str(error), 0) from error
         record = Record(*(out[item][0] for item in items))
         self._check_warnings(record)
-        self._before = record
+        self._recent = self._last(record, len(ctrl))
         self.steps += len(ctrl)
+        a_step = (time.perf_counter() - began) / len(ctrl)
+        self._piece = min(max(int(PATIENCE / a_step), 1), 4 * self._piece, STRETCH)
         return record
 
     def _check_commands(self, ctrl: Array) -> None:
@@ -123,13 +142,12 @@ class Engine:
 
     def _last(self, record: Record, count: int) -> State:
         """States of the last steps up to one of a record, at most `KEPT`."""
-        parts = [record] if self._before is None else [self._before, record]
-        length = (0 if self._before is None else len(self._before.qpos)) + count
-        kept = slice(max(length - KEPT, 0), length)
-        return State(
-            np.concatenate([part.qpos for part in parts])[kept],
-            np.concatenate([part.qvel for part in parts])[kept],
-        )
+        new = slice(max(count - KEPT, 0), count)
+        last = State(record.qpos[new], record.qvel[new])
+        if self._recent is None or count >= KEPT:
+            return last
+        pairs = zip(self._recent, last, strict=True)
+        return State(*(np.concatenate(pair)[-KEPT:] for pair in pairs))
 
     def _failure(self, what: str, step: int) -> SimulationError:
         time = (self.steps + step) * self.model.opt.timestep

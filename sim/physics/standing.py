@@ -28,7 +28,7 @@ from sim.world.sensors import contact_sensor
 from sim.world.walls import PREFIX
 
 SETTLING = 0.5  # [s]
-CHUNK = 50  # steps between two looks at whether Ctrl-C was pressed
+CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
 SHORTER = (0.002, 0.001, 0.0005)  # timesteps to try where a longer one fails [s]
 MOST = 4000  # steps, for tiny timesteps
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from planner import Array, BoundError, point
+from planner import Array, BoundError, point, tick
 from sim.errors import UsageError
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.preparation.setup import Setup
@@ -157,6 +157,7 @@ class _Search:
 
     def is_free(self, x: float, y: float, yaw: float) -> bool:
         """Whether the robot keeps its distance when it stands there."""
+        tick()
         if not shapely.intersects_xy(self._near, x, y):
             return True
         cos, sin = math.cos(yaw), math.sin(yaw)

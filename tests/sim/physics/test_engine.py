@@ -1,5 +1,7 @@
 """The engine against a bare loop, and what it does when physics goes wrong."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
@@ -46,6 +48,25 @@ def test_stretches_are_bit_for_bit_a_bare_loop_over_mj_step(model, wobble):
     )
     assert engine.steps == len(wobble)
     assert np.array_equal(engine.state.qpos, records[-1].qpos[-1])
+
+
+@pytest.mark.physics
+def test_an_engine_of_a_slow_model_gives_python_its_turn(model, wobble, monkeypatch):
+    """Between two of its calls Ctrl-C is answered; the states do not depend on them."""
+    whole, calls = Engine(model).advance(wobble[:300]), []
+    monkeypatch.setattr("sim.physics.engine.PATIENCE", 0.0)  # as if very slow
+    engine = Engine(model)
+    rollout = engine._batch.rollout
+
+    def counted(steps, **rest):
+        calls.append(steps)
+        return rollout(steps, **rest)
+
+    engine._batch = SimpleNamespace(rollout=counted, warning=engine._batch.warning)
+    pieces = engine.advance(wobble[:300])
+    assert calls == [50] + 250 * [1]
+    assert np.array_equal(pieces.qpos, whole.qpos)
+    assert np.array_equal(pieces.sensordata, whole.sensordata)
 
 
 @pytest.mark.physics

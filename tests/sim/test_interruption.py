@@ -1,0 +1,137 @@
+"""Ctrl-C and SIGTERM are answered within a second, whatever the command is doing."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from planner.files import whole_file
+from planner.numerics.budget import limited, tick
+from sim import interruption
+
+BUSY = """
+import os, sys, threading
+import mujoco
+from pathlib import Path
+from planner import limited, tick, whole_file
+from sim import interruption
+
+interruption.listen()
+interruption.watch()
+model = mujoco.MjModel.from_xml_string("<mujoco/>")
+data = mujoco.MjData(model)
+with whole_file(Path("a.txt")) as part, limited(60.0):
+    part.write_text("half")
+    tick("8 segments")
+    send = threading.Timer(0.5, os.kill, (os.getpid(), int(sys.argv[1])))
+    send.start()  # when the engine has been at work for long
+    mujoco.mj_step(model, data, nstep=10**9)
+"""
+
+
+@pytest.fixture
+def listening():
+    """Answer signals as the command does, until the test is over."""
+    before = {number: signal.getsignal(number) for number in interruption.ENDS}
+    interruption.listen()
+    yield
+    interruption.listen()  # forget what was noted
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.parametrize("number", interruption.ENDS)
+def test_a_long_step_of_a_library_is_ended_with_the_best_so_far(tmp_path, number):
+    done = subprocess.run(
+        [sys.executable, "-c", BUSY, str(int(number))],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": os.getcwd()},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == interruption.ENDS[number][0]
+    (line,) = done.stderr.splitlines()
+    assert "during a long step, planning had come to 8 segments; " in line
+    assert list(tmp_path.iterdir()) == []
+
+
+def planned_with_a_library_of_its_own_errors():
+    with limited(60.0):
+        tick("3 segments")
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise ImportError("initialization failed") from None
+
+
+def test_an_interruption_that_a_library_makes_its_own_error_is_still_one(listening):
+    with pytest.raises(ImportError) as noted:
+        planned_with_a_library_of_its_own_errors()
+    stop = interruption.meant(noted.value)
+    assert isinstance(stop, interruption.Terminated)
+    assert stop.__notes__ == ["planning had come to 3 segments"]
+
+
+def test_other_errors_mean_themselves(listening):
+    error = ImportError("no module named so")
+    assert interruption.meant(error) is error
+
+
+def test_a_search_raises_again_what_a_library_swallowed(listening):
+    with pytest.raises(KeyboardInterrupt):
+        os.kill(os.getpid(), signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        tick()
+
+
+def test_a_second_signal_ends_at_once(tmp_path):
+    program = (
+        "import os, signal\n"
+        "from sim import interruption\n"
+        "interruption.listen()\n"
+        "try: os.kill(os.getpid(), signal.SIGINT)\n"
+        "finally: os.kill(os.getpid(), signal.SIGINT)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env=os.environ | {"PYTHONPATH": os.getcwd()},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 130
+    (line,) = done.stderr.splitlines()
+    assert "interrupted: Ctrl-C for the second time; " in line
+
+
+def test_processes_that_are_started_leave_signals_to_this_one():
+    program = "import signal; print(len(signal.pthread_sigmask(signal.SIG_BLOCK, ())))"
+    with interruption.deaf():
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True)
+    assert int(done.stdout) == 2
+    assert signal.pthread_sigmask(signal.SIG_BLOCK, ()) == set()
+
+
+def test_ctrl_c_ends_the_search_of_a_solver_that_swallows_it(listening, capfd):
+    from planner.optimisation.solver import interruptible
+
+    ca = pytest.importorskip("casadi")
+    x = ca.SX.sym("x", 10_000)  # a second of work
+    cost = ca.sumsqr(ca.sin(x[1:]) * x[:-1] - 1) + ca.sumsqr(ca.cos(3 * x))
+    quiet = {"ipopt.print_level": 0, "print_time": False, "ipopt.sb": "yes"}
+    solve = ca.nlpsol("s", "ipopt", {"x": x, "f": cost, "g": x[2:] * x[:-2]}, quiet)
+    signal.signal(signal.SIGALRM, signal.getsignal(signal.SIGINT))
+    signal.setitimer(signal.ITIMER_REAL, 0.1)
+    with pytest.raises(KeyboardInterrupt), interruptible():
+        solve(x0=1.3, lbg=-2, ubg=2)
+    assert capfd.readouterr().err == ""
+
+
+def test_files_being_written_are_removed_before_an_end_at_once(tmp_path):
+    with whole_file(tmp_path / "a.txt") as part:
+        part.write_text("half")
+        interruption.remove_unfinished()
+        assert not part.exists()
+        part.write_text("whole")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
