@@ -2,6 +2,11 @@ from .adoption.draft import (
     Draft as Draft,
     draft_card as draft_card,
 )
+from .adoption.proposal import (
+    Proposal as Proposal,
+    propose as propose,
+)
+from .adoption.servo import servo_for as servo_for
 from .adoption.source import (
     Source as Source,
     source_of as source_of,
@@ -68,6 +73,10 @@ from .motion.identified import (
     FailedField as FailedField,
     IdentifiedTwists as IdentifiedTwists,
     MeasuredField as MeasuredField,
+)
+from .motion.mobility import (
+    Mobility as Mobility,
+    mobility as mobility,
 )
 from .motion.real_contacts import (
     ContactField as ContactField,

@@ -10,10 +10,10 @@ import numpy as np
 
 from models.adoption.anatomy import Limb, Pose, find_limbs
 from models.adoption.pivots import Stand, posed, two_groups
+from models.adoption.servo import drafted_servo, has_servo
 from models.adoption.source import Source
 from models.adoption.standing import joint_span, standing_angles, stands
 from models.description.compiled import (
-    actuators_of,
     compile_model,
     named,
     root_body,
@@ -22,8 +22,6 @@ from models.description.robot import START
 from planner import Array
 
 LIFT = 0.3  # [rad]
-STIFF = 2500.0  # times the torque that a leg bears, for a radian
-FASTEST = 0.5  # of a servo's own frequency times the physics step of 0.5 ms
 
 
 @dataclass(frozen=True)
@@ -113,32 +111,15 @@ def _room(pose: Pose, limb: Limb) -> tuple[float, float]:
 def _servo(pose: Pose, limbs: Sequence[Limb]) -> tuple[float, float] | None:
     """Stiffness and damping for joints without a position servo; None if all have one.
 
-    Stiff enough to sag little under the robot's weight, and no stiffer than the physics
-    step can follow; damped critically.
+    Args:
+        pose: The model as it stands.
+        limbs: Its legs.
     """
-    model = pose.model
     joints = [joint for limb in limbs for joint in limb.joints]
-    if all(_has_servo(model, joint) for joint in joints):
+    if all(has_servo(pose.model, joint) for joint in joints):
         return None
-    inertia = np.zeros((model.nv, model.nv))
-    mujoco.mj_crb(model, pose.data)
-    mujoco.mj_fullM(model, pose.data, inertia)
-    places = [int(model.joint(joint).dofadr[0]) for joint in joints]
-    own = np.diag(inertia)[places]
-    mass = float(model.body_subtreemass[pose.root])
     arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
-    torque = mass * 9.81 * arm / (len(limbs) / 2)
-    stiffest = float(own.min()) * (FASTEST / 0.0005) ** 2
-    stiffness = max(min(STIFF * torque, stiffest), 100 * torque)
-    return stiffness, 2 * float(np.sqrt(stiffness * np.median(own)))
-
-
-def _has_servo(model: mujoco.MjModel, joint: str) -> bool:
-    return any(
-        model.actuator_gainprm[a, 0] > 0
-        and np.isclose(model.actuator_biasprm[a, 1], -model.actuator_gainprm[a, 0])
-        for a in actuators_of(model, joint)
-    )
+    return drafted_servo(pose, joints, arm, len(limbs))
 
 
 def _card(

@@ -73,9 +73,10 @@ def _report(
     *,
     as_json: bool,
 ) -> None:
+    from sim.preparation.inspection import Inspected
     from sim.preparation.robot_facts import describe, facts
 
-    found = facts(setup)
+    found = facts(Inspected.of(setup))
     written = [str(card), str(picture)]
     if source.text is not None:
         written.insert(0, str(source.path))

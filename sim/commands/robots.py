@@ -38,12 +38,12 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _show(options: argparse.Namespace) -> None:
+    from sim.preparation.inspection import inspected
     from sim.preparation.robot_facts import describe, facts
-    from sim.preparation.setup import prepare
     from sim.scenarios.file import load_scenario
 
     scenario = load_scenario("line", {"robot": options.robot})
-    found = facts(prepare(scenario, robot_of(options, scenario.robot)))
+    found = facts(inspected(scenario, robot_of(options, scenario.robot)))
     print(json.dumps(found, indent=1) if options.json else describe(found))
 
 

@@ -2,35 +2,41 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from models import Lifting, strata
+from models import Kinematics, Lifting, Robot, strata
 from sim.motion.stability import stability_margin
-from sim.preparation.setup import Setup
+from sim.preparation.inspection import Inspected
 
 Facts = dict[str, Any]
 TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told
 
 
-def facts(setup: Setup) -> Facts:
-    """Mass, legs, groups, fields and margins of a robot that can be used."""
-    robot, kinematics = setup.robot, setup.kinematics
+def facts(subject: Inspected) -> Facts:
+    """Mass, legs, groups, fields and margins of a robot that stands.
+
+    Args:
+        subject: The robot.
+    """
+    robot, kinematics = subject.robot, subject.kinematics
     stance = kinematics.stance(np.zeros(len(robot.groups)))
-    lifting = Lifting(kinematics)
+    lifting, lift = Lifting(kinematics), subject.lift_angle
+    moved, can = subject.equations, subject.mobility
     return {
         "name": robot.name,
         "description": robot.card.description,
         "mass": float(robot.model.body_subtreemass[robot.model.body(robot.root).id]),
         "weight_height": float(kinematics.center_of_mass[2] - stance.height.min()),
         "lift": {
-            "angle": setup.limits.lift_angle,
-            "height": float(lifting.rise(np.array(setup.limits.lift_angle)).min()),
+            "angle": lift,
+            "height": float(lifting.rise(np.array(lift)).min()),
             "highest": lifting.highest,
         },
         "legs": {
-            str(leg): _leg(setup, leg, foot)
+            str(leg): _leg(robot, leg, foot)
             for leg, foot in zip(robot.legs, stance.feet, strict=True)
         },
         "groups": {
@@ -41,18 +47,24 @@ def facts(setup: Setup) -> Facts:
             for name, group in robot.card.groups.items()
         },
         "gait": list(robot.card.gait),
-        "let_down": setup.world.let_down,
+        "let_down": subject.let_down,
         "fields": {
             name: [float(rate) for rate in twist]
-            for name, twist in setup.equations.twists.items()
+            for name, twist in ({} if moved is None else moved.twists).items()
             if any(twist)
         },
-        "margins": {stratum: _margin(setup, stratum) for stratum in strata(robot)},
+        "strokes": {
+            cost.direction: cost.strokes
+            for cost in (() if can is None else can.costs)
+            if isfinite(cost.strokes)
+        },
+        "lacks": list(subject.lacks),
+        "margins": {name: _margin(kinematics, name) for name in strata(robot)},
     }
 
 
-def _leg(setup: Setup, leg: int, foot: np.ndarray) -> Facts:
-    robot, card = setup.robot, setup.robot.card.legs[leg]
+def _leg(robot: Robot, leg: int, foot: np.ndarray) -> Facts:
+    card = robot.card.legs[leg]
     return {
         "foot": [float(c) for c in foot],
         "swing": {"joint": card.swing, "range": list(robot.span(card.swing))},
@@ -61,10 +73,10 @@ def _leg(setup: Setup, leg: int, foot: np.ndarray) -> Facts:
     }
 
 
-def _margin(setup: Setup, stratum: str) -> float:
+def _margin(kinematics: Kinematics, stratum: str) -> float:
     """Stability margin with all legs at angle 0 [m]."""
-    stance = setup.kinematics.stance(np.zeros((1, len(setup.robot.groups))))
-    on = setup.robot.planted(stratum)[None]
+    stance = kinematics.stance(np.zeros((1, len(kinematics.robot.groups))))
+    on = kinematics.robot.planted(stratum)[None]
     return float(stability_margin(stance.feet, on, stance.center_of_mass)[0])
 
 
@@ -89,10 +101,19 @@ def describe(robot: Facts) -> str:
     for name, group in robot["groups"].items():
         legs = " ".join(map(str, group["legs"]))
         lines.append(f"{name:6}{_range(group['swing']):22}{legs}")
-    lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
+    if robot["fields"]:
+        lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
     for name, (forward, left, yaw) in robot["fields"].items():
         lines.append(f"{name:18}{forward:8.4f}{left:9.4f}{yaw:9.4f}")
+    lines += _strokes(robot["strokes"])
+    lines += [f"{'' if k else 'lacks':12}{s}" for k, s in enumerate(robot["lacks"])]
     return "\n".join(lines)
+
+
+def _strokes(strokes: dict[str, float]) -> list[str]:
+    """What a metre or a radian of each direction takes."""
+    costs = [f"{count:.3g} a unit of {name}" for name, count in strokes.items()]
+    return ["", f"{'strokes':12}{', '.join(costs)}"] if costs else []
 
 
 def _let_down(height: float) -> list[str]:

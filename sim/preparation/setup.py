@@ -164,7 +164,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     servo = servo_settings(scenario, robot.card)
     world = build(robot, scenario)
     kinematics, model = Kinematics(robot), load_world(world)
-    lift = _lift_angle(kinematics, scenario.lift_height)
+    lift = lift_angle(kinematics, scenario.lift_height)
     check_standing(kinematics, model, lift)
     return Setup(
         scenario=scenario,
@@ -200,8 +200,16 @@ def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:
         raise UsageError(what, "degree", remedy) from error
 
 
-def _lift_angle(kinematics: Kinematics, height: float | None) -> float:
-    """Angle that raises every foot by a height; the card's own if none is asked for."""
+def lift_angle(kinematics: Kinematics, height: float | None) -> float:
+    """Angle that raises every foot by a height; the card's own if none is asked for.
+
+    Args:
+        kinematics: Of the robot.
+        height: How far the feet are to rise [m].
+
+    Raises:
+        UsageError: The lift joints do not reach as far.
+    """
     robot, lifting = kinematics.robot, Lifting(kinematics)
     if height is None:
         return robot.card.lift_angle

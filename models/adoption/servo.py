@@ -1,0 +1,76 @@
+"""Servos for joints that have none: stiff enough to bear the robot with little sag."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from models.adoption.anatomy import Pose
+from models.contact.kinematics import Kinematics
+from models.description.card import Servo
+from models.description.compiled import actuators_of
+from models.description.robot import Robot
+
+STIFF = 2500.0  # times the torque that a leg bears, for a radian
+TIMESTEP = 0.0005  # [s] of the physics, unless a scenario sets another
+SETTLING = 4  # physics steps in which an error falls to a third, at least
+
+
+def servo_for(robot: Robot) -> Servo:
+    """A servo that suits all leg joints of a robot.
+
+    Args:
+        robot: Robot whose card gives none.
+    """
+    kinematics = Kinematics(robot)
+    feet = kinematics.stance(np.zeros(len(robot.groups))).feet
+    model = robot.model
+    pose = Pose.at(model, model.body(robot.root).id, robot.start_qpos)
+    legs = [robot.card.legs[leg] for leg in robot.legs]
+    hips = np.array([pose.data.joint(leg.swing).xanchor[:2] for leg in legs])
+    arm = float(np.linalg.norm(feet - hips, axis=1).max())
+    joints = [joint for leg in legs for joint in leg.joints]
+    stiffness, damping = drafted_servo(pose, joints, arm, len(legs))
+    return Servo(stiffness, damping)
+
+
+def drafted_servo(
+    pose: Pose, joints: Sequence[str], arm: float, legs: int
+) -> tuple[float, float]:
+    """Stiffness [N m/rad] and damping [N m s/rad] of a servo for some joints.
+
+    Half of the legs are to bear the weight with little sag. The damping is critical, or
+    larger where the inertia of the joints alone is too small for the physics step to
+    follow such a stiffness.
+
+    Args:
+        pose: The model as it stands.
+        joints: Names of the joints.
+        arm: Distance of a foot from its hip [m].
+        legs: Number of legs.
+    """
+    model = pose.model
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_crb(model, pose.data)
+    mujoco.mj_fullM(model, pose.data, inertia)
+    own = np.diag(inertia)[[int(model.joint(name).dofadr[0]) for name in joints]]
+    weight = 9.81 * float(model.body_subtreemass[pose.root])
+    stiffness = STIFF * weight * arm / (legs / 2)
+    critical = 2 * float(np.sqrt(stiffness * np.median(own)))
+    return stiffness, max(critical, SETTLING * TIMESTEP * stiffness)
+
+
+def has_servo(model: mujoco.MjModel, joint: str) -> bool:
+    """Whether a position servo drives a joint.
+
+    Args:
+        model: Model of the robot.
+        joint: Name of the joint.
+    """
+    return any(
+        model.actuator_gainprm[a, 0] > 0
+        and np.isclose(model.actuator_biasprm[a, 1], -model.actuator_gainprm[a, 0])
+        for a in actuators_of(model, joint)
+    )

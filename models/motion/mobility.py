@@ -1,0 +1,100 @@
+"""Where the swings that steer a robot can take it, and why they take it nowhere else.
+
+Two swings move the body, each about its pivot or straight ahead, and their bracket
+moves it across. The three give every direction unless the pivots coincide, or neither
+swing turns the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+
+from models.contact.kinematics import Kinematics
+from models.description.card import Twist
+from models.description.robot import Robot
+from models.motion.equations_of_motion import POSE
+from models.motion.robot_equations import Equations
+from planner import AFFORDABLE, DirectionCost, PlannerError, stroke_costs
+
+WAYS = dict(
+    zip(map(str, POSE), ("go forward", "go sideways", "turn"), strict=True)
+)
+STRAIGHT = 1e-3  # rad of yaw while the body moves by the size of its stance
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """What the swings of a robot can do.
+
+    Attributes:
+        costs: Strokes for a metre of x and y, and for a radian of yaw.
+        lacking: What the robot cannot do, such as `go sideways`; empty if nothing.
+        reason: Why it cannot, in words; empty if nothing lacks.
+    """
+
+    costs: tuple[DirectionCost, ...]
+    lacking: tuple[str, ...]
+    reason: str
+
+
+def mobility(robot: Robot, described: Equations) -> Mobility:
+    """What the swings of a robot can do from where it stands.
+
+    Args:
+        robot: Robot in question.
+        described: Its equations.
+    """
+    costs = _costs(described)
+    reached = {cost.direction for cost in costs if not cost.in_theory_only}
+    lacking = tuple(words for name, words in WAYS.items() if name not in reached)
+    reason = _reason(robot, described) if lacking else ""
+    return Mobility(costs, lacking, reason)
+
+
+def _costs(described: Equations) -> tuple[DirectionCost, ...]:
+    """Of the pose's coordinates; without the bracket where that vanishes."""
+    system, elements = described.system, described.elements
+    at = np.zeros(system.dimension)
+    try:
+        found = stroke_costs(system, elements, at, described.strokes)
+    except PlannerError:
+        found = stroke_costs(system, elements[:-1], at, described.strokes)
+    return tuple(cost for cost in found if cost.direction in WAYS)
+
+
+def _reason(robot: Robot, described: Equations) -> str:
+    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
+    size = float(np.linalg.norm(stance.feet, axis=1).mean())
+    first, second = (described.twists[name] for name in described.elements[:2])
+    turning = [_turns(twist, size) for twist in (first, second)]
+    if not any(turning):
+        return (
+            "neither of its two strokes turns the body: the legs of a group are "
+            "parallel and carry it straight along"
+        )
+    if all(turning):
+        (x, y), (u, v) = _pivot(first), _pivot(second)
+        apart = hypot(x - u, y - v)
+        return (
+            f"both strokes turn the body about nearly the same point, ({x:.4f}, "
+            f"{y:.4f}) m, where the legs of both groups, produced inward, meet: their "
+            f"pivots are {1e3 * apart:.3g} mm apart"
+        )
+    return (
+        f"its strokes are short: even {AFFORDABLE:,.0f} of them make no unit of the "
+        "directions that are missing"
+    )
+
+
+def _turns(twist: Twist, size: float) -> bool:
+    forward, left, yaw = twist
+    return abs(yaw) * size > STRAIGHT * hypot(forward, left)
+
+
+def _pivot(twist: Twist) -> tuple[float, float]:
+    """The point of the body that a stroke leaves where it is [m]."""
+    forward, left, yaw = twist
+    return -left / yaw, forward / yaw

@@ -1,0 +1,131 @@
+"""A robot as it can be looked at, whether or not it can walk everywhere.
+
+What it lacks for walking is put into words. A robot that cannot even stand is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from models import (
+    Equations,
+    Kinematics,
+    Mobility,
+    ModelError,
+    Robot,
+    equations,
+    mobility,
+    propose,
+    servo_for,
+)
+from sim.physics.standing import check_standing
+from sim.preparation.setup import Setup, lift_angle
+from sim.scenarios.scenario import Scenario
+from sim.world.model import build, load as load_world
+from sim.world.servos import joints_without_servo
+
+
+@dataclass(frozen=True, eq=False)
+class Inspected:
+    """A robot that stands, with what can be said of it.
+
+    Attributes:
+        robot: The robot.
+        kinematics: Its kinematics.
+        lift_angle: Angle that raises its feet [rad].
+        let_down: How far it had to be lowered onto the floor [m].
+        equations: Its equations; None if its gait gives it none.
+        mobility: What its swings can do; None without equations.
+        lacks: What it lacks, a sentence each, with what would change that.
+    """
+
+    robot: Robot
+    kinematics: Kinematics
+    lift_angle: float
+    let_down: float
+    equations: Equations | None
+    mobility: Mobility | None
+    lacks: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, setup: Setup) -> Inspected:
+        """A robot that is set up to walk."""
+        return cls(
+            robot=setup.robot,
+            kinematics=setup.kinematics,
+            lift_angle=setup.limits.lift_angle,
+            let_down=setup.world.let_down,
+            equations=setup.equations,
+            mobility=mobility(setup.robot, setup.equations),
+        )
+
+
+def inspected(scenario: Scenario, robot: Robot) -> Inspected:
+    """Look at a robot; what keeps it from walking is told, not refused.
+
+    Args:
+        scenario: Settings of the physics in which it is to stand.
+        robot: Robot to look at.
+
+    Raises:
+        ModelError: If it does not stand.
+        UsageError: If a setting asks for what the robot cannot do.
+    """
+    lacks = []
+    robot, said = _with_servos(robot)
+    lacks += said
+    world, kinematics = build(robot, scenario), Kinematics(robot)
+    angle = lift_angle(kinematics, scenario.lift_height)
+    check_standing(kinematics, load_world(world), angle)
+    described, found = None, None
+    try:
+        described = equations(robot, scenario.fields)
+    except ModelError as refusal:
+        lacks.append(str(refusal))
+    if described is not None:
+        found = mobility(robot, described)
+        lacks += _immobile(robot, found)
+    return Inspected(
+        robot, kinematics, angle, world.let_down, described, found, tuple(lacks)
+    )
+
+
+def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
+    """The robot, given servos where its card has none, and what to say of that."""
+    without = joints_without_servo(robot)
+    if not without or robot.card.servo is not None:
+        return robot, []
+    servo = servo_for(robot)
+    names = ", ".join(map(repr, without[:3])) + (", ..." if without[3:] else "")
+    said = (
+        f"servos: joints {names} have no position servo, and the card gives none; "
+        f"write [servo] with stiffness = {servo.stiffness:.4g} and damping = "
+        f"{servo.damping:.4g}, with which it stands"
+    )
+    return replace(robot, card=replace(robot.card, servo=servo)), [said]
+
+
+def _immobile(robot: Robot, found: Mobility) -> Iterator[str]:
+    """Why a robot cannot go everywhere, and what would change that."""
+    if not found.lacking:
+        return
+    yield f"it cannot {' or '.join(found.lacking)}: {found.reason}"
+    with suppress(ModelError):
+        yield remedy(robot)
+
+
+def remedy(robot: Robot) -> str:
+    """What would let a robot go everywhere, tried beforehand.
+
+    Args:
+        robot: Robot that cannot.
+    """
+    proposal = propose(robot)
+    if proposal is None:
+        return (
+            "what would help: legs mounted elsewhere or with more room to swing; no "
+            "groups and posture of these legs were found in which it goes everywhere"
+        )
+    return f"what would help: {proposal}; adopt a copy of its file without a card"
