@@ -22,6 +22,7 @@ from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
+from sim.preparation.reach import explained
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.scenarios.scenario import Scenario
@@ -119,8 +120,8 @@ def simulate(
         PlannerError: If there is no plan.
         ModelError: If the robot cannot be used.
         UsageError: If the walk takes more steps or memory than there can be.
-        SimulationError: If the plan tips the robot over or makes legs collide, or the
-            physics diverges.
+        SimulationError: If the robot cannot go there, the plan tips it over or makes
+            legs collide, or the physics diverges.
     """
     timing: dict[str, float] = {}
     aside: Aside = (0.0, 0.0, 0.0)
@@ -160,7 +161,8 @@ def simulate(
 
 def _prepared(scenario: Scenario, planned: PlannedWalk, aside: Aside) -> Prepared:
     setup = planned.setup.beside(aside)
-    plan = None if scenario.replan else planned.plan(aside)
+    with explained(setup.robot, setup.equations):
+        plan = None if scenario.replan else planned.plan(aside)
     if plan is not None:
         require_sound(setup, plan)
     steps = expected_steps(setup, plan)

@@ -15,6 +15,8 @@ from models.motion.mobility import Mobility, mobility
 from models.motion.robot_equations import equations
 from planner import PlannerError
 
+UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}
+
 
 @dataclass(frozen=True)
 class Proposal:
@@ -30,10 +32,8 @@ class Proposal:
 
     def __str__(self) -> str:
         costs = (
-            f"{cost.strokes:.3g} strokes a {'radian' if name == 'theta' else 'metre'} "
-            f"of {name}"
+            f"{cost.strokes:,.0f} strokes a {UNITS[cost.direction]}"
             for cost in self.mobility.costs
-            for name in (cost.direction,)
         )
         return (
             f"with its legs turned by up to {np.rad2deg(self.turned):.0f} degrees it "

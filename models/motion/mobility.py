@@ -19,9 +19,7 @@ from models.motion.equations_of_motion import POSE
 from models.motion.robot_equations import Equations
 from planner import AFFORDABLE, DirectionCost, PlannerError, stroke_costs
 
-WAYS = dict(
-    zip(map(str, POSE), ("go forward", "go sideways", "turn"), strict=True)
-)
+WAYS = dict(zip(map(str, POSE), ("go forward", "go sideways", "turn"), strict=True))
 STRAIGHT = 1e-3  # rad of yaw while the body moves by the size of its stance
 
 
@@ -79,8 +77,8 @@ def _reason(robot: Robot, described: Equations) -> str:
         (x, y), (u, v) = _pivot(first), _pivot(second)
         apart = hypot(x - u, y - v)
         return (
-            f"both strokes turn the body about nearly the same point, ({x:.4f}, "
-            f"{y:.4f}) m, where the legs of both groups, produced inward, meet: their "
+            f"both strokes turn the body about nearly the same point, ({x:z.3f}, "
+            f"{y:z.3f}) m, where the legs of both groups, produced inward, meet: their "
             f"pivots are {1e3 * apart:.3g} mm apart"
         )
     return (

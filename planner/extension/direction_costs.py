@@ -7,7 +7,7 @@ not tell the two apart; the number of strokes does.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
@@ -21,6 +21,7 @@ from planner.systems.strata import StratifiedSystem
 
 AFFORDABLE = 10_000.0
 """Strokes for a unit of a direction, beyond which it is given in theory only."""
+MISSED = 1e-6  # of a unit of any coordinate
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,30 +66,48 @@ def stroke_costs(
     matrix = extended.columns(np.asarray(at, dtype=float))  # (n, p)
     trees = [parse(name, system) for name in elements]
     prices = np.array([_price(tree, strokes) for tree in trees])
+    degrees = np.array([len(leaves(tree)) for tree in trees])
     joints = {index for index, _ in extended.shape.free.values()}
     moved = np.flatnonzero(np.abs(matrix).max(axis=1) > 0)
     return tuple(
-        _cost(str(system.state[i]), matrix, prices, int(i), elements)
+        _cost(str(system.state[i]), matrix, prices, degrees, int(i), elements)
         for i in moved
         if int(i) not in joints
     )
 
 
 def _cost(
-    name: str, matrix: Array, prices: Array, row: int, elements: Sequence[str]
+    name: str,
+    matrix: Array,
+    prices: Array,
+    degrees: Array,
+    row: int,
+    elements: Sequence[str],
 ) -> DirectionCost:
+    """The strokes for a unit of one row, by elements of low degree if they suffice.
+
+    What is missed may be a millionth of a unit: nobody pays for cancelling that.
+    """
     unit = np.eye(len(matrix))[row]
     scaled = matrix / prices  # one stroke of each
-    size = np.abs(scaled).max(axis=1, keepdims=True)
-    rows = size[:, 0] > 0
-    amounts, *_ = np.linalg.lstsq(
-        (scaled / np.where(size > 0, size, 1.0))[rows],
-        (unit / np.where(size[:, 0] > 0, size[:, 0], 1.0))[rows],
-        rcond=None,
-    )
-    missed = np.abs(scaled @ amounts - unit).max()
-    total = float(np.abs(amounts).sum()) if missed < 1e-6 else inf
-    return DirectionCost(name, elements[int(np.abs(amounts).argmax())], total)
+    for degree in np.unique(degrees):
+        usable = np.where(degrees <= degree, scaled, 0.0)
+        for amounts in _solutions(usable, unit):
+            if np.abs(usable @ amounts - unit).max() < MISSED:
+                main = int(np.abs(amounts).argmax())
+                return DirectionCost(name, elements[main], float(np.abs(amounts).sum()))
+    return DirectionCost(name, elements[int(np.abs(amounts).argmax())], inf)
+
+
+def _solutions(scaled: Array, unit: Array) -> Iterator[Array]:
+    """Least squares with rows as they are, and with rows of equal size."""
+    size = np.abs(scaled).max(axis=1)
+    rows = size > 0
+    for weight in (np.ones(len(size)), np.where(rows, size, 1.0)):
+        amounts, *_ = np.linalg.lstsq(
+            (scaled / weight[:, None])[rows], (unit / weight)[rows], rcond=None
+        )
+        yield amounts
 
 
 def _price(tree: Tree, strokes: Mapping[str, float]) -> float:

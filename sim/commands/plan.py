@@ -21,6 +21,7 @@ from sim.commands.trusted import robot_of
 if TYPE_CHECKING:
     from planner import Flow, StratifiedSystem
     from sim.preparation.setup import Setup
+    from sim.progress import Progress
 
 GAIT = (
     "A stratum is the set of configurations in which the same groups of",
@@ -47,10 +48,9 @@ def execute(options: argparse.Namespace) -> None:
 
     # slow imports; a scenario that is refused does not wait for them
     from planner import limited
-    from sim.optimisation.planned import PlannedWalk
     from sim.planning.bounds import within_bounds
     from sim.planning.routes import routed
-    from sim.planning.soundness import require_sound
+    from sim.preparation.reach import explained
     from sim.preparation.setup import prepare
     from sim.progress import bar
 
@@ -59,20 +59,16 @@ def execute(options: argparse.Namespace) -> None:
     compiled = time.perf_counter()
     with (
         bar(quiet=options.json) as progress,
-        limited(scenario.plan_time, lambda done: progress("planning", done)),
+        explained(setup.robot, setup.equations),
     ):
-        setup = within_bounds(routed(setup))
-        system = setup.equations.system
-        if scenario.replan:
-            flows = _replanned(setup)
-        else:
-            planned = PlannedWalk(setup, progress).plan()
-            require_sound(setup, planned)
-            system, flows = planned.system, planned.flows
+        with limited(scenario.plan_time, lambda done: progress("planning", done)):
+            setup = within_bounds(routed(setup))
+        system, flows = _planned(setup, progress)
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     accuracy = convergence(setup.extended, setup.nominal(), setup.coordinates)
     steps = step_lengths(setup.extended, setup.nominal(), setup.scenario.segments)
     facts = summarise(setup, system, flows) | {"accuracy": accuracy, "steps": steps}
+    facts["helps"] = _helps(setup, facts)
     facts["timing"] = timing
     if options.json:
         print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
@@ -82,24 +78,47 @@ def execute(options: argparse.Namespace) -> None:
     print(_describe(facts, scenario.gait or setup.robot.card.gait))
 
 
-def _replanned(setup: Setup) -> Sequence[Flow]:
-    """Each segment planned from the state that the exact kinematics reached."""
-    from planner import rollout
-    from sim.motion.schedule import LegState
-    from sim.planning.open_loop import plan_segment
-    from sim.planning.soundness import require_sound_flows
+def _planned(
+    setup: Setup, progress: Progress
+) -> tuple[StratifiedSystem, Sequence[Flow]]:
+    """The flows that the scenario asks for, and the system that they are of."""
+    from planner import PlannerError, RangeError, limited
+    from sim.optimisation.planned import PlannedWalk
+    from sim.planning.remedies import tried
+    from sim.planning.replanned import replanned
+    from sim.planning.soundness import require_sound
+    from sim.planning.walk_remedies import offers
 
-    groups = len(setup.robot.groups)
-    state = setup.nominal()(0.0)
-    flows: list[Flow] = []
-    for segment in range(setup.scenario.segments):
-        pose, swing = state[:3], tuple(state[3 : 3 + groups])
-        step = plan_segment(setup, segment, pose, swing)
-        legs = LegState(swing, setup.robot.card.bottom)
-        require_sound_flows(setup, step.plan.segments(), legs)
-        state = rollout(step.plan)[-1]
-        flows += step.plan.flows
-    return flows
+    seconds = setup.scenario.plan_time
+    try:
+        with limited(seconds, lambda done: progress("planning", done)):
+            if setup.scenario.replan:
+                return setup.equations.system, replanned(setup)
+            planned = PlannedWalk(setup, progress).plan()
+            require_sound(setup, planned)
+            return planned.system, planned.flows
+    except RangeError as error:
+        if error.segments is not None:
+            raise
+        helps = tried(offers(setup), math.inf, seconds)
+        raise PlannerError(f"{error}; tried: {helps}") from error
+
+
+def _helps(setup: Setup, facts: Mapping[str, Any]) -> str:
+    """What would help a plan that ends far off its goal; empty for others."""
+    import numpy as np
+
+    from models import mobility
+    from sim.planning.remedies import FAR, tried
+    from sim.planning.walk_remedies import miss_of, offers
+    from sim.preparation.reach import immobile
+
+    scenario, robot = setup.scenario, setup.robot
+    miss = miss_of(setup, np.array(facts["pose"]), np.array(scenario.path.goal))
+    if miss <= FAR:
+        return ""
+    lacking = "; ".join(immobile(robot, mobility(robot, setup.equations)))
+    return lacking or str(tried(offers(setup), miss, scenario.plan_time))
 
 
 def summarise(
@@ -179,6 +198,7 @@ def _describe(facts: Mapping[str, Any], gait: Sequence[str]) -> str:
             f"{facts['path_length']:.3f} m, legs to {facts['largest_swing']:.3f} rad",
             f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad",
             f"{'off goal':10}{1e3 * error['position']:.2f} mm, {error['yaw']:.4f} rad",
+            *([f"{'helps':10}{facts['helps']}"] if facts["helps"] else []),
             *convergence_lines(facts),
             f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "
             f"{1e3 * timing['compile']:.0f} ms to load and compile",

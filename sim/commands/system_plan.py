@@ -16,6 +16,7 @@ from sim.commands.convergence import (
     describe as convergence_lines,
     step_lengths,
 )
+from sim.commands.system_remedies import helps
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -108,8 +109,10 @@ def execute(options: argparse.Namespace) -> None:
     with refused(source):
         saved = source.endswith(".json")
         with limited(PLAN_TIME):
-            planned, timing = (load_plan(source), {}) if saved else _plan(options)
-    facts = summarise(Path(source).stem, planned) | timing
+            planned, more = (load_plan(source), {}) if saved else _plan(options)
+    facts = summarise(Path(source).stem, planned) | more
+    if not saved and options.optimise in (None, "none"):
+        facts["helps"] = helps(_problem(options), facts, PLAN_TIME)
     if options.save:
         with refused(options.save):
             save_plan(planned, options.save)
@@ -139,15 +142,9 @@ def _chained(problem: Problem, segments: int) -> tuple[Plan, dict[str, Any]]:
     }
 
 
-def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
-    from sim.commands.problems import (
-        changed,
-        coordinates,
-        extended,
-        find,
-        lifted,
-        solve,
-    )
+def _problem(options: argparse.Namespace) -> Problem:
+    """The problem of the command line."""
+    from sim.commands.problems import changed, coordinates, find
 
     changes = {
         "start": options.start and coordinates(options.start, "--start"),
@@ -159,7 +156,13 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
         "gait": options.gait and tuple(options.gait),
         "in_gait": bool(options.gait) or None,
     }
-    problem = changed(find(options.scenario, options.set), changes)
+    return changed(find(options.scenario, options.set), changes)
+
+
+def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
+    from sim.commands.problems import extended, lifted, solve
+
+    problem = _problem(options)
     if problem.flat and all(getattr(options, o) in (None, []) for o in BY_ELEMENTS):
         return _chained(problem, options.segments or 1)
     began = time.perf_counter()
@@ -220,17 +223,17 @@ def _named(planned: Plan, state: Array) -> dict[str, float]:
 
 
 def describe(facts: Mapping[str, Any]) -> str:
-    """The facts in a few lines; coordinates that do not move are left out."""
-    ends = zip(facts["start"].items(), facts["end"].values(), strict=True)
-    moved = [f"{n} {b:z.4f}" for (n, a), b in ends if abs(b - a) > 5e-5]
+    """The facts in a few lines, with every coordinate at the end."""
+    ends = ", ".join(f"{name} {value:z.4f}" for name, value in facts["end"].items())
     share = facts["error"] / facts["distance"] if facts["distance"] else 0.0
     lines = [
         f"{facts['system']}: {facts['segments']} segments, {facts['flow_count']} "
         f"flows for a time of {facts['flow_time']:.4g} in all, "
         f"{facts['contact_switches']} contact switches",
         f"{'steers by':10}{', '.join(facts['elements'])}",
-        f"{'ends at':10}{', '.join(moved) or 'its start'}",
+        f"{'ends at':10}{ends}",
         f"{'off goal':10}{facts['error']:.3g}, {100 * share:.3g} % of the way",
+        *([f"{'helps':10}{facts['helps']}"] if facts.get("helps") else []),
     ]
     lines += convergence_lines(facts)
     if timing := facts.get("timing"):

@@ -5,8 +5,6 @@ What it lacks for walking is put into words. A robot that cannot even stand is r
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from models import (
@@ -17,10 +15,10 @@ from models import (
     Robot,
     equations,
     mobility,
-    propose,
     servo_for,
 )
 from sim.physics.standing import check_standing
+from sim.preparation.reach import immobile
 from sim.preparation.setup import Setup, lift_angle
 from sim.scenarios.scenario import Scenario
 from sim.world.model import build, load as load_world
@@ -86,7 +84,7 @@ def inspected(scenario: Scenario, robot: Robot) -> Inspected:
         lacks.append(str(refusal))
     if described is not None:
         found = mobility(robot, described)
-        lacks += _immobile(robot, found)
+        lacks += immobile(robot, found)
     return Inspected(
         robot, kinematics, angle, world.let_down, described, found, tuple(lacks)
     )
@@ -105,27 +103,3 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
         f"{servo.damping:.4g}, with which it stands"
     )
     return replace(robot, card=replace(robot.card, servo=servo)), [said]
-
-
-def _immobile(robot: Robot, found: Mobility) -> Iterator[str]:
-    """Why a robot cannot go everywhere, and what would change that."""
-    if not found.lacking:
-        return
-    yield f"it cannot {' or '.join(found.lacking)}: {found.reason}"
-    with suppress(ModelError):
-        yield remedy(robot)
-
-
-def remedy(robot: Robot) -> str:
-    """What would let a robot go everywhere, tried beforehand.
-
-    Args:
-        robot: Robot that cannot.
-    """
-    proposal = propose(robot)
-    if proposal is None:
-        return (
-            "what would help: legs mounted elsewhere or with more room to swing; no "
-            "groups and posture of these legs were found in which it goes everywhere"
-        )
-    return f"what would help: {proposal}; adopt a copy of its file without a card"

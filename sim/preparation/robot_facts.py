@@ -104,7 +104,7 @@ def describe(robot: Facts) -> str:
     if robot["fields"]:
         lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
     for name, (forward, left, yaw) in robot["fields"].items():
-        lines.append(f"{name:18}{forward:8.4f}{left:9.4f}{yaw:9.4f}")
+        lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
     lines += _strokes(robot["strokes"])
     lines += [f"{'' if k else 'lacks':12}{s}" for k, s in enumerate(robot["lacks"])]
     return "\n".join(lines)

@@ -24,6 +24,7 @@ from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.gait import require_gait
+from sim.preparation.reach import explained
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
 from sim.world.model import World, build, load as load_world
@@ -156,11 +157,13 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
         UnknownRobotError: If there is no such robot.
         ModelError: If the robot cannot be used.
         UsageError: If a setting asks for what the robot cannot do.
+        SimulationError: If its strokes reach some directions only.
     """
     robot = load(scenario.robot) if robot is None else robot
     described = equations(robot, scenario.fields)
     require_gait(scenario, robot, described)
-    extended = _extended(described, scenario)
+    with explained(robot, described):
+        extended = _extended(described, scenario)
     servo = servo_settings(scenario, robot.card)
     world = build(robot, scenario)
     kinematics, model = Kinematics(robot), load_world(world)

@@ -30,7 +30,9 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
 def joints_without_servo(robot: Robot) -> list[str]:
     """Leg joints of a robot that its file gives no position servo."""
     spec = robot.read()
-    served = {a.target for a in spec.actuators if a.trntype in ON_JOINT and _is_servo(a)}
+    served = {
+        a.target for a in spec.actuators if a.trntype in ON_JOINT and _is_servo(a)
+    }
     legs = robot.card.legs.values()
     return [joint for leg in legs for joint in leg.joints if joint not in served]
 

@@ -1,0 +1,112 @@
+"""Plans that end far off their goal say what would help, having tried it."""
+
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+
+from planner.errors import PlannerError
+from planner.numerics.budget import tick
+from sim import cli
+from sim.planning.remedies import tried
+from sim.planning.walk_remedies import miss_of
+from sim.preparation.setup import prepare
+from tests import radial
+
+SHORT = ("--segments", "1", "--set", "path.goal=[0.02, 0.02, 0]")
+
+
+@pytest.fixture
+def stratawalk(capsys):
+    def run(*words):
+        code = cli.main(words)
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
+
+    return run
+
+
+@pytest.fixture
+def facts(stratawalk):
+    def run(*words):
+        code, out, err = stratawalk("plan", *words, "--json")
+        assert (code, err) == (0, "")
+        return json.loads(out)
+
+    return run
+
+
+def share(planned):
+    return planned["error"] / planned["distance"]
+
+
+def test_what_is_said_to_help_a_system_helps_it_as_much(facts):
+    far = facts("unicycle", "--segments", "4")
+    assert share(far) > 0.2
+    said = re.findall(r"(--\w+(?: \w+)?) ends (\S+) % off", far["helps"])
+    assert len(said) == 3
+    for option, percent in said:
+        words = dict([("--segments", "4"), (option.split() + [None])[:2]])
+        flat = [word for pair in words.items() for word in pair if word]
+        assert 100 * share(facts("unicycle", *flat)) == pytest.approx(
+            float(percent), rel=0.06, abs=1e-6
+        )
+
+
+def test_what_is_said_to_help_a_robot_helps_it_as_much(facts):
+    far = facts("line", "--robot", "quadruped", *SHORT)
+    assert far["error"]["position"] > 0.1 * far["path_length"]
+    percent = float(re.search(r"--degree 3 ends (\S+) % off", far["helps"])[1])
+    cured = facts("line", "--robot", "quadruped", *SHORT, "--degree", "3")
+    assert cured["helps"] == ""
+    assert 100 * cured["error"]["position"] / cured["path_length"] == pytest.approx(
+        percent, rel=0.06
+    )
+
+
+def test_a_plan_that_arrives_is_left_alone(stratawalk):
+    assert "helps" not in stratawalk("plan", "line", *SHORT, "--segments", "2")[1]
+
+
+def test_coordinates_that_end_at_zero_are_shown(stratawalk):
+    assert "ends at   x -0.4597, y 0.8415, theta 0.0000\n" in stratawalk(
+        "plan", "unicycle", "--segments", "1"
+    )[1]  # fmt: skip
+
+
+@pytest.mark.parametrize("digits", [12, 5])
+def test_robot_that_can_only_turn_is_told_so_and_not_to_widen_its_range(
+    digits, stratawalk, tmp_path
+):
+    robot = str(radial.write(tmp_path, digits))
+    short = (*SHORT, "--set", "plan_time=1")  # for more and more segments
+    code, out, err = stratawalk("plan", "line", "--robot", robot, *short)
+    assert (code, out) == (4, "")
+    assert "no plan, since it cannot go forward or go sideways: radial; both" in err
+    assert "strokes a metre sideways" in err
+    assert "widen" not in err
+
+
+def test_yaw_counts_as_the_way_of_the_feet(scenario):
+    setup = prepare(scenario())
+    off = miss_of(setup, np.array([0.01, 0.01, 0.01]), np.array([0.01, 0.01, 0.0]))
+    feet = setup.kinematics.stance(np.zeros(2)).feet
+    arm = np.linalg.norm(feet, axis=1).mean()
+    assert off == pytest.approx(0.01 * arm / math.hypot(0.01, 0.01))
+
+
+def test_trials_end_with_their_time_and_pass_over_what_has_no_plan():
+    def refused():
+        raise PlannerError("none")
+
+    def slow():
+        while True:
+            tick()
+
+    offers = [("a", refused), ("b", lambda: 0.2), ("c", slow), ("d", lambda: 0.0)]
+    trials = tried(offers, 1.0, 0.05)
+    assert [remedy.change for remedy in trials.helpful] == ["b"]
+    assert trials.useless == ("a",)
+    assert str(tried([("a", refused)], 1.0, 1.0)) == "nothing that was tried: a"

@@ -1,0 +1,61 @@
+"""`stratawalk robots FILE`: numbers of robots that cannot walk, and why they cannot."""
+
+import json
+
+import pytest
+
+from sim import cli
+from tests import radial
+
+
+@pytest.fixture
+def shown(capsys):
+    """What the command says of a robot that it can look at."""
+
+    def run(path):
+        assert cli.main(["robots", str(path)]) == 0
+        text = capsys.readouterr().out
+        assert cli.main(["robots", str(path), "--json"]) == 0
+        return text, json.loads(capsys.readouterr().out)
+
+    return run
+
+
+def test_brackets_that_vanish_are_explained_and_another_posture_was_tried(
+    shown, tmp_path
+):
+    text, facts = shown(radial.write(tmp_path))
+    assert "1.300 kg" in text
+    assert facts["fields"]["g1_1"] == pytest.approx([0, 0, -0.5705], abs=1e-4)
+    reason, remedy = facts["lacks"]
+    assert reason.startswith("it cannot go forward or go sideways: both strokes turn")
+    assert "strokes a metre forward" in remedy
+    assert reason in text
+
+
+def test_servo_that_the_card_lacks_is_proposed_and_the_robot_stands_with_it(
+    shown, tmp_path
+):
+    text, facts = shown(radial.write(tmp_path, servo=""))
+    assert "1.300 kg" in text
+    assert "joints 'swing_1', 'lift_1', 'swing_2', ... have no position servo" in text
+    numbers = facts["lacks"][0].split("stiffness = ")[1].split(" and damping = ")
+    stiffness, damping = float(numbers[0]), float(numbers[1].split(",")[0])
+    servo = f"[servo]\nstiffness = {stiffness}\ndamping = {damping}\n"
+    assert (
+        "servo" not in shown(radial.write(tmp_path, servo=servo))[0].split("lacks")[1]
+    )
+
+
+def test_gait_that_steers_nothing_is_explained(shown, tmp_path):
+    text, facts = shown(radial.write(tmp_path, gait='["12", "1", "12"]'))
+    assert facts["fields"] == {}
+    assert "two are needed" in text
+    assert facts["margins"]["1"] > 0
+
+
+def test_robot_that_lies_upside_down_stays_refused(tmp_path, capsys):
+    path = radial.write(tmp_path)
+    path.write_text(path.read_text().replace("0 0 0.06", '0 0 0.06" euler="180 0 0'))
+    assert cli.main(["robots", str(path)]) == 3
+    assert "starts upside down" in capsys.readouterr().err
