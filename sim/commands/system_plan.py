@@ -16,7 +16,6 @@ from sim.commands.convergence import (
     describe as convergence_lines,
     step_lengths,
 )
-from sim.commands.system_remedies import helps
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -104,6 +103,7 @@ def execute(options: argparse.Namespace) -> None:
     """Plan the system, or read a saved plan, and print the result."""
     from planner import limited, load_plan, save_plan
     from sim.commands.problems import refused
+    from sim.commands.system_remedies import helps
 
     source = options.scenario
     with refused(source):
