@@ -76,7 +76,7 @@ from .motion.identified import (
 )
 from .motion.mobility import (
     Mobility as Mobility,
-    mobility as mobility,
+    mobility_of as mobility_of,
 )
 from .motion.real_contacts import (
     ContactField as ContactField,

@@ -11,7 +11,7 @@ from models.adoption.source import Source
 from models.description.card_file import parse_card
 from models.description.robot import Robot
 from models.errors import ModelError
-from models.motion.mobility import Mobility, mobility
+from models.motion.mobility import Mobility, mobility_of
 from models.motion.robot_equations import equations
 from planner import PlannerError
 
@@ -54,7 +54,7 @@ def propose(robot: Robot) -> Proposal | None:
         draft = draft_card(Source(robot.path, robot.path, None))
         card = parse_card(draft.card, "draft")
         posed = replace(robot, card_text=draft.card, card=card)
-        found = mobility(posed, equations(posed))
+        found = mobility_of(posed, equations(posed))
     except (ModelError, PlannerError):
         return None
     if found.lacking:

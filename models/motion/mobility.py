@@ -38,7 +38,7 @@ class Mobility:
     reason: str
 
 
-def mobility(robot: Robot, described: Equations) -> Mobility:
+def mobility_of(robot: Robot, described: Equations) -> Mobility:
     """What the swings of a robot can do from where it stands.
 
     Args:

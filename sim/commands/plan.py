@@ -108,7 +108,7 @@ def _helps(setup: Setup, facts: Mapping[str, Any]) -> str:
     """What would help a plan that ends far off its goal; empty for others."""
     import numpy as np
 
-    from models import mobility
+    from models import mobility_of
     from sim.planning.remedies import FAR, tried
     from sim.planning.walk_remedies import miss_of, offers
     from sim.preparation.reach import immobile
@@ -117,7 +117,7 @@ def _helps(setup: Setup, facts: Mapping[str, Any]) -> str:
     miss = miss_of(setup, np.array(facts["pose"]), np.array(scenario.path.goal))
     if miss <= FAR:
         return ""
-    lacking = "; ".join(immobile(robot, mobility(robot, setup.equations)))
+    lacking = "; ".join(immobile(robot, mobility_of(robot, setup.equations)))
     return lacking or str(tried(offers(setup), miss, scenario.plan_time))
 
 

@@ -14,7 +14,7 @@ from models import (
     ModelError,
     Robot,
     equations,
-    mobility,
+    mobility_of,
     servo_for,
 )
 from sim.physics.standing import check_standing
@@ -56,7 +56,7 @@ class Inspected:
             lift_angle=setup.limits.lift_angle,
             let_down=setup.world.let_down,
             equations=setup.equations,
-            mobility=mobility(setup.robot, setup.equations),
+            mobility=mobility_of(setup.robot, setup.equations),
         )
 
 
@@ -83,7 +83,7 @@ def inspected(scenario: Scenario, robot: Robot) -> Inspected:
     except ModelError as refusal:
         lacks.append(str(refusal))
     if described is not None:
-        found = mobility(robot, described)
+        found = mobility_of(robot, described)
         lacks += immobile(robot, found)
     return Inspected(
         robot, kinematics, angle, world.let_down, described, found, tuple(lacks)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from models import Equations, Mobility, Robot, mobility, propose
+from models import Equations, Mobility, Robot, mobility_of, propose
 from planner import PlannerError, limited
 from sim.errors import SimulationError
 
@@ -39,7 +39,7 @@ def explained(robot: Robot, described: Equations) -> Iterator[None]:
         yield
     except PlannerError as error:
         with limited(LOOKING):  # the time for planning may be over
-            found = mobility(robot, described)
+            found = mobility_of(robot, described)
             if not found.lacking:
                 raise
             raise SimulationError(

@@ -4,13 +4,13 @@ import pytest
 
 from models.adoption.proposal import propose
 from models.library import load
-from models.motion.mobility import mobility
+from models.motion.mobility import mobility_of
 from models.motion.robot_equations import equations
 from tests import radial
 
 
 def of(robot):
-    return mobility(robot, equations(robot))
+    return mobility_of(robot, equations(robot))
 
 
 def test_hexapod_goes_everywhere(hexapod):
