@@ -1,1 +1,1 @@
-"""Cards drafted for robots that nobody described yet: legs, groups, posture, servos."""
+"""Drafts of cards for robots that have none: legs, groups, posture and servos."""

@@ -1,4 +1,4 @@
-"""Which parts of a model are legs, and which joints swing, lift or are held."""
+"""The legs of a model: which joints swing, which lift, and which are held."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The draft of a card, and what was guessed to make it."""
+"""The draft of a card, together with the guesses that it rests on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A posture to stand in, for legs whose file leaves them stretched out or folded."""
+"""A standing posture for legs whose file leaves them stretched out or folded."""
 
 from __future__ import annotations
 

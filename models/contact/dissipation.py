@@ -1,11 +1,12 @@
 """The body twist at which the feet dissipate the least power in dry friction.
 
-Quasi-static bodies on dry friction move so that least power is dissipated (Murphey and
-Burdick, 2006, the power dissipation method): the twist xi minimises the convex function
-sum_i N_i |v_i(xi)|. At the minimum a foot may stick, which is where the function has an
-edge, so each foot in turn is tried as the one that sticks and the body turns about; the
-minimum is recognised by its subgradient. Configurations where every foot slides are
-left to Newton's method. Geometry and loads only, vectorised over configurations.
+A quasi-static body on dry friction moves so that it dissipates the least power (Murphey
+and Burdick 2006, the power dissipation method): its twist xi minimises the convex
+function sum_i N_i |v_i(xi)|. The function has an edge wherever a foot sticks, and its
+minimum may lie on an edge. Each foot is therefore tried in turn as the one that sticks
+and about which the body turns; the subgradient tells whether this is the minimum. Where
+every foot slides, Newton's method finds the minimum. The computation needs geometry and
+loads only and is vectorised over configurations.
 """
 
 from __future__ import annotations

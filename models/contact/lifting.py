@@ -38,7 +38,7 @@ class Lifting:
         groups = len(self.kinematics.robot.groups)
         lift = np.repeat(np.append(angle, 0.0)[:, None], groups, axis=1)
         height = self.kinematics.stance(np.zeros_like(lift), lift).height
-        return np.asarray(height[:-1] - height[-1]).reshape(*np.shape(angle), -1)
+        return (height[:-1] - height[-1]).reshape(*np.shape(angle), -1)
 
     @property
     def highest(self) -> float:

@@ -1,8 +1,8 @@
 """The paper's stance on three legs and its static stability: Fig. 5, Sec. 6.
 
-Six legs of one length, square to the body at angle 0, sit at its front, in its middle
-and at its rear; a positive angle sweeps every foot backward. The closed forms place the
-weight on the body's long axis, at a distance b from its front.
+Six legs of one length are attached at the front, in the middle and at the rear of the
+body and stand square to it at angle 0; a positive angle sweeps every foot backward. In
+the closed forms the weight lies on the body's long axis, a distance b behind the front.
 """
 
 from __future__ import annotations

@@ -1,11 +1,13 @@
-"""Body twist and loads together, where more feet stand than statics can load.
+"""Body twist and loads on more than three feet, which statics alone does not determine.
 
-On more than three feet the loads depend on how floor and servos give way, that on the
-friction which bends the legs and on the sliding which lifts the feet, and friction on
-the loads and the very twist that is sought. For a given twist, though, the loads follow
-from linear equations, so what is left is to balance the friction: three equations for
-the three numbers of the twist. Friction is smoothed near rest, ever less. Vectorised
-over configurations; on three feet `contact.dissipation` is exact and faster.
+On more than three feet the loads depend on the compliance of floor and servos. They
+also depend on friction, which bends the legs, and on sliding, which lifts the feet.
+Friction in turn depends on the loads and on the unknown twist. For a given twist,
+however, the loads are the solution of linear equations. It remains to balance the
+friction forces, which gives three equations for the three components of the twist.
+Friction is smoothed near rest, and the smoothing is reduced step by step. The
+computation is vectorised over configurations. For three feet `contact.dissipation` is
+exact and faster.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The files that a model opens: which there are, and which lie outside its own folder.
+"""The files that a model opens, and those of them outside its own folder.
 
-Its own folder is the one that its MJCF is in. A model from elsewhere may name any file
-of this machine as a mesh or texture, and a run copies what a model is made of.
+Its own folder is the one that contains its MJCF. A model from elsewhere may name any
+file of this machine as a mesh or texture, and a run copies the files of its model.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""Inspect a user's model before it is read: size, numbers, and the files it opens.
+"""Inspection of a user's model before it is read: size, numbers, and files it opens.
 
-MuJoCo takes minutes and gigabytes for a line of MJCF that copies or refines enough,
-and cannot be interrupted meanwhile. So a model is compiled by a process of its own
-first, which is waited for and ended where need be.
+A line of MJCF that copies or refines parts often enough keeps MuJoCo busy for minutes
+and fills gigabytes, and the compilation cannot be interrupted. A separate process
+therefore compiles the model first; it is ended if it exceeds its limits.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Numbers of a model that are none: NaN and infinity, in its text and once compiled.
+"""Checks for NaN and infinity in a model, in its text and after its compilation.
 
-The compiler accepts most of them, and takes a default for some without saying so; a
-robot of such a mass walks into nowhere.
+The compiler accepts most of them and silently replaces some by defaults. A robot whose
+mass, for example, is not a number cannot be simulated.
 """
 
 from __future__ import annotations

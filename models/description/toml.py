@@ -1,4 +1,4 @@
-"""TOML from anybody: what cannot be read ends with one kind of error."""
+"""TOML from users: whatever cannot be read is refused with one kind of error."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
-"""A user's model tried out, in a process that has little time and memory.
+"""A trial compilation of a user's model, in a process with limited time and memory.
 
-Run as a program by `description.inspection`, with the MJCF file and the limits as
-arguments; its last line of output is JSON: the files that the model opens, or what is
-wrong with it. A model that a few words make huge ends this process and no other.
+`description.inspection` runs this module as a program, with the MJCF file and the
+limits as arguments. The last line of its output is JSON and holds the files that the
+model opens, or what is wrong with it. A model that grows beyond the limits ends this
+process alone.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ class ContactField:
             basis = chebyshev.chebvander(u, self.coefficients.shape[1 + axis] - 1)
             subscripts = "nk,nk...->n..." if axis else "nk,k...->n..."
             out = np.einsum(subscripts, basis, out)
-        return np.asarray(out)
+        return out
 
     def expressions(self, angles: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
         """Forward, left and yaw as expressions over the groups' angles."""
@@ -93,7 +93,8 @@ class FittedTwists:
         on = [field for field in self.fields.values() if field.stratum == stratum]
         amounts = rates @ np.linalg.pinv(np.array([field.direction for field in on]))
         parts = [u[:, None] * f(swing) for u, f in zip(amounts.T, on, strict=True)]
-        return np.asarray(np.sum(parts, axis=0))
+        total: Array = np.sum(parts, axis=0)
+        return total
 
 
 def contact_fields(

@@ -1,7 +1,7 @@
 """The walkers that the paper draws and names, in units of their own size.
 
-Their equations are made in `motion.equations_of_motion`; the strata, the body twists
-and the elements to steer with stand here.
+This module gives their strata, their body twists and the elements to steer with;
+`motion.equations_of_motion` makes their equations from these.
 """
 
 from __future__ import annotations

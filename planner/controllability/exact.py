@@ -1,4 +1,4 @@
-"""Ranks by exact arithmetic, for verdicts that hang on rounding."""
+"""Exact ranks by rational arithmetic, where rounding errors could decide a verdict."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Leg repositioning: move legs through the air, one at a time, stable throughout.
+"""Leg repositioning: legs move through the air one at a time, with static stability.
 
 Whether the robot is statically stable without a leg depends on where the other legs
-are. A leg may therefore have to wait for another one, or another one may have to stand
+are. A leg may therefore have to wait for another one, or another leg may have to stand
 elsewhere for a while. The cheapest sequence of moves between given places of the legs
 is found by value iteration over all combinations of places.
 """

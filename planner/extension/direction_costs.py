@@ -1,8 +1,8 @@
-"""What a unit of motion in each direction costs in strokes of the inputs.
+"""The cost of one unit of motion in each direction, counted in strokes of the inputs.
 
-A direction that brackets give exactly may still be out of reach in practice: where the
-bracket is tiny, no range of the joints makes enough of it. The rank of a matrix does
-not tell the two apart; the number of strokes does.
+Brackets may give a direction in theory although it cannot be used in practice: if a
+bracket is very small, no range of the joints moves the system far along it. The rank of
+a matrix does not distinguish the two cases, but the number of strokes does.
 """
 
 from __future__ import annotations

@@ -1,17 +1,17 @@
-"""How the rectangle of a bracket's word is run: from which corner, in which shape.
+"""The corner and the shape of the rectangle that realises a bracket.
 
-The word X Y X^-1 Y^-1 may begin at any of its four corners, and a rectangle of another
-shape has the same area. All of them give the bracket [X,Y]; they differ in [X,[X,Y]]
-and [Y,[X,Y]], by which open-loop plans miss their goal. Where one of them makes these
-cancel the error falls as 1/n with the number of segments n, otherwise as 1/sqrt(n).
-Which one does depends on the signs and units of the fields, so it is found from the
-fields and not taken from the order that is printed.
+The word X Y X^-1 Y^-1 may begin at any of its four corners, and rectangles of different
+shapes may have the same area. All of these words realise the bracket [X,Y]. They differ
+in [X,[X,Y]] and [Y,[X,Y]], which cause the error of an open-loop plan. Where a corner
+makes the two cancel, the error falls as 1/n with the number of segments n, otherwise as
+1/sqrt(n). Which corner this is depends on the signs and units of the fields. It is
+therefore determined from the fields and not taken from the order in the paper.
 
-Brackets of degree 3 and more keep the printed words: there no corner was found to be
-better by more than a factor of two.
+Brackets of degree 3 and more keep the words of the paper, since no corner was found to
+reduce their error by more than a factor of two.
 
-A way to run words is a scale for each generator: its flows are counted in units of the
-scale, a negative one runs the generator backward.
+A choice is described by a scale for each generator: its flows are measured in units of
+the scale, and a negative scale runs the generator backward.
 """
 
 from __future__ import annotations

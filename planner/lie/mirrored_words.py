@@ -1,15 +1,16 @@
-"""Mirrored words: the same Hall coordinates, the leading error with the other sign.
+"""Mirrored words reach the same Hall coordinates with the opposite leading error.
 
-A word that is exact to degree k misses brackets of degree k + 1. Two symmetries of the
-free Lie algebra turn one exact word into another one:
+A word that is exact to degree k misses its goal by brackets of degree k + 1. Two
+symmetries of the free Lie algebra turn one exact word into another:
 
-    the automorphism g -> -g           maps an element B of degree d to (-1)^d B,
-    reversal in time, g -> g           maps it to (-1)^(d + 1) B.
+    changing the sign of all generators    multiplies an element of degree d by (-1)^d,
+    reversing the order of the flows       multiplies it by (-1)^(d + 1).
 
-Where every bracket to be approximated is of even degree the first keeps it, where it is
-of odd degree the second does; what is kept and what is missed have opposite signs if k
-is of the bracket's parity. A word and its mirror image in turn then miss one degree
-less, at no cost: the flows are as many.
+If every bracket that a word approximates is of even degree, the first symmetry leaves
+these brackets unchanged; if every one is of odd degree, the second does. If k has the
+same parity as these brackets, the same symmetry changes the sign of the error, whose
+degree is k + 1. A word followed by its mirror image therefore cancels the errors of
+degree k + 1, and needs no more flows than the same word twice.
 """
 
 from __future__ import annotations

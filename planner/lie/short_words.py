@@ -1,11 +1,12 @@
-"""Short words for two fields X and Y with a single bracket.
+"""Short words for two fields X and Y whose only bracket is [X,Y].
 
-The word of the paper follows the four sides of a rectangle, for the bracket, and then X
-and Y themselves. A word is shorter if sides of the rectangle are not taken back where
-they serve as the flows along X and Y. Two families of words do so. The words
-Y^(hY-q) X^p Y^q X^(hX-p) reach the backward coordinates hX, hY and p q; the words
-X^(hX+p) Y^q X^-p Y^(hY-q) reach hX, hY and p q + hX hY. For few values of p can a word
-be the shortest, and up to brackets of degree 3 no word of any other form is shorter.
+The word of the paper follows the four sides of a rectangle, which realises the bracket,
+and then flows along X and Y themselves. A word becomes shorter if some sides of the
+rectangle also serve as the flows along X and Y and need not be undone. There are two
+families of such words. The words Y^(hY-q) X^p Y^q X^(hX-p) reach the backward
+coordinates hX, hY and p q; the words X^(hX+p) Y^q X^-p Y^(hY-q) reach hX, hY and
+p q + hX hY. Only a few values of p can give the shortest word, so all of these are
+compared. Up to brackets of degree 3, no word of any other form is shorter.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""How long a search may take, and what it has found so far.
+"""A time limit for searches, which also reports the best result found so far.
 
-Searches call `tick` as they go on, which does nothing outside of `limited`. Inside, it
-ends a search that takes too long, and what it was told last is said whenever the search
-ends early.
+A search calls `tick` regularly. Inside a `limited` block, `tick` raises an error once
+the time is over; outside of such a block it does nothing. The search may describe its
+best result to `tick`; the description becomes part of the message if it ends early.
 """
 
 from __future__ import annotations
@@ -33,14 +33,14 @@ _open: list[_Budget] = []  # of all threads, the innermost last
 def limited(
     seconds: float, report: Callable[[float], None] = lambda share: None
 ) -> Iterator[None]:
-    """Give the searches inside a time to end in.
+    """Limit the time of the searches inside a `with` block.
 
     Args:
-        seconds: How long they may take together [s].
-        report: Called with the share of the time that is over.
+        seconds: Time that they may take together [s].
+        report: Function that is called with the share of the time that has passed.
 
     Raises:
-        BudgetError: If they take longer; it says how far they came.
+        BudgetError: If they take longer; it describes the best result so far.
     """
     budget = _Budget(seconds, time.monotonic(), report)
     token = _current.set(budget)
@@ -62,13 +62,13 @@ def best_so_far() -> str:
 
 
 def tick(best: str = "") -> None:
-    """Say that a search goes on.
+    """Report that a search is still running.
 
     Args:
-        best: The best that it has found, in words; empty if nothing new.
+        best: Its best result so far in words; empty if there is no better one.
 
     Raises:
-        BudgetError: If its time is over.
+        BudgetError: If the time is over.
     """
     reraise()
     budget = _current.get()

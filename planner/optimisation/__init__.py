@@ -1,1 +1,1 @@
-"""Plans as short as they can be: strokes in turn, by multiple shooting."""
+"""The shortest plans along a path, found by multiple shooting over strokes in turn."""

@@ -1,9 +1,10 @@
-"""How far a motion strays from a path whose points it passes in order.
+"""The largest deviation of a motion from a path that it follows in order.
 
-A motion passes the points of a path in order if a point of the path can go along with
-it that leaves out nothing and never turns back. The deviation in position is the least
-distance that such a point can keep, Frechet's; heading is compared at the nearest of
-the points that can go along.
+Following a path in order means: while the motion goes on, a companion point travels
+along the path from its start to its end. The companion may wait, but it neither skips a
+part of the path nor turns back. The deviation in position is the smallest distance
+within which some companion can stay of the motion; this is the Frechet distance. The
+deviation in heading is measured at the companion point that is nearest in position.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ class Tolerance:
 def deviation(
     states: Array, path: Array, groups: Sequence[Sequence[int]]
 ) -> tuple[float, ...]:
-    """The farthest that states come from a path, its points passed in order.
+    """The largest deviation of states from a path that they follow in order.
 
     Args:
         states: In time order, shape (T, n); the first belongs to the path's start and
@@ -49,7 +50,7 @@ def deviation(
         path: Points along the path, shape (K, n); deviations are exact to half the
             distance between two of them.
         groups: Coordinates to compare together. The first group decides which point of
-            the path goes along; others are compared at that point.
+            the path is the companion; the others are compared at that point.
 
     Returns:
         The farthest for each group.
@@ -64,10 +65,10 @@ def deviation(
 
 
 def _along(states: Array, path: Array) -> tuple[float, Array]:
-    """Frechet's distance, and the path's point that goes along with each state, (T,).
+    """The Frechet distance, and the companion point of each state, shape (T,).
 
-    No point that goes along can keep closer than the nearest one, and mostly that is
-    all there is to it.
+    A companion cannot be closer than the nearest point of the path. In most cases that
+    distance can be kept, and the general algorithm is not needed.
     """
     most = _least(states, path)
     forward = _reachable(states, path, most)
@@ -88,7 +89,8 @@ def _least(states: Array, path: Array) -> float:
 
 def _distances(here: Array, there: Array) -> Array:
     gap = here - there
-    return np.asarray(np.sqrt(np.einsum("...i,...i->...", gap, gap)))
+    distances: Array = np.sqrt(np.einsum("...i,...i->...", gap, gap))
+    return distances
 
 
 def _frechet(states: Array, path: Array) -> float:
@@ -107,7 +109,7 @@ def _frechet(states: Array, path: Array) -> float:
 
 
 def _reachable(states: Array, path: Array, most: float) -> Array:
-    """Which point can have come along to which state, shape (T, K), bool."""
+    """Which point can be the companion of which state, shape (T, K), bool."""
     most = most * (1 + ROUNDING)
     found = np.zeros((len(states), len(path)), dtype=bool)
     index = np.arange(len(path))

@@ -1,4 +1,4 @@
-"""First guesses of a program: coarse stratified plans, and loops that drift along."""
+"""First guesses for a program: coarse stratified plans, and randomly drawn loops."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ def guesses(
     coarse: Coarse | None,
     seed: int = 0,
 ) -> Iterator[Array]:
-    """Strokes to start from, shape (count,), the most promising first.
+    """First guesses of the strokes, shape (count,), the most promising first.
 
     Args:
         stages: The cycle, beginning with the first stage.
         count: Number of stages.
         places: Where on the path the motion begins and ends.
         coarse: Plans of few segments; None where there are none.
-        seed: Of the loops.
+        seed: Seed of the random loops.
     """
     for share in STRATIFIED if coarse else ():
         segments = max(1, int(share * (count - 1) / (2 * len(stages))))
@@ -52,4 +52,4 @@ def _loops(count: int, rng: np.random.Generator) -> Array:
     size, half = rng.uniform(0.2, 0.6), int(rng.choice([2, 2, 4, 4, 6]))
     pattern = np.resize(np.repeat([1.0, -1.0], half), count + half)
     turned = np.roll(pattern, int(rng.integers(4 * half)))[:count]
-    return np.asarray(turned * size + 0.05 * rng.normal(size=count))
+    return turned * size + 0.05 * rng.normal(size=count)

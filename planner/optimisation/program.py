@@ -1,9 +1,9 @@
-"""A plan of so many stages as a nonlinear program, by multiple shooting.
+"""A plan with a given number of stages as a nonlinear program, by multiple shooting.
 
-Unknown are the strokes and recoveries of every stage, the states between stages, and
-where on the path the motion is at the end of each. Within a stage the state is
-integrated in a few steps, at each of which the motion stays within its tolerances of
-the path's point that goes along.
+The unknowns are the strokes and recoveries of every stage, the states between stages,
+and the place on the path that the motion has reached at the end of each stage. Within a
+stage the state is integrated in a few steps. After each of them the motion must lie
+within its tolerances of the place on the path that belongs to that moment.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a program's unknowns must satisfy, collected row by row."""
+"""The constraints on the unknowns of a program, collected row by row."""
 
 from __future__ import annotations
 

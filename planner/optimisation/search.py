@@ -1,10 +1,11 @@
-"""How many stages a plan needs, and which of many local optima is the best.
+"""The search for the number of stages of a plan, and for the best local optimum.
 
-A program has a fixed number of stages. Few stages switch contacts less and stroke
-farther, until there are too few for the path's tolerances; the search looks for the
-fewest that do, and from there upward for the best. Long paths are cut: a window of the
-path is solved, its first half is kept, and the next window starts from there, so that
-the work grows as the path does.
+A program has a fixed number of stages. With fewer stages a plan switches contacts less
+often and makes longer strokes, until the tolerances of the path can no longer be met.
+The search finds the smallest number of stages that meets them, and looks for the best
+plan from there upward. A long path is divided into windows: a window is solved, the
+first half of its solution is kept, and the next window begins there. The work therefore
+grows in proportion to the length of the path.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""CasADi, which differentiates exactly and brings IPOPT, imported when it is needed."""
+"""CasADi, which provides exact derivatives and IPOPT; imported when first needed."""
 
 from __future__ import annotations
 

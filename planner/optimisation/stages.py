@@ -1,9 +1,9 @@
-"""Stages: one stroke each, and the recoveries that the same stratum allows.
+"""Stages: each has one stroke, and the recoveries that its stratum allows.
 
-A plan that is optimised visits its strata in turn. On each of them one field strokes,
-which moves the body, and fields that move a single coordinate, such as the angle of a
-leg in the air, bring that coordinate to where it is wanted. Which fields are which is
-read off their columns.
+An optimised plan visits its strata in turn. On each stratum one field makes a stroke,
+which moves the body. Other fields move a single coordinate, such as the angle of a leg
+in the air, and bring it to the value that later strokes need. The columns of the fields
+show which of them are strokes and which are recoveries.
 """
 
 from __future__ import annotations

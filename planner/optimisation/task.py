@@ -1,4 +1,4 @@
-"""What a plan is optimised for, and what comes of it."""
+"""The task of an optimisation and its result."""
 
 from __future__ import annotations
 

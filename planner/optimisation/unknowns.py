@@ -1,8 +1,9 @@
-"""The unknowns of a program in one vector: bounds, and solutions put in and taken out.
+"""The unknowns of a program in one vector: bounds, and access to the parts.
 
-In this order: states between stages, places on the path, strokes forward and backward,
-recoveries forward and backward, and times of stages whose parts happen together.
-Strokes have two unknowns, one for either direction, because their length is paid for.
+The vector holds, in this order, the states between stages, the places on the path, the
+strokes forward and backward, the recoveries forward and backward, and the durations of
+stages whose parts take place at the same time. A stroke has one unknown for each
+direction, because the objective counts its length.
 """
 
 from __future__ import annotations

@@ -1,15 +1,16 @@
-"""The order in which the ends of plans converge to their goals with more segments.
+"""The rate at which the end of a plan approaches its goal as segments are added.
 
-A segment of n gives an element of degree d a coordinate of size 1/n and its word flows
-of length n^(-1/d). What a word exact to degree k misses has k + 1 such flows as
-factors, so n segments miss
+With n segments, an element of degree d has a coordinate of size 1/n in each of them,
+and the flows of its word have length n^(-1/d). A word that is exact to degree k leaves
+errors that are products of k + 1 such lengths, so that n segments together miss the
+goal by
 
-    n (n^(-1/d))^(k + 1) = n^(-(k + 1 - d)/d)
+    n (n^(-1/d))^(k + 1) = n^(-(k + 1 - d)/d),
 
-of their goal, d being the highest degree of the brackets that the path asks for. Where
-that part of the error vanishes as a field, one more factor makes it n^(-(k + 2 - d)/d):
-so it is with walkers and d = k = 2, whose two strokes are mirror images. Where all
-brackets of degree k + 1 vanish, the plan is exact.
+where d is the highest degree of the brackets that the path requires. If the fields of
+this part of the error vanish, there is one more factor, and the error is
+n^(-(k + 2 - d)/d). This is the case for walkers with d = k = 2 whose two strokes are
+mirror images of each other. If all brackets of degree k + 1 vanish, the plan is exact.
 """
 
 from __future__ import annotations

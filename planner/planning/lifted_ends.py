@@ -1,8 +1,8 @@
-"""Plans between configurations with feet lifted at either end (Sec. 5).
+"""Plans between configurations in which feet are lifted at either end (Sec. 5).
 
-A plan runs on the bottom stratum, so feet that are in the air at the start land on the
-way out of the first stratum, and those to be in the air at the goal lift on the way
-into the last one. What lies between is planned as ever.
+A plan runs on the bottom stratum. Feet that are in the air at the start therefore touch
+down before the plan begins, and feet that are to be in the air at the goal lift off
+after it has ended. The plan in between is made in the usual way.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What `plan` asks of a system that knows how it is best steered."""
+"""The interface through which a system tells `plan` how it is best steered."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""Plans in the order of a gait: strata are visited as eq. (11) lists them.
+"""Plans in the order of a gait: strata are visited in the order of eq. (11).
 
-Between two flows the walk goes on along the gait, through strata on which nothing
-flows, until it comes to the stratum of the next one. Staying on a stratum until nothing
-more can run there never costs, so the fewest steps of the gait are found by going on
-only when needed.
+Between two flows the walk follows the gait, possibly through strata on which nothing
+flows, until it reaches the stratum of the next flow. It is never worse to stay on a
+stratum until no further flow can run there. The smallest number of steps of the gait is
+therefore found by moving on only when this is necessary.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
         contact: Shape (T, F), bool.
         center_of_mass: Shape (T, 3) [m].
     """
-    standing = np.asarray(contact.any(axis=1))
+    standing: Array = np.any(contact, axis=1)
     if standing.all():
         return contact
     far = np.linalg.norm(points - center_of_mass[:, None, :2], axis=2)
