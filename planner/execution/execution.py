@@ -13,6 +13,7 @@ from typing import Literal, get_args
 
 from planner.errors import RangeError, StratumError, unknown
 from planner.execution.centring import centred
+from planner.execution.nearest_words import nearest_words
 from planner.execution.stepping import StabilityTest, stepped
 from planner.extension.extended import ExtendedSystem
 from planner.extension.steering import Wording
@@ -44,9 +45,11 @@ class Execution:
             shape zero by recoveries. `stepped` repositions every leg before each
             stroke.
         coordinates: Hall coordinates that the flows follow. `fewest` takes for each
-            segment those with fewest contact switches, `shortest` takes the words of
-            least total duration, `symmetric` mirrors the words of every second segment,
-            so that the errors of neighbours cancel.
+            segment those with fewest contact switches, or those that end nearest to
+            their goal where the degree of the approximation is raised beyond that of
+            the elements. `shortest` takes the words of least total duration,
+            `symmetric` mirrors the words of every second segment, so that the errors
+            of neighbours cancel.
         limits: Lowest and highest value of shape coordinates by name.
         static_stability: Whether the robot is statically stable with a leg in the air,
             for `stepped`; None if it always is.
@@ -116,9 +119,11 @@ class Execution:
         ends = self._ends(extended)
         start, goal = nominal[0], nominal[-1]
         steering = extended.steering
-        ways = [
-            steering.words(hall_coordinates, order, nominal[:-1]) for order in orders
-        ]
+        if steering.raised and len(orders) > 1:
+            ways = [nearest_words(extended, hall_coordinates, nominal)]
+        else:
+            starts = nominal[:-1]
+            ways = [steering.words(hall_coordinates, o, starts) for o in orders]
         words = list(zip(*ways, strict=True))
         if self.gait:
             ordered = regroup_in_gait(extended.grouper, words, self.gait, ends[0])

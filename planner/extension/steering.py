@@ -6,7 +6,7 @@ h_ij' = h_i v_j. They are realised as well, unless their fields vanish.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -25,7 +25,18 @@ from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word
 from planner.systems.strata import StratifiedSystem
 
-Wording = Literal["backward", "forward", "shortest", "alternating"]
+Wording = Literal[
+    "backward",
+    "forward",
+    "backward-turned",
+    "forward-turned",
+    "shortest",
+    "alternating",
+]
+TURNED: Mapping[str, Order] = {
+    "backward-turned": "backward",
+    "forward-turned": "forward",
+}
 MOST_COORDINATES = 500  # of a segment; its words are far longer still
 
 
@@ -55,6 +66,11 @@ class Steering:
         return tuple(degrees[j] for j in self.selected)
 
     @property
+    def raised(self) -> bool:
+        """Whether the approximation goes beyond the degree of the elements."""
+        return self.degree > max(self.selected_degrees)
+
+    @property
     def basis(self) -> tuple[str, ...]:
         """Names of the Hall coordinates."""
         return self.hall.names
@@ -80,14 +96,24 @@ class Steering:
 
         Args:
             hall_coordinates: Backward coordinates, shape (segments, s).
-            order: `backward` runs brackets first, `forward` generators first.
-                `shortest` takes short words where two fields have the only bracket, and
-                the shorter of the other two elsewhere. `alternating` mirrors every
-                second of the backward words.
+            order: `backward` runs brackets first, `forward` generators first; turned,
+                the generators themselves run in the other order. `shortest` takes short
+                words where two fields have the only bracket, and the shorter of the
+                other two elsewhere. `alternating` mirrors every second of the backward
+                words.
             at: Configurations that the segments start from, shape (segments, n), for
                 rectangles that leave the smallest error there; None takes those that
                 are printed.
         """
+        if order == "backward-turned" or order == "forward-turned":
+            spelled = spellings(
+                self.hall.elements,
+                hall_coordinates,
+                TURNED[order],
+                self.hall.vanishing,
+                turned=True,
+            )
+            return self._named(spelled)
         if order == "shortest":
             return self._short_words(hall_coordinates)
         if order == "alternating":

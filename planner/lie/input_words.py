@@ -80,6 +80,8 @@ def spellings(
     hall_coordinates: ArrayLike,
     order: Order = "backward",
     vanishing: Collection[Element] = (),
+    *,
+    turned: bool = False,
 ) -> list[Spelling]:
     """Words of many segments, with the generators apart from the durations.
 
@@ -90,16 +92,17 @@ def spellings(
         hall_coordinates: Backward coordinates, shape (segments, s).
         order: As in `word`.
         vanishing: As in `word`.
+        turned: Whether the generators themselves run in the other order.
     """
     algebra = lie_algebra(tuple(basis))
     h = _shaped(2, algebra.vector(hall_coordinates))
     if order == "backward":
-        return _spelled(algebra, _amounts(algebra, h, vanishing))
+        return _spelled(algebra, _amounts(algebra, h, vanishing, turned), turned=turned)
     if order != "forward":
         raise ValueError(f"order is {order!r}; choose backward or forward")
     # -f are the backward coordinates of the inverse flow; its word is inverted, too.
-    way_back = _amounts(algebra, -forward(basis, h), vanishing)
-    return _spelled(algebra, way_back, back=True)
+    way_back = _amounts(algebra, -forward(basis, h), vanishing, turned)
+    return _spelled(algebra, way_back, back=True, turned=turned)
 
 
 def _shaped(axes: int, h: Array) -> Array:
@@ -111,17 +114,29 @@ def _shaped(axes: int, h: Array) -> Array:
     return h
 
 
-def _amounts(algebra: LieAlgebra, h: Array, vanishing: Collection[Element]) -> Array:
+def _places(algebra: LieAlgebra, turned: bool) -> tuple[int, ...]:
+    """Places of the elements in the order in which their words are split off."""
+    generators = algebra.degrees.count(1)
+    first = range(generators)
+    rest = range(generators, len(algebra.basis))
+    return (*(reversed(first) if turned else first), *rest)
+
+
+def _amounts(
+    algebra: LieAlgebra, h: Array, vanishing: Collection[Element], turned: bool
+) -> Array:
     """Coordinate that the word of each element has to realise, shape (segments, s).
 
     The words are split off the right of the flow one by one, lower degrees first; the
     remaining flow has the backward coordinates `rest`.
     """
     amounts, rest = np.zeros_like(h), h.copy()
-    for j, element in enumerate(algebra.basis):
-        if element not in vanishing:
+    inside = 0 if turned else 1  # the first generator is at the right end as it is
+    for j in _places(algebra, turned):
+        if algebra.basis[j] not in vanishing:
             amounts[:, j] = np.where(np.abs(rest[:, j]) < NEGLIGIBLE, 0.0, rest[:, j])
-            if 1 < algebra.degrees[j] < algebra.max_degree and amounts[:, j].any():
+            below_top = inside < algebra.degrees[j] < algebra.max_degree
+            if below_top and amounts[:, j].any():
                 undone = -_given(algebra, j, amounts[:, j])
                 rest = exponential(algebra.basis, undone, rest)
         rest[:, j] = 0.0
@@ -156,7 +171,9 @@ def _letters(element: Element) -> Letters:
     return (*left, *right, *_inverse(left), *_inverse(right))
 
 
-def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Spelling]:
+def _spelled(
+    algebra: LieAlgebra, amounts: Array, *, back: bool = False, turned: bool = False
+) -> list[Spelling]:
     """Words for amounts of all elements, the last element first; or their inverses.
 
     Segments whose amounts have the same signs share their generators.
@@ -165,7 +182,7 @@ def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Sp
     signs, sort = np.unique(np.sign(amounts), axis=0, return_inverse=True)
     spelled: list[Spelling] = [((), [])] * len(amounts)
     for k, sign in enumerate(signs.astype(int).tolist()):
-        generators, parts = _pattern(algebra, tuple(sign), back)
+        generators, parts = _pattern(algebra, tuple(sign), back, turned)
         segments = np.flatnonzero(sort.ravel() == k)
         durations = sizes[segments] @ parts.T
         least = np.abs(durations).min(axis=-1, initial=np.inf)
@@ -178,7 +195,7 @@ def _spelled(algebra: LieAlgebra, amounts: Array, back: bool = False) -> list[Sp
 
 @cache
 def _pattern(
-    algebra: LieAlgebra, signs: tuple[int, ...], back: bool
+    algebra: LieAlgebra, signs: tuple[int, ...], back: bool, turned: bool
 ) -> tuple[tuple[int, ...], Array]:
     """Generators of the words for amounts of given signs, and coefficients.
 
@@ -187,9 +204,10 @@ def _pattern(
     """
     letters: list[tuple[int, Array]] = []
     units = np.eye(len(signs), dtype=int)
-    for element, sign, unit in zip(algebra.basis, signs, units, strict=True):
-        word = [(i, sense * unit) for i, sense in _letters(element) if sign]
-        letters = (_inverse(word) if sign < 0 else word) + letters
+    for j in _places(algebra, turned):
+        word = [(i, sense * units[j]) for i, sense in _letters(algebra.basis[j])]
+        if signs[j]:
+            letters = (_inverse(word) if signs[j] < 0 else word) + letters
     generators: list[int] = []
     durations: list[Array] = []
     for generator, duration in _inverse(letters) if back else letters:

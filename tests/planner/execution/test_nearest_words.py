@@ -1,0 +1,76 @@
+"""Words of a raised degree: every order is exact, and the nearest end is taken."""
+
+import numpy as np
+import pytest
+
+from planner.execution.execution import Execution
+from planner.execution.nearest_words import ORDERS, nearest_words
+from planner.extension.extended import extend
+from planner.lie.coordinates import exponential
+from planner.lie.hall import hall_basis
+from planner.lie.input_words import spellings
+from planner.planning.algorithm import plan
+from planner.planning.paths import line
+from planner.planning.playback import play, rollout
+from planner.systems.flows import Flow
+from tests.systems import PAPER, hexapod
+
+
+@pytest.mark.parametrize(("generators", "degree"), [(2, 2), (2, 5), (3, 3), (4, 2)])
+@pytest.mark.parametrize("order", ["backward", "forward"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_words_of_every_order_realise_the_same_coordinates(
+    generators, degree, order, turned
+):
+    basis = hall_basis(generators, degree)
+    h = np.random.default_rng(generators).uniform(-1, 1, (5, len(basis)))
+    for wanted, (letters, times) in zip(
+        h, spellings(basis, h, order, turned=turned), strict=True
+    ):
+        reached = np.zeros(len(basis))
+        for generator, time in zip(letters, times, strict=True):
+            reached = exponential(
+                basis, time * np.eye(len(basis))[generator - 1], reached
+            )
+        assert reached == pytest.approx(wanted, abs=1e-9)
+
+
+def test_turned_words_end_with_the_last_generator():
+    basis = hall_basis(2, 2)
+    ((letters, _),) = spellings(basis, np.array([[0.5, 0.5, 0.5]]))
+    ((turned, _),) = spellings(basis, np.array([[0.5, 0.5, 0.5]]), turned=True)
+    assert (letters[-1], turned[-1]) == (1, 2)
+
+
+@pytest.mark.parametrize("goal", [[1, 1, 0], [-0.5, 0.7, 0.4], [0.5, -0.2, 0.7]])
+def test_no_other_order_ends_nearer(goal):
+    system = hexapod()
+    extended = extend(system, PAPER, degree=4)
+    path = line(np.zeros(5), [*goal, 0, 0])
+    steady = plan(extended, path, 1, execution=Execution(coordinates="backward"))
+    h, nominal = steady.hall_coordinates, steady.nominal
+
+    def miss(words):
+        flows = [
+            Flow(system.stratum_of[name], name, duration)
+            for word in words
+            for name, duration in zip(word.fields, word.durations, strict=True)
+        ]
+        return np.linalg.norm(play(system, flows, nominal[0])[-1] - nominal[-1])
+
+    misses = [miss(extended.steering.words(h, order, nominal[:-1])) for order in ORDERS]
+    taken = plan(extended, path, 1)
+    assert miss(nearest_words(extended, h, nominal)) == min(misses)
+    end = rollout(taken)[-1]
+    assert np.linalg.norm(end - nominal[-1]) == pytest.approx(min(misses), rel=1e-6)
+    assert max(misses) > 1.5 * min(misses)  # it matters which
+
+
+def test_more_segments_of_a_raised_degree_still_converge():
+    extended = extend(hexapod(), PAPER, degree=4)
+    goal = [-0.5, 0.7, 0.4, 0, 0]
+    misses = [
+        np.linalg.norm(rollout(plan(extended, line(np.zeros(5), goal), n))[-1] - goal)
+        for n in (1, 8)
+    ]
+    assert misses[1] < misses[0] / 8 < 4e-3  # 2.4e-2 and 5.2e-4 measured
