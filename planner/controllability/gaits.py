@@ -157,6 +157,7 @@ def _configuration(
             f"configuration {point(x)} is not in the gait's first stratum: "
             f"{home.functions[missed.argmax()]} is not 0 there; choose one where it is"
         )
+    home.require_regular(x)
     return x
 
 

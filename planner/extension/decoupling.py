@@ -27,11 +27,15 @@ from planner.systems.level_sets import LevelSet
 from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
 
+EVEN = 0.5  # least over largest rate of a field that is as good a lift as any
+
 
 def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
     """Lift fields: those of a stratum that raise feet off the bottom stratum.
 
-    Simple fields are preferred. The lift fields change the level sets of the bottom
+    Fields that raise them everywhere alike are preferred, and simple ones among these:
+    a field whose rate vanishes somewhere raises nothing there. The lift fields change
+    the level sets of the bottom
     stratum independently of one another.
 
     Args:
@@ -45,12 +49,25 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
     leaving = [n for n, f in system.strata[stratum].items() if level_set.leaves(f)]
     chosen: list[str] = []
     rates = np.empty((len(level_set.functions), 0))
-    for name in sorted(leaving, key=lambda n: _size(system.fields[n])):
-        rate = level_set.rates(system.fields[name])[0][:, None]
+    found = {name: level_set.rates(system.fields[name]) for name in leaving}
+    for name in sorted(
+        leaving, key=lambda n: (-_evenness(found[n]), _size(system.fields[n]))
+    ):
+        rate = found[name][0][:, None]
         wider = np.hstack([rates, rate])
         if rank(wider) > rates.shape[1]:
             chosen, rates = [*chosen, name], wider
     return tuple(chosen)
+
+
+def _evenness(rates: Array) -> float:
+    """Least over largest rate of leaving the level sets; those above `EVEN` are equal.
+
+    Args:
+        rates: At configurations on the set, shape (points, codimension).
+    """
+    sizes = np.linalg.norm(rates, axis=1)
+    return min(float(sizes.min() / sizes.max()), EVEN)
 
 
 def _size(field: VectorField) -> int:

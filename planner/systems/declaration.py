@@ -146,7 +146,7 @@ def checked_level_sets(
 
     Raises:
         ValueError: A stratum is unknown, or its expressions use symbols beside the
-            state or depend on one another.
+            state, have no derivative or depend on one another.
     """
     checked = {}
     for stratum, functions in level_sets.items():
@@ -157,12 +157,23 @@ def checked_level_sets(
         listed = functions if isinstance(functions, (tuple, list)) else [functions]
         what = f"level set of S{stratum}"
         checked[stratum] = tuple(_expression(what, f, state) for f in listed)
+        if kinked := [f for f in checked[stratum] if _kinked(f, state)]:
+            raise ValueError(
+                f"level set of S{stratum}, {kinked[0]}, has no derivative (Def. 1); "
+                "give a smooth function"
+            )
         if checked[stratum] and _dependent(checked[stratum], state):
             raise ValueError(
                 f"level sets of S{stratum} are not independent: "
                 f"{', '.join(map(str, checked[stratum]))} (Def. 1)"
             )
     return checked
+
+
+def _kinked(function: sp.Expr, state: Symbols) -> bool:
+    """Whether SymPy knows no derivative, as of the absolute value."""
+    slopes = LevelSet((function,), state).differential
+    return bool(slopes.atoms(sp.Derivative) - function.atoms(sp.Derivative))
 
 
 def _dependent(functions: tuple[sp.Expr, ...], state: Symbols) -> bool:

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
+from planner.errors import point
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import rank
 from planner.systems.fields import (
@@ -26,6 +27,8 @@ from planner.systems.fields import (
 from planner.systems.rounding import TRUSTED, WeighedValues
 
 ITERATIONS = 30  # of Newton's method; far fewer suffice where it converges
+FADED = 1e-6  # of a function's slope, that is none where the function vanishes
+TOUCHED = 1e-12  # value that only functions without a slope are left with
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +77,10 @@ class LevelSet:
                 (Def. 1).
         """
         x = sample_configurations(len(self.state))
+        steepest = 0.0  # over the functions, (codimension,)
         for _ in range(ITERATIONS):
             residual, slopes = self._linear(x)
+            steepest = np.maximum(steepest, _steepness(slopes))
             sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all((1, 2))
             step = np.linalg.pinv(slopes[sound]) @ residual[sound, :, None]
             x = x[sound] - step[..., 0]
@@ -83,12 +88,36 @@ class LevelSet:
                 break
         residual, slopes = self._linear(x)
         there = ~residual.any(axis=1)
-        listed = ", ".join(map(str, self.functions))
+        faded = (_steepness(slopes) <= FADED * steepest).any()
+        if faded or any(rank(rows.T) < len(self.functions) for rows in slopes[there]):
+            raise ValueError(self._singular)
         if not there.any():
-            raise ValueError(f"found no configuration where {listed} vanish together")
-        if any(rank(rows.T) < len(self.functions) for rows in slopes[there]):
-            raise ValueError(f"{listed} are not independent where they vanish (Def. 1)")
+            if (np.abs(residual).max(axis=1) < TOUCHED).any():  # ever more slowly
+                raise ValueError(self._singular)
+            raise ValueError(
+                f"found no configuration where {self._listed} vanish together"
+            )
         return x[there]
+
+    def require_regular(self, x: Array) -> None:
+        """Check that the set is a regular submanifold around a configuration on it.
+
+        Args:
+            x: Configuration, shape (n,).
+
+        Raises:
+            ValueError: The differentials of its functions are dependent there (Def. 1).
+        """
+        if self.functions and rank(self.gradients(x)) < len(self.functions):
+            raise ValueError(f"{self._singular}, at {point(x)}")
+
+    @property
+    def _listed(self) -> str:
+        return ", ".join(map(str, self.functions))
+
+    @property
+    def _singular(self) -> str:
+        return f"{self._listed} are not independent where they vanish (Def. 1)"
 
     def _linear(self, x: Array) -> tuple[Array, Array]:
         """Values, shape (points, codimension), and differentials (..., n) at them."""
@@ -115,6 +144,12 @@ class LevelSet:
     @cached_property
     def _gradients(self) -> CompiledFields:
         return _stack(self.differential.T, self.state)
+
+
+def _steepness(slopes: Array) -> Array:
+    """The largest slope of each function at sound configurations, (codimension,)."""
+    sizes = np.linalg.norm(slopes, axis=-1)
+    return np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0, initial=0.0)
 
 
 def _stack(matrix: sp.Matrix, state: Symbols) -> CompiledFields:

@@ -74,6 +74,7 @@ class StratifiedSystem:
             object.__setattr__(self, name, value)
         self._require_distinct_contacts()
         for stratum in self.strata:
+            self._require_regular(stratum)
             self._require_tangent_fields(stratum)
 
     @property
@@ -216,6 +217,12 @@ class StratifiedSystem:
                     f"strata S{other} and S{name} have the same contacts; make them "
                     "one, or give level_sets that tell them apart"
                 )
+
+    def _require_regular(self, stratum: str) -> None:
+        """Look for configurations on a curved level set, where it must be regular."""
+        level_set = self.level_set(stratum)
+        if level_set.functions and level_set.differential.free_symbols:
+            _ = level_set.points
 
     def _require_tangent_fields(self, stratum: str) -> None:
         level_set = self.level_set(stratum)

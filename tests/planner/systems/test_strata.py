@@ -134,6 +134,11 @@ def test_field_may_be_tangent_on_its_curved_stratum_alone():
             r"S1 are not independent: y, 2\*y \(Def. 1\)",
         ),
         ({"level_sets": {"1": [X]}}, "field g leaves its stratum S1: it changes x at"),
+        *(
+            ({"level_sets": {"1": [flat]}}, r"are not independent where .* \(Def. 1\)")
+            for flat in (Y**2, Y**3, (Y - X**2) ** 2)
+        ),
+        ({"level_sets": {"1": [sp.Abs(Y)]}}, r"Abs\(y\), has no derivative \(Def. 1\)"),
         (
             {"level_sets": {"1": [X**2 + 1]}},
             r"no configuration where x\*\*2 \+ 1 vanish",
