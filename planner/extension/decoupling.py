@@ -35,8 +35,7 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
 
     Fields that raise them everywhere alike are preferred, and simple ones among these:
     a field whose rate vanishes somewhere raises nothing there. The lift fields change
-    the level sets of the bottom
-    stratum independently of one another.
+    the level sets of the bottom stratum independently of one another.
 
     Args:
         system: System that has the fields.

@@ -77,7 +77,7 @@ class LevelSet:
                 (Def. 1).
         """
         x = sample_configurations(len(self.state))
-        steepest = 0.0  # over the functions, (codimension,)
+        steepest = np.zeros(len(self.functions))
         for _ in range(ITERATIONS):
             residual, slopes = self._linear(x)
             steepest = np.maximum(steepest, _steepness(slopes))
