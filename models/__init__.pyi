@@ -26,6 +26,7 @@ from .contact.kinematics import (
     Stance as Stance,
 )
 from .contact.lifting import Lifting as Lifting
+from .contact.loads import static_loads as static_loads
 from .contact.paper_stance import PaperStance as PaperStance
 from .contact.static_stability import StaticStability as StaticStability
 from .description.card import Card as Card

@@ -11,6 +11,7 @@ from math import ceil
 import numpy as np
 
 from planner import Array
+from sim.drive.footing import Footing
 from sim.drive.lead import Lead
 from sim.drive.rehearsal import carried_torque, leg_actuators
 from sim.errors import SimulationError, UsageError
@@ -19,7 +20,6 @@ from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 
 SLACK = 1e-9  # of a command's number, for rounding
-STICKY = 0.8  # counts, within which a lift joint keeps the count it has
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -35,7 +35,7 @@ class Drive:
         self._offset = _zero_offsets(setup, len(self._joints))
         self._held: Array | None = None
         self._lifts = _lift_places(setup)
-        self._kept: Array | None = None
+        self._footing = Footing(setup, self.leads)
 
     @property
     def plain(self) -> bool:
@@ -148,30 +148,17 @@ class Drive:
     def _told(self, schedule: Schedule, lead: Lead | None, rows: Array) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
         channels, joints = self._setup.channels, self._joints
-        told = channels.ctrl(*schedule.angles(rows))
+        swing, lift = schedule.angles(rows)
+        told, lag = channels.ctrl(swing, lift), np.zeros((len(rows), len(joints)))
         if lead is not None:
-            damped = self._damping * self._speed(schedule, rows)
-            borne = lead.at(rows)[:, joints] + damped
-            told[:, joints] += borne / self._stiffness
+            lag = self._damping * self._speed(schedule, rows) / self._stiffness
+            told[:, joints] += lead.at(rows)[:, joints] / self._stiffness + lag
+        if resolution := self._servo.resolution:
+            counts = np.round(told[:, joints] / resolution)
+            counts[:, self._lifts] = self._footing.counts(lift, lag[:, self._lifts])
+            told[:, joints] = counts * resolution
         told[:, joints] += self._offset
-        if self._servo.resolution:
-            counts = self._counts(told[:, joints] / self._servo.resolution)
-            told[:, joints] = counts * self._servo.resolution
         return told
-
-    def _counts(self, wanted: Array) -> Array:
-        """Whole counts; lift joints keep theirs until another one is clearly nearer.
-
-        Torques change slowly on standing legs, and a count back and forth for nothing
-        is half a millimetre at the foot: enough to let go of the floor.
-        """
-        counts = np.round(wanted)
-        kept = counts[0, self._lifts] if self._kept is None else self._kept
-        for row, want in zip(counts, wanted[:, self._lifts], strict=True):
-            near = np.abs(want - kept) <= STICKY
-            row[self._lifts] = kept = np.where(near, kept, row[self._lifts])
-        self._kept = kept
-        return counts
 
     def _speed(self, schedule: Schedule, rows: Array) -> Array:
         """Intended speed of the joints at steps of a schedule, (n, J) [rad/s]."""
@@ -193,7 +180,7 @@ def _zero_offsets(setup: Setup, joints: int) -> Array:
 
 
 def _lift_places(setup: Setup) -> Array:
-    """Which of the leg joints' actuators lift, as places among them."""
+    """Which of the leg joints' actuators lift, legs in ascending order."""
     legs = setup.robot.card.legs.values()
     joints = [joint for leg in legs for joint in leg.joints]
-    return np.array([joints.index(leg.lift) for leg in legs])
+    return np.array([joints.index(joint) for joint in setup.robot.lift_joints])
