@@ -3,12 +3,14 @@
 On servos as stiff as these the joints are where they should be, so the torques are
 those of the intended motion, friction between standing feet included. They do not
 depend on where on the floor the robot is, so a walk that is planned on the way is
-rehearsed stretch by stretch beside it.
+rehearsed stretch by stretch beside it. The robot of the rehearsal has no imperfections,
+since nobody knows those of the one that walks.
 """
 
 from __future__ import annotations
 
 from copy import copy
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -16,9 +18,12 @@ import numpy as np
 from models import actuator_of
 from planner import Array
 from sim.drive.lead import Lead, smoothed
+from sim.drive.statics import weight
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
+from sim.scenarios.imperfect import is_imperfect, without_imperfections
+from sim.world.model import build, load
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 
@@ -27,8 +32,8 @@ class Rehearsal:
     """A second robot that walks ahead on stiff servos."""
 
     def __init__(self, setup: Setup) -> None:
-        self._setup = setup
-        self._engine = Engine(stiffened(setup))
+        self._setup = as_planned(setup)
+        self._engine = Engine(stiffened(self._setup))
 
     def lead(self, schedule: Schedule) -> Lead:
         """Walk a schedule and return the torques that it took.
@@ -41,6 +46,15 @@ class Rehearsal:
             for ctrl in self._setup.commands(schedule)
         ]
         return smoothed(np.concatenate(torques), self._setup.limits.timestep)
+
+
+def as_planned(setup: Setup) -> Setup:
+    """The robot and its floor without imperfections."""
+    if not is_imperfect(setup.scenario):
+        return setup
+    scenario = without_imperfections(setup.scenario)
+    world = build(setup.robot, scenario)
+    return replace(setup, scenario=scenario, world=world, model=load(world))
 
 
 def stiffened(setup: Setup) -> mujoco.MjModel:
@@ -63,13 +77,7 @@ def leg_actuators(setup: Setup) -> Array:
 
 def carried_torque(setup: Setup) -> float:
     """Torque of the whole weight at the end of a leg [N m]."""
-    return _reach(setup) * _weight(setup)
-
-
-def _weight(setup: Setup) -> float:
-    root = setup.model.body(setup.robot.root).id
-    gravity = float(np.linalg.norm(setup.model.opt.gravity))
-    return gravity * float(setup.model.body_subtreemass[root])
+    return _reach(setup) * weight(setup)
 
 
 def _reach(setup: Setup) -> float:

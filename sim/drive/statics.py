@@ -26,7 +26,7 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     stance = setup.kinematics.stance(np.zeros(groups))
     loads = np.zeros(len(robot.legs))
     feet, center = stance.feet[down], stance.center_of_mass
-    loads[down] = static_loads(feet[None], center[None])[0] * robot_weight(setup)
+    loads[down] = static_loads(feet[None], center[None])[0] * weight(setup)
     rise = stance.gives[:, 2] * robot.raise_sign  # of each foot by its joint [m/rad]
     torque: Array = own_torques(setup) - loads * rise
     return torque
@@ -44,7 +44,7 @@ def own_torques(setup: Setup) -> Array:
     return torque
 
 
-def robot_weight(setup: Setup) -> float:
+def weight(setup: Setup) -> float:
     """Weight of the robot with all that it carries [N]."""
     root = setup.model.body(setup.robot.root).id
     gravity = float(np.linalg.norm(setup.model.opt.gravity))

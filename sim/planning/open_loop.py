@@ -10,7 +10,7 @@ import numpy as np
 from models import TwistModel
 from planner import Plan, Step, grid, require_segments
 from sim.experiments.predictions import twist_model
-from sim.motion.poses import compose, nearest_turn
+from sim.motion.poses import compose, nearest_turn, relative
 from sim.planning.aiming import plan_along, segment_ends, steer_along, steer_towards
 from sim.planning.counts import angles_after, joined, on_counts
 from sim.preparation.setup import Setup
@@ -32,7 +32,11 @@ def plan_open_loop(setup: Setup) -> Plan:
 
 
 def plan_segment(
-    setup: Setup, segment: int, pose: np.ndarray, swing: tuple[float, ...]
+    setup: Setup,
+    segment: int,
+    pose: np.ndarray,
+    swing: tuple[float, ...],
+    missing: np.ndarray | None = None,
 ) -> Step:
     """Plan one segment from the pose reached to its end on the nominal path.
 
@@ -44,12 +48,16 @@ def plan_segment(
         segment: Its number, from 0.
         pose: Pose reached, in the start frame, shape (3,).
         swing: Angle of every group [rad].
+        missing: By how much it is expected to end off its prediction, seen from where
+            it starts, shape (3,); it is aimed as much to the other side.
 
     Raises:
         PlannerError: If the target cannot be approached from there.
     """
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
+    if missing is not None:
+        target = compose(here, relative(here, target) - missing)
     twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
     step = steer_towards(setup, twists, segment, target, here, swing)
     return on_counts(setup, step, swing)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import pi, radians
 from typing import Any
 
@@ -11,6 +12,17 @@ import numpy as np
 from models import Robot
 from planner import did_you_mean
 from sim.errors import UsageError
+from sim.scenarios.scenario import Scenario
+
+NONE: Mapping[str, Any] = {
+    "zero_offset": 0.0,
+    "play": 0.0,
+    "payload": None,
+    "slope": None,
+    "floor_stiffness": None,
+    "foot_friction": None,
+}
+"""Settings of imperfections, as they are where there are none."""
 
 Draw = Callable[[np.random.Generator, Robot], dict[str, Any]]
 
@@ -55,3 +67,13 @@ def imperfections(name: str, robot: Robot, draw: int) -> dict[str, Any]:
             did_you_mean(name, IMPERFECT),
         )
     return IMPERFECT[name](np.random.default_rng(draw), robot) | {"draw": draw}
+
+
+def is_imperfect(scenario: Scenario) -> bool:
+    """Whether a scenario has any imperfection that no prediction knows of."""
+    return any(getattr(scenario, key) != value for key, value in NONE.items())
+
+
+def without_imperfections(scenario: Scenario) -> Scenario:
+    """The scenario as it is planned: the robot and its floor as they should be."""
+    return replace(scenario, **NONE)

@@ -54,6 +54,11 @@ class Scenario:
         Number(1, 100_000, whole=True), "pieces that the nominal path is planned in", 20
     )
     replan: bool = setting(Flag(), "plan each segment from the pose reached", False)
+    learn: bool | None = setting(
+        Flag(),
+        "replanning allows for what it missed before; of itself on imperfect robots",
+        None,
+    )
     steer: Literal["ideal", "quasi-static", "identified"] = setting(
         Choice(("ideal", "quasi-static", "identified")),
         "prediction to steer on",

@@ -18,18 +18,19 @@ from sim.drive.lead import Lead
 from sim.drive.rehearsal import Rehearsal
 from sim.motion.poses import seen_from
 from sim.motion.sampling import inspections
-from sim.motion.schedule import LegState, Schedule, Scheduler
+from sim.motion.schedule import Schedule, Scheduler
 from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_segment
-from sim.planning.soundness import require_sound, require_sound_flows
+from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
 from sim.preparation.laying import lay
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.walking.finished import Stretch, Walk, laid_commands
 from sim.walking.from_plan import scenario_of
+from sim.walking.replanning import replanned
 
 
 class Walker:
@@ -175,7 +176,7 @@ def carry_out(walker: Walker, planned: Plan | None) -> Walk:
     """
     walker.stand()
     if planned is None:
-        return walker.finish(_replanned(walker))
+        return walker.finish(replanned(walker))
     walker.go(list(planned.segments()))
     return walker.finish()
 
@@ -196,17 +197,3 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
     lay(setup, scheduler, planned.segments())
     holds = 2 * round(setup.limits.hold / setup.limits.timestep)
     return holds + scheduler.finish().stop * setup.scenario.segments // segments
-
-
-def _replanned(walker: Walker) -> int:
-    """Walk segment by segment, with all feet down in between; count saturated ones."""
-    saturated = 0
-    for segment in range(walker.setup.scenario.segments):
-        began = time.perf_counter()
-        step = plan_segment(walker.setup, segment, walker.pose, walker.swing)
-        walker.seconds["plan"] += time.perf_counter() - began
-        saturated += step.fraction < 1
-        legs = LegState(walker.swing, walker.setup.robot.card.bottom)
-        require_sound_flows(walker.setup, step.plan.segments(), legs)
-        walker.go(list(step.plan.segments()), first=segment)
-    return saturated
