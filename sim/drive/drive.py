@@ -13,7 +13,7 @@ import numpy as np
 from planner import Array
 from sim.drive.footing import Footing
 from sim.drive.lead import Lead
-from sim.drive.rehearsal import as_planned, carried_torque, leg_actuators
+from sim.drive.rehearsal import carried_torque, leg_actuators
 from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Schedule
 from sim.physics.engine import STRETCH
@@ -35,7 +35,7 @@ class Drive:
         self._offset = _zero_offsets(setup, len(self._joints))
         self._held: Array | None = None
         self._lifts = _lift_places(setup)
-        self._footing = Footing(as_planned(setup), self.leads)
+        self._footing = Footing(setup.as_planned, self.leads)
 
     @property
     def plain(self) -> bool:

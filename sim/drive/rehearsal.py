@@ -10,7 +10,6 @@ since nobody knows those of the one that walks.
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -22,8 +21,6 @@ from sim.drive.statics import weight
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
-from sim.scenarios.imperfect import is_imperfect, without_imperfections
-from sim.world.model import build, load
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 
@@ -32,7 +29,7 @@ class Rehearsal:
     """A second robot that walks ahead on stiff servos."""
 
     def __init__(self, setup: Setup) -> None:
-        self._setup = as_planned(setup)
+        self._setup = setup.as_planned
         self._engine = Engine(stiffened(self._setup))
 
     def lead(self, schedule: Schedule) -> Lead:
@@ -46,15 +43,6 @@ class Rehearsal:
             for ctrl in self._setup.commands(schedule)
         ]
         return smoothed(np.concatenate(torques), self._setup.limits.timestep)
-
-
-def as_planned(setup: Setup) -> Setup:
-    """The robot and its floor without imperfections."""
-    if not is_imperfect(setup.scenario):
-        return setup
-    scenario = without_imperfections(setup.scenario)
-    world = build(setup.robot, scenario)
-    return replace(setup, scenario=scenario, world=world, model=load(world))
 
 
 def stiffened(setup: Setup) -> mujoco.MjModel:

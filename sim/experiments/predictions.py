@@ -12,7 +12,7 @@ from sim.preparation.setup import Setup, prepare
 
 
 def _quasi_static(setup: Setup) -> TwistModel:
-    ground = ground_of(setup.robot, setup.model)
+    ground = ground_of(setup.robot, setup.as_planned.model)
     return QuasiStaticTwists(setup.kinematics, ground, setup.limits.swing_speed)
 
 

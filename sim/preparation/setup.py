@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -25,6 +26,7 @@ from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.gait import require_gait
 from sim.preparation.reach import explained
+from sim.scenarios.imperfect import is_imperfect, without_imperfections
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
 from sim.world.model import World, build, load as load_world
@@ -55,6 +57,15 @@ class Setup:
 
     def __hash__(self) -> int:
         return id(self.model)
+
+    @cached_property
+    def as_planned(self) -> Setup:
+        """The same without imperfections, as predictions and rehearsals have it."""
+        if not is_imperfect(self.scenario):
+            return self
+        scenario = without_imperfections(self.scenario)
+        world = build(self.robot, scenario)
+        return replace(self, scenario=scenario, world=world, model=load_world(world))
 
     @property
     def stance(self) -> StanceRule:
@@ -168,8 +179,7 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     world = build(robot, scenario)
     kinematics, model = Kinematics(robot), load_world(world)
     lift = lift_angle(kinematics, scenario.lift_height)
-    check_standing(kinematics, model, lift)
-    return Setup(
+    setup = Setup(
         scenario=scenario,
         robot=robot,
         equations=described,
@@ -188,6 +198,9 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
             groups=robot.groups,
         ),
     )
+    world = setup.as_planned if scenario.bumps else setup  # whose floor is level
+    check_standing(kinematics, world.model, lift)
+    return setup
 
 
 def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:

@@ -21,6 +21,7 @@ NONE: Mapping[str, Any] = {
     "slope": None,
     "floor_stiffness": None,
     "foot_friction": None,
+    "bumps": 0.0,
 }
 """Settings of imperfections, as they are where there are none."""
 

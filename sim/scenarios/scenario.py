@@ -125,6 +125,7 @@ class Scenario:
     foot_friction: tuple[float, ...] | None = setting(
         Numbers((Number(0, 10),), any_length=True), "of each foot, in leg order", None
     )
+    bumps: float = setting(Number(0, 0.1), "of the floor, so high at most [m]", 0.0)
     draw: int = setting(
         Number(0, 2**32 - 1, whole=True), "of everything that is drawn but the way", 0
     )

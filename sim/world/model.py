@@ -14,6 +14,7 @@ import mujoco
 from models import EMBEDDED, Robot, compile_model
 from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
+from sim.world.bumps import add_bumps
 from sim.world.floor import ensure_floor, scene
 from sim.world.imperfections import add_imperfections
 from sim.world.sensors import ensure_sensors
@@ -58,8 +59,10 @@ def build(robot: Robot, scenario: Scenario) -> World:
     _set_friction(spec, robot, floor.name, scenario.friction)
     ensure_servos(spec, robot, servo_settings(scenario, robot.card))
     add_imperfections(spec, robot, floor.name, scenario)
-    ensure_sensors(spec, robot, floor.name)
+    ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
     let_down = ensure_start(spec, robot, floor)
+    if scenario.bumps:
+        add_bumps(spec, floor, scenario)
     add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))

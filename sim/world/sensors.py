@@ -18,17 +18,22 @@ _FIELDS = (
     _DATA.mjCONDATA_POS,
     _DATA.mjCONDATA_LINVEL,
 )
+_MANY = 4  # contacts of a foot, of which the engine tells
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
 
 
-def ensure_sensors(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
+def ensure_sensors(
+    spec: mujoco.MjSpec, robot: Robot, floor: str, uneven: bool = False
+) -> None:
     """Add missing sensors, and replace those of the same names that differ.
 
     Args:
         spec: World with the robot in it.
         robot: Whose feet.
         floor: Name of the geom that they are to touch.
+        uneven: Whether it has bumps, which any foot touches at several points.
     """
+    slots = {} if uneven else _SLOTS
     for geom in (name for leg in robot.card.legs.values() for name in leg.foot):
         _ensure(
             spec,
@@ -41,7 +46,7 @@ def ensure_sensors(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
             intprm=[
                 sum(1 << int(field) for field in _FIELDS),
                 0,
-                _SLOTS.get(spec.geom(geom).type, 4),
+                slots.get(spec.geom(geom).type, _MANY),
             ],
         )
     _ensure(

@@ -187,3 +187,11 @@ def test_what_is_simulated_stands_in_the_model(scenario):
     # the compiler takes the ratio at the file's zero, not at the keyframe: 1.5 % apart
     assert -model.actuator_biasprm[joints, 2] == pytest.approx(critical, rel=0.02)
     assert isinstance(model, mujoco.MjModel)
+
+
+def test_nobody_knows_the_imperfections_when_torques_are_rehearsed(scenario):
+    heavy = {"payload": [0.3, 0.03, 0.0, 0.02], "play": 0.01, "slope": [0.05, 0.0]}
+    plain, laden = (prepare(scenario(**SOFT | given)) for given in ({}, heavy))
+    schedule = swung(plain)
+    leads = [Rehearsal(setup).lead(schedule).torque for setup in (plain, laden)]
+    assert (leads[0] == leads[1]).all()

@@ -112,3 +112,26 @@ def test_a_walk_with_play_on_a_slope_is_walked_and_its_prediction_is_not_met(sce
     )
     assert off > 3 * true
     assert off < 0.01  # and yet it walks
+
+
+def test_bumps_are_as_high_as_asked_for_and_differ_from_draw_to_draw(standing):
+    models = [standing(bumps=0.002, draw=draw).model for draw in (1, 1, 2)]
+    first, again, other = (model.hfield_data for model in models)
+    assert (first == again).all()
+    assert np.abs(first - other).max() > 0.1
+    floor = models[0].geom("floor")
+    assert (first.min(), first.max()) == (0, 1)
+    assert models[0].hfield_size[0, 2] == 0.002
+    assert floor.pos[2] == -0.002  # their tops are where the plane was
+    reach = models[0].hfield_size[0, :2] - np.abs(floor.pos[:2])
+    assert (reach > 0.4).all()
+
+
+@pytest.mark.physics
+def test_feet_on_bumps_carry_the_weight_and_the_walk_strays(scenario):
+    summary = simulate(scenario(bumps=0.001)).summary
+    plain = simulate(scenario()).summary
+    off = [s["error"]["quasi_static"]["farthest"] for s in (summary, plain)]
+    assert off[0] > 2 * off[1]
+    assert summary["achieved"]["min_margin"] > 0.02  # so contacts are seen
+    assert summary["verdict"] in ("arrived", "drifted", "slipped")
