@@ -198,8 +198,8 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
             groups=robot.groups,
         ),
     )
-    world = setup.as_planned if scenario.bumps else setup  # whose floor is level
-    check_standing(kinematics, world.model, lift)
+    level = setup.as_planned if scenario.bumps else setup
+    check_standing(kinematics, level.model, lift)
     return setup
 
 
