@@ -218,9 +218,41 @@ def _formed(
 
 
 def _rate(function: sp.Expr, field: sp.Matrix, state: Symbols) -> sp.Expr:
-    """Rate of a function along a field."""
-    terms = zip(state, field, strict=True)
-    return sp.Add(*(sp.diff(function, s) * v for s, v in terms if v != 0))
+    """Rate of a function along a field.
+
+    Parts that occur several times are differentiated once: slopes of slopes are huge
+    when written out, and sympy's own derivative goes through them again at every level.
+    """
+    known: dict[sp.Basic, sp.Expr] = dict(zip(state, field, strict=True))
+
+    def rate(part: sp.Expr) -> sp.Expr:
+        if part not in known:
+            known[part] = _inner_rate(part, rate)
+        return known[part]
+
+    return rate(function)
+
+
+def _inner_rate(part: sp.Expr, rate: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
+    """Rate of an expression from the rates of its arguments, by the chain rule."""
+    rates = [rate(inner) for inner in part.args]
+    moving = [i for i, speed in enumerate(rates) if speed != 0]
+    if not moving:
+        return sp.S.Zero
+    if part.is_Add:
+        return sp.Add(*rates)
+    if part.is_Mul:
+        rests = (part.args[:i] + part.args[i + 1 :] for i in moving)
+        return sp.Add(
+            *(sp.Mul(rates[i], *rest) for i, rest in zip(moving, rests, strict=True))
+        )
+    if part.is_Pow and moving == [0]:
+        base, power = part.args
+        return power * base ** (power - 1) * rates[0]
+    stand_ins = [sp.Dummy(real=inner.is_real) for inner in part.args]
+    outer = part.func(*stand_ins)
+    back = dict(zip(stand_ins, part.args, strict=True))
+    return sp.Add(*(outer.diff(stand_ins[i]).xreplace(back) * rates[i] for i in moving))
 
 
 @dataclass(frozen=True)

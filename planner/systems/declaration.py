@@ -121,15 +121,31 @@ def _expression(what: str, value: Any, state: Symbols) -> sp.Expr:
 
 
 def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
-    strangers = sorted(map(str, expression.free_symbols - set(state)))
+    parts = _parts(expression)
+    if {part for part in parts if part.is_Symbol} <= set(state):
+        strangers = []
+    else:
+        strangers = sorted(map(str, expression.free_symbols - set(state)))
     if strangers:
         listed = ", ".join(map(str, state))
         raise ValueError(
             f"{what} uses {strangers[0]}, which is not in the state ({listed})"
         )
-    for part in sp.preorder_traversal(expression):
+    for part in parts:
         if part.is_number and not _is_real(part):
             raise ValueError(f"{what} has {part}, no real number below {LARGEST:.0e}")
+
+
+def _parts(expression: sp.Expr) -> dict[sp.Basic, None]:
+    """The parts of an expression, each once; brackets repeat theirs many times."""
+    parts: dict[sp.Basic, None] = {}
+    waiting: list[sp.Basic] = [expression]
+    while waiting:
+        part = waiting.pop()
+        if part not in parts:
+            parts[part] = None
+            waiting += part.args
+    return parts
 
 
 def _is_real(number: sp.Expr) -> bool:
