@@ -39,8 +39,15 @@ def load(name: str, *, allow_external: bool = False) -> Robot:
     path = _find(name)
     opened = None if path.parent == FOLDER else _inspected(path, allow_external)
     text, source = _card(path)
-    robot = Robot(path.stem, path, text, parse_card(text, source), opened)
-    check_parts(robot)
+    borrowed = Path(source).stem if Path(source).parent == FOLDER != path.parent else ""
+    card = parse_card(text, source)
+    robot = Robot(path.stem, path, text, card, opened, borrowed)
+    try:
+        check_parts(robot)
+    except ModelError as error:
+        if borrowed:
+            raise _unfit(robot, error) from error
+        raise
     check_posture(robot)
     return robot
 
@@ -67,6 +74,13 @@ def _find(name: str) -> Path:
 def _inspected(path: Path, allow_external: bool) -> Opened:
     card = path.with_suffix(".toml")
     return inspect(path, (card,) if card.is_file() else (), allow_external)
+
+
+def _unfit(robot: Robot, error: ModelError) -> ModelError:
+    return ModelError(
+        f"no robot card: {robot.path.with_suffix('.toml')} is missing, and that of "
+        f"{robot.borrowed!r}, whose model name it carries, does not fit; {error}"
+    )
 
 
 def _card(path: Path) -> tuple[str, str]:

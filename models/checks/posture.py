@@ -19,6 +19,7 @@ from models.errors import ModelError
 UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
 STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
 APART = 0.02  # of the stance's size; tolerance of the feet's heights
+BEYOND = 1e-6  # [rad] by which a start may be out of range
 CLEAR = 2e-4  # [m]; least rise of a lifted foot, more than soft feet sink in
 
 
@@ -35,6 +36,7 @@ def check_posture(robot: Robot) -> None:
 def _problems(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
     """Every problem with its remedy, the gravest first."""
     yield from _tilted(kinematics.robot)
+    yield from _out_of_range(kinematics.robot)
     yield from _off_its_feet(kinematics)
     yield from _cannot_swing(kinematics)
     yield from _cannot_lift(kinematics)
@@ -52,6 +54,18 @@ def _tilted(robot: Robot) -> Iterator[tuple[str, str]]:
             f"{np.rad2deg(tilt):.3g} degrees off the vertical",
             "turn that body upright, where it is defined or in keyframe 'start'",
         )
+
+
+def _out_of_range(robot: Robot) -> Iterator[tuple[str, str]]:
+    for leg in robot.card.legs.values():
+        for joint in leg.joints:
+            (low, high), angle = robot.span(joint), robot.standing_angle(joint)
+            if not low - BEYOND <= angle <= high + BEYOND:
+                yield (
+                    f"joint {joint!r} starts at {angle:.4g} rad, outside the range of "
+                    f"it and its servos, {low:.4g} to {high:.4g}",
+                    "start inside it: correct keyframe 'start', or [start] in the card",
+                )
 
 
 def _off_its_feet(kinematics: Kinematics) -> Iterator[tuple[str, str]]:

@@ -40,6 +40,7 @@ class Robot:
     card_text: str  # TOML
     card: Card
     opened: Opened | None = None  # files of a user's own
+    borrowed: str = ""  # shipped robot whose card it has been given
 
     @property
     def files(self) -> tuple[Path, ...]:

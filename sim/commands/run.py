@@ -82,6 +82,8 @@ def execute(options: argparse.Namespace) -> ExitCode:
     folder = claim(folder_of(options), scenario.name)
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
+    if robot.opened is not None:
+        _tell_changes(robot, scenario)
     try:
         with bar(quiet=options.json) as progress:
             summary = run(
@@ -91,6 +93,14 @@ def execute(options: argparse.Namespace) -> ExitCode:
         folder.discard_if_empty()
     print(json.dumps(summary) if options.json else _report(summary, folder))
     return _judged(summary, folder, options.tolerance)
+
+
+def _tell_changes(robot: Robot, scenario: Scenario) -> None:
+    """What is changed in a robot of the user's own, a line each."""
+    from sim.world.changes import changes
+
+    for told in changes(robot, scenario):
+        print(f"stratawalk: notice: {told}: {robot.path}", file=sys.stderr)
 
 
 def _drawn(scenario: Scenario, robot: Robot, options: argparse.Namespace) -> Scenario:

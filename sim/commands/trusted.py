@@ -40,7 +40,7 @@ def add_trust_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def robot_of(options: argparse.Namespace, name: str) -> Robot:
-    """Load a robot, and say what it took from outside its folder.
+    """Load a robot, and say what it took from elsewhere.
 
     Raises:
         UnknownRobotError: If there is no such robot or file.
@@ -49,6 +49,12 @@ def robot_of(options: argparse.Namespace, name: str) -> Robot:
     from models import load
 
     robot = load(name, allow_external=options.allow_external)
+    if robot.borrowed:
+        print(
+            f"stratawalk: notice: {robot.path} has no card; that of the shipped robot "
+            f"{robot.borrowed!r}, whose model name it carries, is used",
+            file=sys.stderr,
+        )
     if robot.external:
         taken = ", ".join(map(str, robot.external))
         print(

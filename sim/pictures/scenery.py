@@ -102,6 +102,8 @@ def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> N
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=mesh_name(name),
             material=material,
+            rgba=style.rgba(mark.colour, mark.alpha),  # not that of the file's defaults
+            group=0,
             contype=0,
             conaffinity=0,
         )

@@ -21,6 +21,7 @@ from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile
 from sim.preparation.setup import Setup, lift_angle
 from sim.scenarios.scenario import Scenario
+from sim.world.changes import changes, overlaps
 from sim.world.model import build, load as load_world
 from sim.world.servos import joints_without_servo
 
@@ -36,6 +37,7 @@ class Inspected:
         let_down: How far it had to be lowered onto the floor [m].
         equations: Its equations; None if its gait gives it none.
         mobility: What its swings can do; None without equations.
+        changed: What is changed in its file before it walks, a sentence each.
         lacks: What it lacks, a sentence each, with what would change that.
     """
 
@@ -45,6 +47,7 @@ class Inspected:
     let_down: float
     equations: Equations | None
     mobility: Mobility | None
+    changed: tuple[str, ...] = ()
     lacks: tuple[str, ...] = ()
 
     @classmethod
@@ -57,6 +60,7 @@ class Inspected:
             let_down=setup.world.let_down,
             equations=setup.equations,
             mobility=mobility_of(setup.robot, setup.equations),
+            changed=changes(setup.robot, setup.scenario),
         )
 
 
@@ -71,7 +75,7 @@ def inspected(scenario: Scenario, robot: Robot) -> Inspected:
         ModelError: If it does not stand.
         UsageError: If a setting asks for what the robot cannot do.
     """
-    lacks = []
+    lacks, changed = list(overlaps(robot)), changes(robot, scenario)
     robot, said = _with_servos(robot)
     lacks += said
     world, kinematics = build(robot, scenario), Kinematics(robot)
@@ -86,7 +90,14 @@ def inspected(scenario: Scenario, robot: Robot) -> Inspected:
         found = mobility_of(robot, described)
         lacks += immobile(robot, found)
     return Inspected(
-        robot, kinematics, angle, world.let_down, described, found, tuple(lacks)
+        robot=robot,
+        kinematics=kinematics,
+        lift_angle=angle,
+        let_down=world.let_down,
+        equations=described,
+        mobility=found,
+        changed=changed,
+        lacks=tuple(lacks),
     )
 
 

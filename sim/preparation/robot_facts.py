@@ -58,6 +58,7 @@ def facts(subject: Inspected) -> Facts:
             for cost in (() if can is None else can.costs)
             if isfinite(cost.strokes)
         },
+        "changed": list(subject.changed),
         "lacks": list(subject.lacks),
         "margins": {name: _margin(kinematics, name) for name in strata(robot)},
     }
@@ -106,7 +107,9 @@ def describe(robot: Facts) -> str:
     for name, (forward, left, yaw) in robot["fields"].items():
         lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
     lines += _strokes(robot["strokes"])
-    lines += [f"{'' if k else 'lacks':12}{s}" for k, s in enumerate(robot["lacks"])]
+    for heading in ("changed", "lacks"):
+        told = enumerate(robot[heading])
+        lines += [f"{'' if k else heading:12}{sentence}" for k, sentence in told]
     return "\n".join(lines)
 
 

@@ -57,6 +57,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     _set_options(spec, scenario.timestep)
     floor = ensure_floor(spec, robot)
     _set_friction(spec, robot, floor.name, scenario.friction)
+    _set_margin(spec, robot, floor.name)
     ensure_servos(spec, robot, servo_settings(scenario, robot.card))
     add_imperfections(spec, robot, floor.name, scenario)
     ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
@@ -89,3 +90,11 @@ def _set_friction(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -
     for name in (floor, *feet):
         geom = spec.geom(name)
         geom.friction = (value, *geom.friction[1:])
+
+
+def _set_margin(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
+    """No margin: the floor's stiff contact would throw a foot that is yet above it."""
+    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
+    for name in (floor, *feet):
+        geom = spec.geom(name)
+        geom.margin = geom.gap = 0.0

@@ -1,6 +1,7 @@
 """Position servos of the leg joints: the robot's own, or those of its card.
 
-Motors and other actuators of a leg joint are removed in favour of its servo. A servo
+Motors and other actuators of a leg joint are removed in favour of its servo, those that
+move it by a tendon or a site included. A servo
 behind a gear is replaced by the same servo on the joint itself, so that commands are
 angles.
 """
@@ -11,7 +12,15 @@ import mujoco
 import numpy as np
 
 from models import ON_JOINT, ModelError, Robot, actuator_of
+from sim.world.foreign_drives import other_drives
 from sim.world.servo_settings import ServoSettings
+
+INHERITED = (
+    "gear", "ctrllimited", "forcelimited", "actlimited", "ctrlrange", "forcerange",
+    "actrange", "lengthrange", "inheritrange", "dyntype", "dynprm", "gaintype",
+    "gainprm", "biastype", "biasprm", "cranklength", "armature", "damping",
+)  # fmt: skip
+"""What an actuator takes from the defaults of the file that it is added to."""
 
 
 def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
@@ -20,6 +29,9 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
     Raises:
         ModelError: If a joint has no servo and the card gives none.
     """
+    others = set(other_drives(robot))
+    for actuator in [a for a in spec.actuators if a.name in others]:
+        _remove(spec, actuator)
     for leg in robot.card.legs.values():
         for joint in leg.joints:
             servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
@@ -73,6 +85,9 @@ def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActua
     actuator = spec.add_actuator(
         name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT
     )
+    plain = mujoco.MjSpec().add_actuator()
+    for setting in INHERITED:  # the file's defaults are for its own actuators
+        setattr(actuator, setting, getattr(plain, setting))
     actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
     return actuator
 

@@ -1,0 +1,88 @@
+"""What the testbed changes in a robot's own file before it walks, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import mujoco
+import numpy as np
+
+from models import ON_JOINT, Robot
+from sim.scenarios.scenario import Scenario
+from sim.world.foreign_drives import other_drives
+from sim.world.servos import joints_without_servo
+
+
+def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
+    """One sentence for each change.
+
+    Args:
+        robot: Robot as its file has it.
+        scenario: Settings that replace the file's.
+    """
+    spec = robot.read()
+    feet = [spec.geom(name) for leg in robot.card.legs.values() for name in leg.foot]
+    return tuple(
+        (
+            *_drives(robot, spec),
+            *_margins(feet),
+            *_friction(feet, scenario),
+        )
+    )
+
+
+def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
+    if others := other_drives(robot):
+        yield (
+            f"actuators {_listed(others)} move leg joints by tendons, sites or bodies; "
+            "they are left out, since every leg joint has a servo"
+        )
+    motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
+    if replaced := [j for j in joints_without_servo(robot) if j in motors]:
+        yield f"servos replace the motors of joints {_listed(replaced)}"
+
+
+def _margins(feet: list[mujoco.MjsGeom]) -> Iterator[str]:
+    if wide := [foot.name for foot in feet if foot.margin or foot.gap]:
+        yield (
+            f"feet {_listed(wide)} have a contact margin, which would push them off "
+            "the floor before they touch; it is set to 0"
+        )
+
+
+def _friction(feet: list[mujoco.MjsGeom], scenario: Scenario) -> Iterator[str]:
+    own = sorted({float(foot.friction[0]) for foot in feet} - {scenario.friction, 1.0})
+    if own and scenario.foot_friction is None:
+        yield (
+            f"the friction of its feet, {', '.join(f'{mu:g}' for mu in own)}, gives "
+            f"way to friction = {scenario.friction:g} of the scenario; set friction "
+            "or foot_friction to keep it"
+        )
+
+
+def overlaps(robot: Robot) -> Iterator[str]:
+    """Soles of different legs that are inside one another, contact or not.
+
+    Args:
+        robot: Robot as its file has it.
+    """
+    model = robot.model
+    data = mujoco.MjData(model)
+    data.qpos[:] = robot.start_qpos
+    mujoco.mj_kinematics(model, data)
+    soles = [(n, g) for n, leg in robot.card.legs.items() for g in leg.foot]
+    for (leg, one), (other, two) in combinations(soles, 2):
+        if leg == other:
+            continue
+        pair = model.geom(one).id, model.geom(two).id
+        apart = mujoco.mj_geomDistance(model, data, *pair, 0.0, np.zeros(6))
+        if apart < 0:
+            yield (
+                f"feet {one!r} and {two!r} overlap by {-1e3 * apart:.1f} mm where it "
+                "stands; make them smaller, or mount the legs farther apart"
+            )
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(map(repr, names[:3])) + (", ..." if names[3:] else "")

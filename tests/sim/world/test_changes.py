@@ -1,0 +1,122 @@
+"""What a foreign file would do to a walk: handled, or told in words."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.description.robot import FOLDER
+from models.errors import ModelError
+from models.library import load
+from sim import cli
+from sim.pictures import style
+from sim.pictures.ink import ribbon
+from sim.pictures.marks import Mark
+from sim.pictures.scenery import build as build_scene, mesh_name
+from sim.preparation.inspection import inspected
+from sim.preparation.setup import prepare
+from sim.world.changes import changes
+
+BODY = (FOLDER / "hexapod.xml").read_text()
+ACTUATORS = BODY[BODY.index("  <actuator>") : BODY.index("  <sensor>")]
+DEFAULTS = '<default>\n    <default class="robot">'
+FOOT = '<geom type="sphere" size="0.008"/>'
+START = 'qpos="0 0 0.06 1 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0"'
+TENDON = """<tendon><fixed name="strap">
+  <joint joint="lift_1" coef="1"/><joint joint="lift_4" coef="1"/></fixed></tendon>
+<sensor><actuatorfrc actuator="pull"/>"""
+PULL = '<position tendon="strap" name="pull" kp="300"/></actuator>'
+SERVO = "[servo]\nstiffness = 1000.0\ndamping = 2.8\n\n[gait]"
+
+
+def sinks(setup):
+    """How far the robot sinks while it stands for a tenth of a second [m]."""
+    data = mujoco.MjData(setup.model)
+    mujoco.mj_resetDataKeyframe(setup.model, data, setup.model.key("start").id)
+    height = data.qpos[2]
+    mujoco.mj_step(setup.model, data, nstep=round(0.1 / setup.model.opt.timestep))
+    return abs(float(height - data.qpos[2]))
+
+
+def test_added_servos_take_nothing_from_the_file_s_defaults(edited, scenario):
+    limits = '<motor ctrllimited="true" forcelimited="true" gear="7"/>'
+    robot = edited(
+        ACTUATORS, "", "[gait]", SERVO, DEFAULTS, DEFAULTS.replace(">", f">{limits}", 1)
+    )
+    model = prepare(scenario(), robot).model
+    assert not model.actuator_ctrllimited.any()
+    assert not model.actuator_forcelimited.any()
+    assert (model.actuator_gear[:, 0] == 1).all()
+    assert (model.actuator_gainprm[:, 0] == 1000).all()
+
+
+def test_actuators_on_tendons_of_legs_are_left_out_and_told(edited, scenario):
+    key = f'{START} ctrl="{"0 " * 12}0.5"'
+    robot = edited("<sensor>", TENDON, "</actuator>", PULL, START, key)
+    setup = prepare(scenario(), robot)
+    assert setup.model.nu == 12
+    assert sinks(setup) < 1e-3
+    (told,) = changes(robot, scenario())
+    assert "actuators 'pull' move leg joints by tendons" in told
+
+
+def test_margins_of_feet_throw_nothing_up(edited, scenario):
+    robot = edited(FOOT, FOOT.replace("/>", ' margin="0.01"/>'))
+    assert sinks(prepare(scenario(), robot)) < 1e-3
+    (told,) = changes(robot, scenario())
+    assert "'foot_1', 'foot_2', 'foot_3', ... have a contact margin" in told
+
+
+def test_friction_of_feet_that_gives_way_is_told(edited, scenario):
+    robot = edited(FOOT, FOOT.replace("/>", ' friction="0.3" priority="3"/>'))
+    (told,) = changes(robot, scenario())
+    assert "the friction of its feet, 0.3, gives way to friction = 1" in told
+    assert changes(robot, scenario(friction=0.3)) == ()
+
+
+@pytest.mark.parametrize(
+    ("edit", "said"),
+    [
+        ([START, START.replace("1 0 0 0 0", "1 0 0 0 0.6")], "'swing_1' starts at 0.6"),
+        (['"-0.1 0.6" limited', '"0.05 0.6" limited'], "'lift_1' starts at 0 rad"),
+    ],
+    ids=["swing", "lift"],
+)
+def test_start_outside_a_joint_s_range_is_called_that(edit, said, edited):
+    with pytest.raises(ModelError, match=f"joint {said}.*outside the range of it"):
+        edited(*edit)
+
+
+def test_borrowed_card_is_noticed_and_blamed_where_it_does_not_fit(tmp_path, capsys):
+    for name in ("hexapod.xml", "scene.xml"):
+        (tmp_path / name).write_text((FOLDER / name).read_text())
+    path = (tmp_path / "hexapod.xml").rename(tmp_path / "mine.xml")
+    assert cli.main(["robots", str(path)]) == 0
+    assert "mine.xml has no card; that of the shipped robot 'hexapod'" in (
+        capsys.readouterr().err
+    )
+    path.write_text(BODY.replace('"swing_1"', '"hip_1"'))
+    with pytest.raises(ModelError, match="no robot card: .*'hexapod'.* does not fit"):
+        load(str(path))
+
+
+def test_soles_that_overlap_are_told(edited, scenario):
+    robot = edited(FOOT, '<geom type="box" size="0.075 0.075 0.008"/>')
+    assert any(
+        "feet 'foot_1' and 'foot_3' overlap by 16.0 mm" in told
+        for told in inspected(scenario(), robot).lacks
+    )
+
+
+def test_marks_of_films_keep_their_colours(edited, tmp_path):
+    edited(
+        DEFAULTS, DEFAULTS.replace(">", '><geom rgba="0.5 0.1 0.1 1" group="4"/>', 1)
+    )
+    walk = walk_along(np.zeros((2, 3)))
+    object.__setattr__(walk, "model", tmp_path / "hexapod.xml")
+    line = np.array([[0.0, 0.0], [0.1, 0.0]])
+    mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), style.ACHIEVED)
+    geom = build_scene(walk, [mark], style.LOOKS["draft"]).geom(
+        mesh_name(mark.pieces[0][0])
+    )
+    assert geom.rgba == pytest.approx(style.rgba(style.ACHIEVED, 1.0))
+    assert geom.group == 0
