@@ -108,11 +108,9 @@ def test_soles_that_overlap_are_told(edited, scenario):
 
 
 def test_marks_of_films_keep_their_colours(edited, tmp_path):
-    edited(
-        DEFAULTS, DEFAULTS.replace(">", '><geom rgba="0.5 0.1 0.1 1" group="4"/>', 1)
-    )
-    walk = walk_along(np.zeros((2, 3)))
-    object.__setattr__(walk, "model", tmp_path / "hexapod.xml")
+    grey = '><geom rgba="0.5 0.1 0.1 1" group="4"/>'
+    edited(DEFAULTS, DEFAULTS.replace(">", grey, 1))
+    walk = SimpleNamespace(model=tmp_path / "hexapod.xml", reach=0.2)
     line = np.array([[0.0, 0.0], [0.1, 0.0]])
     mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), style.ACHIEVED)
     geom = build_scene(walk, [mark], style.LOOKS["draft"]).geom(
