@@ -1,5 +1,7 @@
 """What a foreign file would do to a walk: handled, or told in words."""
 
+from types import SimpleNamespace
+
 import mujoco
 import numpy as np
 import pytest
