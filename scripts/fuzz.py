@@ -105,7 +105,7 @@ def main() -> int:
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
     keep, home, done = Path(asked.keep).resolve(), Path.cwd(), Counter[str]()
-    faults = 0
+    faults, longest = 0, dict[str, tuple[float, int]]()
     quicken()
     end = time.monotonic() + asked.seconds
     for kind, seed in cases(asked.seed, asked.kinds):
@@ -114,14 +114,18 @@ def main() -> int:
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
             words = KINDS[kind](Path(folder), random.Random(seed))
+            began = time.monotonic()
             wrong = fault(words)
+            took = time.monotonic() - began
             os.chdir(home)
             done[kind] += 1
+            longest[kind] = max(longest.get(kind, (0.0, 0)), (round(took, 1), seed))
             if wrong is not None:
                 faults += 1
                 print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)
                 shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
     print(f"{done.total()} cases, {faults} faults: {dict(done)}")
+    print(f"longest, in seconds, and their seeds: {longest}")
     return int(faults > 0)
 
 

@@ -14,6 +14,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
+PLAN_TIME = 0.5  # [s], so that no case takes long
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 NASTY = (
     *("nan", "inf", "-inf", "0", "-0.0", "-1", "1e308", "-1e308", "1e-320", "1e999"),
@@ -97,7 +98,7 @@ def _read(*parts: str) -> str:
 def scenario(folder: Path, rng: random.Random) -> list[str]:
     """A mutated scenario, planned."""
     name = rng.choice(("line", "ellipse", "diagonal", "corridor"))
-    text = "segments = 3\n" + re.sub(
+    text = f"segments = 6\nplan_time = {PLAN_TIME}\n" + re.sub(
         r"segments = \d+\n", "", _read("sim", "scenarios", f"{name}.toml")
     )
     _write(folder / "mine.toml", mutated(text, rng))

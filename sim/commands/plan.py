@@ -64,12 +64,14 @@ def execute(options: argparse.Namespace) -> None:
         with limited(scenario.plan_time, lambda done: progress("planning", done)):
             setup = within_bounds(routed(setup))
         system, flows = _planned(setup, progress)
-    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
-    accuracy = convergence(setup.extended, setup.nominal(), setup.coordinates)
-    steps = step_lengths(setup.extended, setup.nominal(), setup.scenario.segments)
+        planning = time.perf_counter() - compiled
+        with limited(scenario.plan_time):
+            extended, path = setup.extended, setup.nominal()
+            accuracy = convergence(extended, path, setup.coordinates)
+            steps = step_lengths(extended, path, setup.scenario.segments)
     facts = summarise(setup, system, flows) | {"accuracy": accuracy, "steps": steps}
     facts["helps"] = _helps(setup, facts)
-    facts["timing"] = timing
+    facts["timing"] = {"compile": compiled - began, "plan": planning}
     if options.json:
         print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
         return
