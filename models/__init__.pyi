@@ -40,6 +40,7 @@ from .description.compiled import (
     silence_the_engine as silence_the_engine,
 )
 from .description.files import elements_with_files as elements_with_files
+from .description.inspection import inspect_model as inspect_model
 from .description.joint_servo import JointServo as JointServo
 from .description.robot import (
     FOLDER as FOLDER,

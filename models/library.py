@@ -9,7 +9,7 @@ from models.checks.posture import check_posture
 from models.description.card_file import parse_card, read_text
 from models.description.compiled import read_spec
 from models.description.files import Opened
-from models.description.inspection import inspect
+from models.description.inspection import inspect_model
 from models.description.robot import FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 
@@ -73,7 +73,7 @@ def _find(name: str) -> Path:
 
 def _inspected(path: Path, allow_external: bool) -> Opened:
     card = path.with_suffix(".toml")
-    return inspect(path, (card,) if card.is_file() else (), allow_external)
+    return inspect_model(path, (card,) if card.is_file() else (), allow_external)
 
 
 def _unfit(robot: Robot, error: ModelError) -> ModelError:

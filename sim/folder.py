@@ -20,7 +20,7 @@ from typing import IO
 import numpy as np
 
 from planner import require_space, whole_file
-from sim.errors import FilesError, UsageError
+from sim.errors import ExitCode, FilesError, UsageError, exit_code
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +198,28 @@ def _check_writable(folder: RunFolder) -> None:
     except FilesError:
         folder.discard_if_empty()
         raise
+
+
+@contextmanager
+def blamed_on(folder: Path) -> Iterator[None]:
+    """Say of whatever goes wrong with a finished run that its files are damaged.
+
+    Args:
+        folder: Of a run, whose files anybody may have changed.
+
+    Raises:
+        UsageError: If the block ends with an error that is not its own answer.
+    """
+    try:
+        yield
+    except Exception as error:
+        if exit_code(error) is not ExitCode.BUG:
+            raise
+        raise UsageError(
+            f"its files do not fit together, {type(error).__name__}: {error}",
+            str(folder),
+            f"walk it again: stratawalk run {folder / 'scenario.toml'}",
+        ) from error
 
 
 @contextmanager

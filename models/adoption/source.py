@@ -9,7 +9,7 @@ from pathlib import Path
 import mujoco
 
 from models.description.compiled import named, read_spec
-from models.description.inspection import inspect
+from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError
 
 ROOT = "adopted_world"  # link that a URDF's base floats in
@@ -63,7 +63,7 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         )
     if path.suffix.lower() == ".urdf":
         return Source(path, path.with_suffix(".xml"), _from_urdf(path))
-    inspect(path, (), allow_external)
+    inspect_model(path, (), allow_external)
     return Source(path, path, None)
 
 

@@ -24,7 +24,9 @@ TRIAL = "models.description.trial"
 SHOWN = 3  # files that a message names
 
 
-def inspect(path: Path, others: tuple[Path, ...], allow_external: bool) -> Opened:
+def inspect_model(
+    path: Path, others: tuple[Path, ...] = (), allow_external: bool = False
+) -> Opened:
     """Make sure that a model may be read; costs the start of a process.
 
     Args:

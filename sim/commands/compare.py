@@ -34,13 +34,20 @@ def execute(options: argparse.Namespace) -> None:
         raise UsageError(
             "not a page's name", f"--out {options.out}", "give a name in .html"
         )
+    from sim.folder import blamed_on
     from sim.reports.comparison import compare, names, page
     from sim.reports.record import read_run
 
-    runs = [read_run(Path(folder)) for folder in options.runs]
+    runs = []
+    for folder in map(Path, options.runs):
+        with blamed_on(folder):
+            runs.append(read_run(folder))
+            compare([runs[-1], runs[-1]])
     compared = compare(runs)
     if options.out is not None:
-        _write(Path(options.out), page(compared))
+        with blamed_on(runs[0].folder):
+            text = page(compared)
+        _write(Path(options.out), text)
     if options.json:
         tables = {"settings": compared.differences, "results": compared.results}
         facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -73,9 +74,12 @@ def execute(options: argparse.Namespace) -> None:
     out = Path(options.out)
     _require_sense(options, out)
 
+    from sim.folder import blamed_on
     from sim.progress import bar
 
-    with bar(quiet=options.json) as progress:
+    folder = Path(options.scenario)
+    blame = blamed_on(folder) if folder.is_dir() else nullcontext()
+    with bar(quiet=options.json) as progress, blame:
         source = _source(options, progress)
         commands, read = _written(options, source, out)
         played = _played(source, read, progress) if options.play else None

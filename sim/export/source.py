@@ -17,6 +17,7 @@ from models import (
     Robot,
     actuator_of,
     compile_model,
+    inspect_model,
     load,
     read_card,
     silence_the_engine,
@@ -107,7 +108,8 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
         arrays = _arrays(folder / "trajectory.npz", REFERENCE)
         ctrl = _arrays(folder / "commands.npz", ("ctrl",))["ctrl"]
         card, model = read_card(folder / "model.toml"), _model(folder / "model.xml")
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        model.key("start")
+    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
         if isinstance(error, UsageError) and folder.joinpath("scenario.toml").exists():
             raise
         what = f"not a finished run, {' '.join(str(error).split())}"
@@ -156,4 +158,6 @@ def _arrays(path: Path, names: Iterable[str]) -> dict[str, Array]:
 
 def _model(path: Path) -> mujoco.MjModel:
     silence_the_engine()
+    if path.is_file():
+        inspect_model(path)
     return compile_model(mujoco.MjSpec.from_file(str(path)), str(path))

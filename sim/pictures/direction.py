@@ -14,7 +14,7 @@ from pathlib import Path
 
 from planner import Array
 from sim.errors import RenderError, UsageError
-from sim.folder import whole
+from sim.folder import blamed_on, whole
 from sim.pictures import gl
 from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
 from sim.pictures.crew import KEPT, Piece, draw
@@ -76,10 +76,11 @@ def film_folder(
         )
     view_of(camera)
     folder = folder.resolve()
-    walk = read_walk(folder)
-    _require_time(walk.time, stretch)
+    with blamed_on(folder):
+        walk = read_walk(folder)
+        _require_time(walk.time, stretch)
+        pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)
     driver = check()
-    pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)
     drawn = 0
 
     def report(more: int) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from sim.folder import RunFolder
+from sim.folder import RunFolder, blamed_on
 from sim.reports import tables, verdict
 from sim.reports.maps import magnified, plan_view
 from sim.reports.notation import sequence
@@ -36,7 +36,9 @@ def write_report(folder: Path) -> Path:
         UsageError: If it is not the folder of a finished run.
         FilesError: If the folder cannot be written.
     """
-    RunFolder(folder).write_text(NAME, page(read_run(folder)))
+    with blamed_on(folder):
+        text = page(read_run(folder))
+    RunFolder(folder).write_text(NAME, text)
     return folder / NAME
 
 

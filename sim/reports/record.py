@@ -147,7 +147,10 @@ def _read(folder: Path) -> Record:
     text = (folder / "scenario.toml").read_text()
     settings = parse_toml(text)
     path = body_path.decode(settings["path"])
-    with np.load(folder / "trajectory.npz", allow_pickle=False) as file:
+    with (
+        (folder / "trajectory.npz").open("rb") as states,
+        np.load(states, allow_pickle=False) as file,
+    ):
         arrays = {name: file[name] for name in file if name not in ("qpos", "qvel")}
     return Record(
         folder=folder,

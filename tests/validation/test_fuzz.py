@@ -14,11 +14,7 @@ SECONDS = {"options": 20, "system": 30, "archive": 20, "scenario": 40, "card": 3
 SECONDS["mjcf"] = 180 - sum(SECONDS.values())  # three minutes in all
 
 
-SLOW = ("scenario", "mjcf")  # cases that plan or compile for most of a minute
-CASES = [pytest.param(k, marks=pytest.mark.full) if k in SLOW else k for k in KINDS]
-
-
-@pytest.mark.parametrize("kind", CASES)
+@pytest.mark.parametrize("kind", KINDS)
 def test_no_mutated_input_breaks_the_command(kind, tmp_path):
     seconds = ("--seconds", str(SECONDS[kind]), "--kinds", kind)
     done = subprocess.run(
