@@ -17,7 +17,6 @@ from sim.pictures.style import FRAME_RATE, HEIGHT, WIDTH
 from sim.pictures.views import ACROSS, ELEVATION, View
 
 FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
-SWAY = 7.0  # [degrees] to either side in the course of the film
 ROOM = (0.77, 0.73)  # of half the picture, sideways and upright: the rest is captions
 MIDDLE = (0.16, 0.12)  # of that room, right of and above the middle of the picture
 KNEES = 0.35  # above the feet, in units of the robot's reach
@@ -96,9 +95,10 @@ def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
         clock: Which row each picture shows.
         view: From where; by default across the path, from above.
     """
-    azimuth, elevation = _azimuth(walk, clock, view), view.elevation
+    looks = _across(walk.nominal) if view.azimuth is None else view.azimuth
+    azimuth, elevation = np.full(len(clock.rows), looks), view.elevation
     seen = _seen(walk, clock)
-    centre, fitting = _fit(seen, float(azimuth[0] + azimuth[-1]) / 2, elevation)
+    centre, fitting = _fit(seen, looks, elevation)
     distance = min(fitting, view.farthest * walk.reach)
     body = np.insert(walk.achieved[clock.rows, :2], 2, 0.0, axis=1)
     calm = gaussian_filter1d(body, CALM * FRAME_RATE, axis=0, mode="nearest")
@@ -108,14 +108,6 @@ def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
     return Camera(
         centre + follow * (calm - centre) - aside, azimuth, distance, elevation
     )
-
-
-def _azimuth(walk: FilmedWalk, clock: Clock, view: View) -> Array:
-    """Direction in which each picture looks, swaying where none is asked for."""
-    if view.azimuth is not None:
-        return np.full(len(clock.rows), view.azimuth)
-    part = np.minimum(np.arange(len(clock.rows)) / max(clock.moving, 1), 1.0)
-    return _across(walk.nominal) + SWAY * np.sin(np.pi * (part - 0.5))
 
 
 def _seen(walk: FilmedWalk, clock: Clock) -> Array:

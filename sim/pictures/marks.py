@@ -25,7 +25,9 @@ DASH = 0.08
 FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
 FOOT, TRAIL = 0.014, 0.012  # radius of a footprint, width of its slip
 SPOT, GOAL = 0.032, 0.06  # radii
-FEW = 12  # corners of a footprint, which is a few pixels wide
+BEND = 0.1  # [rad] that a path turns between its points, or
+BEAT = 6  # pictures; what comes first
+FEW = 8  # corners of a footprint, which is a few pixels wide
 PIECE = 400  # triangles that are passed to the driver at once
 
 
@@ -98,6 +100,7 @@ def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
 def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Ink:
     """The path of the body's centre so far."""
     rows = _thinned(poses, SPACING * walk.reach)
+    rows = rows[_telling(poses[rows], clock.frame_of(rows))]
     frames = clock.frame_of(rows)
     return ribbon(poses[rows, :2], frames, width * walk.reach, JUMP * walk.reach)
 
@@ -106,6 +109,16 @@ def _thinned(line: Array, spacing: float) -> Array:
     """Rows about `spacing` apart along a line."""
     way = np.cumsum(np.hypot(*np.diff(line[:, :2], axis=0, prepend=line[:1, :2]).T))
     return np.unique(np.floor(way / spacing), return_index=True)[1]
+
+
+def _telling(line: Array, frames: Array) -> Array:
+    """Which points a line needs to keep its corners and to grow without haste."""
+    step = np.diff(line[:, :2], axis=0)
+    turn = np.diff(np.arctan2(step[:, 1], step[:, 0]))
+    turned = np.concatenate([[0.0], np.cumsum(np.abs(np.angle(np.exp(1j * turn))))])
+    corners = np.flatnonzero(np.diff(np.floor(turned / BEND))) + 1
+    beats = np.unique(frames // BEAT, return_index=True)[1]
+    return np.unique(np.concatenate([corners, beats, [len(line) - 1]]).astype(int))
 
 
 def _footprints(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:

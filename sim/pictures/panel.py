@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -61,7 +61,8 @@ def text(
     colour: Colour = style.TEXT,
 ) -> None:
     """Write words at a place, with an anchor as Pillow names it."""
-    draw.text(at, words, colour, _font(size), anchor)
+    mask, (left, top) = _mask(words, size, anchor)
+    draw.bitmap((at[0] + left, at[1] + top), mask, colour)
 
 
 def length(words: str, size: int = SMALL) -> int:
@@ -72,6 +73,16 @@ def length(words: str, size: int = SMALL) -> int:
 def millimetres(metres: float, digits: int = 1) -> str:
     """A length in words, with so many decimals; none where it is not finite."""
     return f"{1000 * metres:.{digits}f} mm" if np.isfinite(metres) else "none"
+
+
+@lru_cache(maxsize=1024)
+def _mask(words: str, size: int, anchor: str) -> tuple[Image.Image, tuple[int, int]]:
+    """Words as a mask, and where its corner is from their anchor; many come again."""
+    left, top, right, bottom = _font(size).getbbox(words, anchor=anchor)
+    left, top = int(np.floor(left)), int(np.floor(top))
+    mask = Image.new("L", (int(np.ceil(right)) - left, int(np.ceil(bottom)) - top))
+    ImageDraw.Draw(mask).text((-left, -top), words, 255, _font(size), anchor)
+    return mask, (left, top)
 
 
 @cache

@@ -46,6 +46,7 @@ def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel
     visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
     visual.global_.fovy = FIELD_OF_VIEW
     visual.quality.offsamples, visual.quality.shadowsize = look.samples, SHADOW_MAP
+    visual.quality.numslices, visual.quality.numstacks = look.slices, look.slices // 2
     visual.map.znear = NEAR
     spec.stat.extent = EXTENT * walk.reach
     model = spec.compile()

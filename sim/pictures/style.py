@@ -7,7 +7,7 @@ from dataclasses import dataclass
 Colour = tuple[int, int, int]  # red, green, blue of 255
 
 WIDTH, HEIGHT = 1280, 720  # [pixels]; even, as the codec demands
-FRAME_RATE = 30  # [1/s]
+FRAME_RATE = 25  # [1/s]
 LONGEST = 40.0  # [s], unless a scenario sets the playback speed itself
 TAIL = 1.5  # [s] that the last picture stays
 
@@ -18,11 +18,12 @@ class Look:
 
     shadows: bool
     samples: int  # of every pixel, against jagged edges
+    slices: int  # of round shapes
 
 
 LOOKS = {
-    "draft": Look(shadows=False, samples=0),
-    "final": Look(shadows=True, samples=4),
+    "draft": Look(shadows=False, samples=0, slices=14),
+    "final": Look(shadows=True, samples=4, slices=28),
 }
 
 PAPER: Colour = (246, 247, 249)

@@ -66,7 +66,7 @@ def test_a_film_holds_every_picture_at_its_size_and_rate(filmed, decoded):
     ).stderr
     assert "h264" in about
     assert "1280x720" in about
-    assert " 30 fps" in about
+    assert " 25 fps" in about
 
 
 @pytest.mark.render
