@@ -1,18 +1,30 @@
 """Pages opened in a real headless Chromium, which says what it finds there."""
 
+import base64
+import io
 import json
 import re
 import shutil
 import subprocess
+import time
+from contextlib import contextmanager
 from urllib.parse import unquote
+from urllib.request import urlopen
 
+import numpy as np
 import pytest
+from PIL import Image
+from websockets.sync.client import connect
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--hide-scrollbars", "--virtual-time-budget=8000",
+)  # fmt: skip
+DRAWING = (  # WebGL without a graphics card
+    "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist", "--window-size=800,640", "--remote-debugging-port=0",
 )  # fmt: skip
 COMPLAINTS = re.compile(r"CONSOLE.*?\"(.*)\"")
 FRAME = """<!DOCTYPE html><meta charset="utf-8"><body style="margin: 0">
@@ -68,3 +80,49 @@ def open_in_browser(page, scratch, *flags):
         ],
         capture_output=True, text=True, check=True, timeout=120,
     )  # fmt: skip
+
+
+def watch(address, scratch, seen, patience=150.0):
+    """The first picture of a page that shows what it should; shape (height, width, 3).
+
+    A page with a scene takes long on two cores: it is the picture that is waited for.
+    """
+    with _debugged(address, scratch) as ask_page:
+        end = time.monotonic() + patience
+        while time.monotonic() < end:
+            shot = base64.b64decode(ask_page("Page.captureScreenshot")["data"])
+            picture = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"))
+            if seen(picture.astype(int)):
+                return picture
+            time.sleep(1.0)
+    (scratch / "last.png").write_bytes(shot)
+    raise AssertionError(f"not seen on {address}; the last picture is in {scratch}")
+
+
+@contextmanager
+def _debugged(address, scratch):
+    """A page opened in a browser that answers questions meanwhile."""
+    flags = [flag for flag in FLAGS if "virtual-time" not in flag]
+    profile = f"--user-data-dir={scratch / 'watched'}"
+    process = subprocess.Popen(
+        [chromium(), *flags, *DRAWING, profile, address],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        told = next(line for line in process.stderr if "DevTools listening" in line)
+        port = re.search(r":(\d+)/", told)[1]
+        with urlopen(f"http://127.0.0.1:{port}/json") as answer:
+            pages = [page for page in json.load(answer) if page["type"] == "page"]
+        with connect(pages[0]["webSocketDebuggerUrl"], max_size=None) as channel:
+
+            def ask_page(method):
+                channel.send(json.dumps({"id": 1, "method": method}))
+                while "result" not in (said := json.loads(channel.recv(timeout=120))):
+                    pass
+                return said["result"]
+
+            yield ask_page
+    finally:
+        process.kill()
+        process.wait()
+        process.stderr.close()

@@ -14,6 +14,7 @@ COMMANDS = (
     "run",
     "show",
     "film",
+    "view",
     "compare",
     "sweep",
     "merge",

@@ -27,19 +27,20 @@ def execute(options: argparse.Namespace) -> None:
 
     path = write_report(Path(options.run)).resolve()
     print(json.dumps({"report": str(path)}) if options.json else path)
-    if _has_display() if options.browser is None else options.browser:
+    if has_display() if options.browser is None else options.browser:
         sys.stdout.flush()
-        _open(path)
+        open_page(path.as_uri())
 
 
-def _has_display() -> bool:
+def has_display() -> bool:
     """Whether a browser's window would be seen by the one who asked for it."""
     screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     return sys.platform == "darwin" or bool(screen)
 
 
-def _open(path: Path) -> None:
+def open_page(address: str) -> None:
+    """Open a page in the user's browser, or say that there is none."""
     import webbrowser
 
-    if not webbrowser.open(path.as_uri()):
-        print(f"stratawalk: warning: no browser found for {path}", file=sys.stderr)
+    if not webbrowser.open(address):
+        print(f"stratawalk: warning: no browser found for {address}", file=sys.stderr)

@@ -1,0 +1,183 @@
+"""What is drawn into the viewer's scene: paths, ghost, support polygon, footprints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+import shapely
+
+from models import root_body
+from planner import Array
+from sim.motion.stability import support_polygons
+from sim.pictures import style
+from sim.pictures.story import FilmedWalk
+from sim.pictures.style import Colour
+
+POINTS = 120  # of a path
+PRINTS = 240  # footprints, the latest ones; the viewer draws 1024 geoms in all
+GHOST = 0.3  # opacity
+# In units of the robot's reach.
+HIGH, THICK, EDGE, PRINT, GOAL = 0.008, 0.006, 0.008, 0.014, 0.06
+FLAT = np.eye(3).ravel()
+
+
+class Marks:
+    """The marks of one walk, row by row."""
+
+    def __init__(self, walk: FilmedWalk, model: mujoco.MjModel) -> None:
+        self._walk, self._model = walk, model
+        self._ghost = mujoco.MjData(model)
+        root = root_body(model, walk.model)
+        self._address = int(model.jnt_qposadr[model.body_jntadr[root]])
+        self._body = self._of_robot(root)
+        self._still = [*self._paths(), self._goal()]
+        self._prints = landings(walk)
+
+    def at(self, row: int) -> list[mujoco.MjvGeom]:
+        """All marks of a row, as MuJoCo draws them.
+
+        Args:
+            row: Of the trajectory.
+        """
+        walk = self._walk
+        come = walk.achieved[: row + 1, :2]
+        achieved = self._line(thinned(come), style.ACHIEVED, THICK, level=3)
+        moving = (
+            self._footprints(row),
+            achieved,
+            self._support(row),
+            self._shadow(row),
+        )
+        return [*self._still, *(geom for part in moving for geom in part)]
+
+    def _of_robot(self, root: int) -> list[int]:
+        """Geoms that move with the body and are seen."""
+        owners = self._model.body_rootid[self._model.geom_bodyid]
+        seen = self._model.geom_rgba[:, 3] > 0
+        return [int(i) for i in np.flatnonzero((owners == root) & seen)]
+
+    def _paths(self) -> Iterator[mujoco.MjvGeom]:
+        walk = self._walk
+        yield from self._line(
+            thinned(walk.nominal[:, :2]), style.NOMINAL, THICK, level=0, dashed=True
+        )
+        for i, poses in enumerate(walk.predicted.values()):
+            line = thinned(poses[:, :2])
+            yield from self._line(line, style.PREDICTED[i], THICK, level=1 + i)
+
+    def _goal(self) -> mujoco.MjvGeom:
+        reach = self._walk.reach
+        place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)
+        size = np.array([GOAL, GOAL, HIGH / 4]) * reach
+        return _geom(
+            mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, style.rgba(style.NOMINAL, 0.5)
+        )
+
+    def _line(
+        self,
+        points: Array,
+        colour: Colour,
+        width: float,
+        level: int,
+        dashed: bool = False,
+    ) -> Iterator[mujoco.MjvGeom]:
+        """Thin rods from point to point, a little above the floor."""
+        reach = self._walk.reach
+        places = np.insert(points, 2, HIGH * reach * (1 + 0.3 * level), axis=1)
+        for i in range(0, len(places) - 1, 2 if dashed else 1):
+            geom = _geom(
+                mujoco.mjtGeom.mjGEOM_CAPSULE, np.ones(3), places[i], style.rgba(colour)
+            )
+            start, end = places[i], places[i + 1]
+            mujoco.mjv_connector(
+                geom, mujoco.mjtGeom.mjGEOM_CAPSULE, width * reach / 2, start, end
+            )
+            yield geom
+
+    def _footprints(self, row: int) -> Iterator[mujoco.MjvGeom]:
+        rows, feet = self._prints
+        stop = int(np.searchsorted(rows, row, side="right"))
+        size = np.array([PRINT, PRINT, HIGH / 4]) * self._walk.reach
+        for i in range(max(stop - PRINTS, 0), stop):
+            foot = int(feet[i])
+            place = np.append(self._walk.contact_point[rows[i], foot], size[2])
+            colour = style.rgba(style.footprint(self._walk.group_of_foot[foot]))
+            yield _geom(mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, colour)
+
+    def _support(self, row: int) -> Iterator[mujoco.MjvGeom]:
+        """The edge of the support polygon, red where the weight has left it."""
+        walk, here = self._walk, slice(row, row + 1)
+        (hull,) = support_polygons(walk.contact_point[here], walk.contact[here])
+        ring = hull.exterior if isinstance(hull, shapely.Polygon) else hull
+        colour = style.STABLE if walk.margin[row] > 0 else style.TIPPING
+        yield from self._line(shapely.get_coordinates(ring), colour, EDGE, level=4)
+        place = np.append(walk.center_of_mass[row], 2 * HIGH * walk.reach)
+        size = np.full(3, 2 * PRINT * walk.reach)
+        yield _geom(mujoco.mjtGeom.mjGEOM_SPHERE, size, place, style.rgba(style.WEIGHT))
+
+    def _shadow(self, row: int) -> Iterator[mujoco.MjvGeom]:
+        """The robot where the last of the predictions, the quasi-static, sees it."""
+        walk, model = self._walk, self._model
+        *_, (name, poses) = walk.predicted.items()
+        colour = style.PREDICTED[list(walk.predicted).index(name)]
+        self._ghost.qpos[:] = _moved(
+            walk.qpos[row], self._address, walk.achieved[row], poses[row]
+        )
+        mujoco.mj_kinematics(model, self._ghost)
+        for i in self._body:
+            if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_MESH:
+                continue  # the viewer knows meshes by a number of its own
+            yield _geom(
+                mujoco.mjtGeom(model.geom_type[i]),
+                model.geom_size[i],
+                self._ghost.geom_xpos[i],
+                style.rgba(colour, GHOST),
+                self._ghost.geom_xmat[i],
+            )
+
+
+def _moved(qpos: Array, address: int, pose: Array, to: Array) -> Array:
+    """Joint positions with the body moved from one pose in the plane to another."""
+    moved, turn = qpos.copy(), to[2] - pose[2]
+    place, attitude = slice(address, address + 2), slice(address + 3, address + 7)
+    cos, sin = np.cos(turn), np.sin(turn)
+    moved[place] = to[:2] + np.array([[cos, -sin], [sin, cos]]) @ (
+        qpos[place] - pose[:2]
+    )
+    about_z = np.array([np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)])
+    turned = np.empty(4)
+    mujoco.mju_mulQuat(turned, about_z, qpos[attitude])
+    moved[attitude] = turned
+    return moved
+
+
+def landings(walk: FilmedWalk) -> tuple[Array, Array]:
+    """Rows in which a foot comes down, ascending, and which foot it is."""
+    before = np.zeros((1, walk.contact.shape[1]), bool)
+    landed = walk.contact & ~np.concatenate([before, walk.contact[:-1]])
+    rows, feet = np.nonzero(landed)
+    return rows, feet
+
+
+def thinned(points: Array) -> Array:
+    """Points evenly apart along a line, the first and the last among them."""
+    way = np.cumsum(np.hypot(*np.diff(points, axis=0, prepend=points[:1]).T))
+    if not way[-1]:
+        return points[:1]
+    at = np.searchsorted(way, np.linspace(0, way[-1], POINTS))
+    return points[np.unique(np.minimum(at, len(points) - 1))]
+
+
+def _geom(
+    kind: mujoco.mjtGeom,
+    size: Array,
+    place: Array,
+    colour: tuple[float, float, float, float],
+    turned: Array = FLAT,
+) -> mujoco.MjvGeom:
+    geom = mujoco.MjvGeom()
+    mujoco.mjv_initGeom(geom, kind, size, place, turned, np.array(colour, np.float32))
+    geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+    return geom

@@ -1,0 +1,150 @@
+"""Parts of MuJoCo's viewer that play a recorded walk, with marks in its scene.
+
+The viewer runs in a thread of its own; the playback is shared between the two.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import mujoco
+import numpy as np
+from mujoco.studio import messages, plugin, sim
+from mujoco.studio.dear_imgui import dear_imgui as imgui
+
+from sim.viewing.marks import Marks
+from sim.viewing.playback import Playback, RecordedWalk
+
+REST = 0.008  # [s] between states that are sent
+PERCENT = 100.0
+CORNER = (330.0, 60.0)  # of the panel, beside the viewer's own [pixels]
+AGAIN = 1.0  # [s] after which the viewer is told again; it may have come later
+SPEEDS = (0.25, 1.0, 2.0, 4.0, 8.0, 16.0)
+FLAGS = (mujoco.mjtVisFlag.mjVIS_CONTACTPOINT, mujoco.mjtVisFlag.mjVIS_CONTACTFORCE)
+
+
+class Player(plugin.SimPlugin):
+    """Shows the recorded states one after another; nothing is stepped.
+
+    Contact forces follow from position, speed and command, so they are those of the
+    walk.
+    """
+
+    def __init__(self, walk: RecordedWalk, playback: Playback) -> None:
+        self._walk, self._playback = walk, playback
+        self._clock = time.perf_counter()
+        self._told: tuple[bool, float] | None = None
+        self._tell_at = self._clock
+
+    @messages.handler
+    def on_step(self, event: messages.StepEvent) -> bool:
+        """Let time pass and put the model in its place."""
+        now = time.perf_counter()
+        self._playback.pass_by(now - self._clock)
+        self._clock = now
+        walk, data = self._walk, event.data
+        row = row_at(walk, self._playback.time)
+        data.time = walk.shown.time[row]
+        data.qpos[:], data.qvel[:] = walk.shown.qpos[row], walk.qvel[row]
+        data.ctrl[:] = walk.ctrl[row]
+        self._tell()
+        time.sleep(REST)
+        return True
+
+    @messages.handler
+    def on_control(self, event: messages.StepControlSnapshot) -> bool:
+        """Follow the viewer's own buttons for pause and speed."""
+        self._playback.paused = event.pause_state != sim.PauseState.UNPAUSED
+        self._playback.speed = event.speed / PERCENT
+        return True
+
+    @messages.handler
+    def on_pause(self, event: messages.RequestPauseEvent) -> bool:
+        """Pause or go on."""
+        self._playback.paused = event.pause_state != sim.PauseState.UNPAUSED
+        return True
+
+    @messages.handler
+    def on_single_step(self, event: messages.SingleStepEvent) -> bool:
+        """Go to the next recorded moment."""
+        times = self._walk.shown.time
+        row = min(row_at(self._walk, self._playback.time) + 1, len(times) - 1)
+        self._playback.go_to(float(times[row]))
+        return True
+
+    @messages.handler
+    def on_reset(self, event: messages.ResetEvent) -> bool:
+        """Begin again."""
+        self._playback.go_to(0.0)
+        return True
+
+    def _tell(self) -> None:
+        """Tell the viewer's own buttons what was changed on the panel."""
+        state = self._playback.paused, self._playback.speed
+        if state != self._told or self._clock > self._tell_at:
+            self._told, self._tell_at = state, self._clock + AGAIN
+            paused = (
+                sim.PauseState.NORMAL_PAUSED if state[0] else sim.PauseState.UNPAUSED
+            )
+            speed = PERCENT * state[1]
+            self.handle.send_to_viewer(
+                messages.StepControlSnapshot(pause_state=paused, speed=speed)
+            )
+
+
+class Scene(plugin.ViewerPlugin):
+    """Draws the marks of the moment that the viewer shows."""
+
+    def __init__(self, walk: RecordedWalk, marks: Marks) -> None:
+        self._walk, self._marks = walk, marks
+
+    @messages.handler
+    def on_model(self, event: messages.PostModelEvent) -> None:
+        """Turn contact forces on and look at the whole walk."""
+        for flag in FLAGS:
+            self.viewer.vis_options.flags[flag] = 1
+        shown, camera = self._walk.shown, self.viewer.camera
+        middle = shown.nominal[:, :2].mean(axis=0)
+        extent = np.ptp(shown.nominal[:, :2], axis=0).max()
+        camera.lookat[:] = (*middle, 0.0)
+        camera.distance = 4.0 * shown.reach + extent
+        camera.azimuth, camera.elevation = 120.0, -40.0
+
+    @messages.handler
+    def on_update(self, event: messages.UpdateEvent) -> None:
+        """Draw the marks of the present row."""
+        row = row_at(self._walk, self.viewer.data.time)
+        self.viewer.extra_geoms[:] = self._marks.at(row)
+
+
+class Panel(plugin.ViewerPlugin):
+    """A window with the time of the walk, play, pause and speed."""
+
+    def __init__(self, playback: Playback) -> None:
+        self._playback = playback
+
+    @messages.handler
+    def on_gui(self, event: messages.BuildGuiEvent) -> None:
+        """Draw the window and do what is asked for in it."""
+        playback = self._playback
+        imgui.SetNextWindowPos(imgui.Vec2(*CORNER), imgui.Cond.FirstUseEver)
+        imgui.Begin("Walk")
+        moved, moment = imgui.SliderFloat(
+            "time [s]", playback.time, 0.0, playback.end, "%.1f"
+        )
+        if moved:
+            playback.go_to(moment)
+        if imgui.Button("play" if playback.paused else "pause"):
+            playback.paused = not playback.paused
+        for speed in SPEEDS:
+            imgui.SameLine()
+            if imgui.Button(f"{speed:g}x"):
+                playback.speed = speed
+        imgui.End()
+
+
+def row_at(walk: RecordedWalk, moment: float) -> int:
+    """Row of the trajectory that shows a moment [s]."""
+    times: Any = walk.shown.time
+    return min(int(np.searchsorted(times, moment - 1e-9)), len(times) - 1)

@@ -1,0 +1,203 @@
+"""A replay in one file: the walk in three dimensions with a time line, for any browser.
+
+The page asks nothing of the network. viser, which writes it, is an extra.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import redirect_stdout
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from models import root_body
+from planner import Array
+from sim.errors import UsageError
+from sim.folder import whole
+from sim.pictures import style
+from sim.pictures.clock import clock
+from sim.pictures.ink import CORNERS
+from sim.pictures.story import FilmedWalk, read_walk
+from sim.pictures.style import FRAME_RATE, Colour
+from sim.viewing.marks import GOAL, landings, thinned
+from sim.viewing.shapes import mesh_of
+
+NAME = "replay.html"
+EVERY = 2  # pictures of the film's clock
+LIFT, THICK, WIDE = 0.004, 0.004, 0.007  # of lines, in units of the robot's reach
+TORSO = 0.35  # opacity, so that the paths below are seen
+INSTALL = "pip install 'stratawalk[replay]'"
+
+
+def write_replay(
+    folder: Path, progress: Callable[[float], None] = lambda part: None
+) -> Path:
+    """Write `replay.html` into a run folder.
+
+    Args:
+        folder: Of a finished run.
+        progress: Called with the finished part, from 0 to 1.
+
+    Returns:
+        The page's path.
+
+    Raises:
+        UsageError: If the folder holds no finished run, or viser is not installed.
+        FilesError: If the page cannot be written.
+    """
+    walk = read_walk(folder)
+    page = _page(walk, progress)
+    path = folder / NAME
+    with whole(path, len(page)) as part:
+        part.write_text(page)
+    return path
+
+
+def _page(walk: FilmedWalk, progress: Callable[[float], None]) -> str:
+    try:
+        import viser
+    except ImportError as error:
+        raise UsageError("no replay without viser", "replay", INSTALL) from error
+    with redirect_stdout(StringIO()):  # it tells of a server that nobody needs
+        server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+        try:
+            return _recorded(server, walk, progress)
+        finally:
+            server.stop()
+
+
+def _recorded(server: Any, walk: FilmedWalk, progress: Callable[[float], None]) -> str:
+    film = clock(walk.time, walk.scenario.playback)
+    recorder = server.get_scene_serializer()
+    scene = server.scene
+    _draw_still(scene, walk)
+    robot = _Robot(scene, walk)
+    server.initial_camera.position = _eye(walk)
+    server.initial_camera.look_at = (*walk.nominal[:, :2].mean(axis=0), 0.0)
+    rows = film.rows[: film.moving + 1 : EVERY]
+    for done, row in enumerate(rows):
+        robot.go_to(int(row))
+        recorder.insert_sleep(EVERY / FRAME_RATE)
+        progress((done + 1) / len(rows))
+    name = f"{walk.scenario.name}, {film.playback:g} times as fast as the walk"
+    return _titled(recorder.as_html(), name)
+
+
+def _titled(page: str, name: str) -> str:
+    """The page under a title of its own."""
+    before, _, rest = page.partition("<title>")
+    return f"{before}<title>{name}</title>{rest.partition('</title>')[2]}"
+
+
+def _eye(walk: FilmedWalk) -> tuple[float, float, float]:
+    """Where the camera is at first: behind and above the walk."""
+    x, y = walk.nominal[:, :2].mean(axis=0)
+    away = 1.4 * walk.reach + 0.6 * float(np.ptp(walk.nominal[:, :2], axis=0).max())
+    return x - 0.6 * away, y - away, 0.8 * away
+
+
+class _Robot:
+    """The bodies of the robot, which move, and the polygon that it stands on."""
+
+    def __init__(self, scene: Any, walk: FilmedWalk) -> None:
+        self._scene, self._walk = scene, walk
+        self._model = mujoco.MjModel.from_xml_path(str(walk.model))
+        self._data = mujoco.MjData(self._model)
+        root = root_body(self._model, walk.model)
+        bodies = np.flatnonzero(self._model.body_rootid == root)
+        self._root = root
+        self._bodies = [(int(body), self._add(int(body))) for body in bodies]
+
+    def _add(self, body: int) -> Any:
+        model, name = self._model, f"/robot/{body}"
+        frame = self._scene.add_frame(name, show_axes=False)
+        for geom in np.flatnonzero(model.geom_bodyid == body):
+            *colour, opacity = model.geom_rgba[geom]
+            if opacity == 0 or (mesh := mesh_of(model, int(geom))) is None:
+                continue
+            corners, faces = mesh
+            self._scene.add_mesh_simple(
+                f"{name}/{geom}",
+                corners,
+                faces,
+                color=tuple(int(255 * c) for c in colour),
+                opacity=TORSO if body == self._root else float(opacity),
+                wxyz=model.geom_quat[geom],
+                position=model.geom_pos[geom],
+            )
+        return frame
+
+    def go_to(self, row: int) -> None:
+        """Show the state of a row.
+
+        Args:
+            row: Of the trajectory.
+        """
+        self._data.qpos[:] = self._walk.qpos[row]
+        mujoco.mj_kinematics(self._model, self._data)
+        for body, frame in self._bodies:
+            frame.position, frame.wxyz = self._data.xpos[body], self._data.xquat[body]
+        feet = self._walk.contact_point[row][self._walk.contact[row]]
+        stable = self._walk.margin[row] > 0
+        colour = style.STABLE if stable else style.TIPPING
+        ring = _hull(feet)
+        _line(self._scene, "/support", ring, colour, self._walk.reach, WIDE)
+
+
+def _hull(points: Array) -> Array:
+    """Corners of the convex hull of points, the first one again at the end."""
+    import shapely
+
+    hull = shapely.convex_hull(shapely.MultiPoint(points))
+    ring = hull.exterior if isinstance(hull, shapely.Polygon) else hull
+    return shapely.get_coordinates(ring)
+
+
+def _draw_still(scene: Any, walk: FilmedWalk) -> None:
+    """Floor, paths, goal and footprints, which do not move."""
+    reach = walk.reach
+    scene.set_up_direction("+z")
+    middle = walk.nominal[:, :2].mean(axis=0)
+    size = 8 * reach + 2 * float(np.ptp(walk.nominal[:, :2], axis=0).max())
+    scene.add_grid(
+        "/floor",
+        width=size,
+        height=size,
+        cell_size=0.1,
+        section_size=0.5,
+        position=(*middle, 0.0),
+    )
+    _line(scene, "/nominal", walk.nominal[:, :2], style.NOMINAL, reach, WIDE)
+    for i, (name, poses) in enumerate(walk.predicted.items()):
+        line = thinned(poses[:, :2])
+        _line(scene, f"/{name}", line, style.PREDICTED[i], reach, THICK)
+    _line(
+        scene, "/achieved", thinned(walk.achieved[:, :2]), style.ACHIEVED, reach, THICK
+    )
+    rows, feet = landings(walk)
+    places = np.insert(walk.contact_point[rows, feet], 2, LIFT * reach, axis=1)
+    owners = [style.footprint(walk.group_of_foot[int(foot)]) for foot in feet]
+    scene.add_point_cloud(
+        "/footprints",
+        places.astype(np.float32),
+        np.array(owners, np.uint8).reshape(-1, 3),
+        point_size=0.03 * reach,
+        point_shape="circle",
+    )
+    angle = np.linspace(0, 2 * np.pi, CORNERS + 1)
+    ring = GOAL * reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    _line(scene, "/goal", walk.nominal[-1, :2] + ring, style.NOMINAL, reach, WIDE)
+
+
+def _line(
+    scene: Any, name: str, points: Array, colour: Colour, reach: float, width: float
+) -> None:
+    if len(points) < 2:
+        return
+    raised = np.insert(points, 2, LIFT * reach, axis=1).astype(np.float32)
+    pieces = np.stack([raised[:-1], raised[1:]], axis=1)
+    scene.add_line_segments(name, pieces, colour, thickness=width * reach)

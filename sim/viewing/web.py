@@ -1,0 +1,111 @@
+"""A finished walk in MuJoCo's web viewer, served to this machine alone.
+
+The server knows no password. It therefore listens on the loopback interface unless
+another address is asked for; a browser elsewhere comes through a tunnel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from sim.errors import UsageError
+from sim.viewing.marks import Marks
+from sim.viewing.playback import Playback, RecordedWalk, read_recorded
+
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+
+
+def require_loopback(host: str, public: bool) -> None:
+    """Refuse to serve the network unless that is wanted.
+
+    Args:
+        host: Address to listen on.
+        public: Whether others may connect.
+
+    Raises:
+        UsageError: If others could connect and that is not wanted.
+    """
+    if host not in LOOPBACK and not public:
+        raise UsageError(
+            "others could connect, and there is no password",
+            f"--host {host}",
+            "leave --host out and use ssh -L, or add --public",
+        )
+
+
+def serve(
+    folder: Path,
+    host: str,
+    port: int,
+    speed: float,
+    started: Callable[[str], object],
+) -> None:
+    """Show a run until the process is interrupted.
+
+    Args:
+        folder: Of a finished run.
+        host: Address to listen on.
+        port: Port to listen on; 0 takes the first free one from 8080.
+        speed: Against real time, to begin with.
+        started: Called with the page's address once it can be opened.
+
+    Raises:
+        UsageError: If the folder holds no finished run, or the port is taken.
+    """
+    walk = read_recorded(folder)
+    model = mujoco.MjModel.from_xml_path(str(walk.shown.model))
+    playback = Playback(end=float(walk.shown.time[-1]), speed=speed)
+    handle = _launch(walk, model, playback, (host, port), started)
+    with handle:
+        handle.set_model(model)
+        while handle.is_running():
+            handle.sync()
+
+
+def _launch(
+    walk: RecordedWalk,
+    model: mujoco.MjModel,
+    playback: Playback,
+    address: tuple[str, int],
+    started: Callable[[str], object],
+) -> Any:
+    """Start the viewer in a thread; its handle."""
+    from mujoco.studio import launch_thread, viewer_protocol, web_viewer
+    from mujoco.studio.app import App
+
+    from sim.viewing.plugins import Panel, Player, Scene
+
+    host, port = address
+    socket = _bound(host, port)
+    # The viewer offers no choice of the interface: it is given a socket bound already.
+    web_viewer.web_server.bind_public_socket = lambda *_: socket
+    web_viewer._print_url_banner = lambda *_: None
+    web_viewer.print = lambda *words, **how: None
+    config = viewer_protocol.ViewerConfig(title=walk.shown.scenario.name, gfx="web")
+    plugins = [App(), Scene(walk, Marks(walk.shown, model)), Panel(playback)]
+
+    def show(endpoint: Any) -> None:
+        viewer = web_viewer.WebViewer(config, endpoint, plugins=plugins)
+        started(f"http://{_named(host)}:{socket.getsockname()[1]}/")
+        viewer_protocol.run_viewer_loop(viewer)
+
+    return launch_thread.launch_thread(show, sim_plugins=[Player(walk, playback)])
+
+
+def _named(host: str) -> str:
+    """The host as an address of a page names it; browsers trust localhost."""
+    return "localhost" if host in LOOPBACK else host
+
+
+def _bound(host: str, port: int) -> Any:
+    from mujoco.studio.web import web_server
+
+    try:
+        return web_server.bind_public_socket(host, port)
+    except (OSError, RuntimeError) as error:
+        remedy = "give another --port, or 0 for a free one"
+        raise UsageError("cannot listen", f"{host}:{port}", remedy) from error

@@ -1,0 +1,106 @@
+"""A recorded walk played back: its moments, its forces and the marks in its scene."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from sim.errors import UsageError
+from sim.pictures import style
+from sim.viewing.marks import GOAL, Marks
+from sim.viewing.playback import Playback, read_recorded
+
+
+@pytest.fixture(scope="module")
+def recorded(walked):
+    return read_recorded(walked)
+
+
+@pytest.fixture(scope="module")
+def model(recorded):
+    return mujoco.MjModel.from_xml_path(str(recorded.shown.model))
+
+
+def test_time_passes_at_its_speed_stops_and_ends_with_the_walk():
+    playback = Playback(end=10.0, speed=4.0)
+    playback.pass_by(0.5)
+    assert playback.time == pytest.approx(2.0)
+    playback.paused = True
+    playback.pass_by(5.0)
+    assert playback.time == pytest.approx(2.0)
+    playback.paused = False
+    playback.pass_by(60.0)
+    assert playback.time == 10.0
+    playback.go_to(-3.0)
+    assert playback.time == 0.0
+
+
+def test_a_folder_that_is_no_run_is_refused(tmp_path):
+    with pytest.raises(UsageError, match="unfinished run"):
+        read_recorded(tmp_path)
+
+
+def test_a_run_without_its_commands_is_refused(folder):
+    (folder / "commands.npz").unlink()
+    with pytest.raises(UsageError, match="not to be played"):
+        read_recorded(folder)
+
+
+def test_the_recorded_states_carry_the_robot(recorded, model):
+    """State and command of one moment: the floor's forces are the robot's weight."""
+    data = mujoco.MjData(model)
+    shown = recorded.shown
+    holds = [i for i, flow in enumerate(shown.flows) if flow.kind == "hold"]
+    row = int(np.flatnonzero(np.isin(shown.phase, holds))[-1])
+    data.qpos[:], data.qvel[:] = shown.qpos[row], recorded.qvel[row]
+    data.ctrl[:] = recorded.ctrl[row]
+    mujoco.mj_forward(model, data)
+    force, upward = np.zeros(6), 0.0
+    for i in range(data.ncon):
+        mujoco.mj_contactForce(model, data, i, force)
+        upward += force[0] * abs(data.contact[i].frame[2])
+    weight = mujoco.mj_getTotalmass(model) * 9.81
+    assert upward == pytest.approx(weight, rel=0.02)  # 0.1 % measured; it stands
+
+
+def test_the_marks_lie_where_the_walk_was(recorded, model):
+    marks, shown = Marks(recorded.shown, model), recorded.shown
+    last = len(shown.time) - 1
+    geoms = marks.at(last)
+    assert len(geoms) < 1024  # what the viewer draws
+    places = np.array([geom.pos for geom in geoms])
+    colours = np.array([geom.rgba[:3] for geom in geoms])
+
+    def of(colour):
+        return places[(np.abs(colours - np.array(colour) / 255) < 1e-3).all(axis=1)]
+
+    weight = of(style.WEIGHT)
+    np.testing.assert_allclose(weight[-1, :2], shown.center_of_mass[last], atol=1e-6)
+    rings = [g for g in geoms if g.size[0] == pytest.approx(GOAL * shown.reach)]
+    np.testing.assert_allclose(rings[0].pos[:2], shown.nominal[-1, :2], atol=1e-6)
+    achieved = of(style.ACHIEVED)
+    gaps = np.hypot(*(achieved[:, None, :2] - shown.achieved[:, :2]).T).min(axis=0)
+    assert gaps.max() < 0.002  # the middle of a rod, beside the path
+
+
+def test_the_ghost_stands_where_the_prediction_is(recorded, model):
+    from dataclasses import replace
+
+    shown = recorded.shown
+    aside = {name: poses + (0.1, 0.0, 0.5) for name, poses in shown.predicted.items()}
+    ghosts = [
+        {tuple(np.round(g.rgba, 3)): g.pos.copy() for g in Marks(walk, model).at(5)}
+        for walk in (shown, replace(shown, predicted=aside))
+    ]
+    colour = tuple(np.round(np.float32(style.rgba(style.PREDICTED[1], 0.3)), 3))
+    there, moved = (places[colour] for places in ghosts)
+    centre = list(shown.predicted.values())[-1][5]
+    cos, sin = np.cos(0.5), np.sin(0.5)
+    arm = np.array([[cos, -sin], [sin, cos]]) @ (there[:2] - centre[:2])
+    np.testing.assert_allclose(moved[:2], centre[:2] + (0.1, 0.0) + arm, atol=2e-5)
+    assert moved[2] == pytest.approx(there[2], abs=1e-5)
+
+
+def test_footprints_come_with_the_walk(recorded, model):
+    marks = Marks(recorded.shown, model)
+    counts = [len(marks.at(row)) for row in (0, len(recorded.shown.time) - 1)]
+    assert counts[0] < counts[1]
