@@ -28,7 +28,7 @@ def film(
     Args:
         walked: What to film.
         path: The film's file, which must not exist and ends in `.mp4`.
-        look: `draft`, or `final` with shadows and smooth edges, four times slower.
+        look: `draft`, or `final` with shadows and smooth edges, several times slower.
         progress: Called with each stage and the finished part of it.
 
     Returns:

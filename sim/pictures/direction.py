@@ -54,7 +54,7 @@ def film_folder(
 
     Args:
         folder: Run folder.
-        look: `draft`, or `final` with shadows and smooth edges, four times slower.
+        look: `draft`, or `final` with shadows and smooth edges, several times slower.
         camera: Name of a view, or `AZIMUTH,ELEVATION` in degrees.
         stretch: Begin and end of what is filmed [s].
         path: The film's file, replaced if there is one; None for the run's own

@@ -46,6 +46,7 @@ def served(walked):
 @pytest.mark.full
 def test_the_viewer_shows_the_walk_to_this_machine_alone(served, tmp_path):
     process, address = served
+    watch(address, tmp_path, shows_a_robot)
     port = int(re.fullmatch(r"http://localhost:(\d+)/", address)[1])
     tables = (Path(f"/proc/net/{name}").read_text() for name in ("tcp", "tcp6"))
     rows = (line.split() for table in tables for line in table.splitlines()[1:])
@@ -53,7 +54,6 @@ def test_the_viewer_shows_the_walk_to_this_machine_alone(served, tmp_path):
         row[1] for row in rows if row[3] == "0A" and row[1].endswith(f":{port:04X}")
     ]
     assert listening == [f"0100007F:{port:04X}"]  # 127.0.0.1
-    watch(address, tmp_path, shows_a_robot)
     process.send_signal(signal.SIGINT)
     assert process.wait(30) == 0
 
