@@ -17,6 +17,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
+from typing import TextIO
 
 from sim import interruption
 from sim.commands.parsing import as_meant, parser
@@ -49,25 +50,35 @@ def _execute(words: Sequence[str]) -> int:
         options = parser().parse_args(as_meant(words))
     except SystemExit as finished:  # --help
         return int(finished.code or ExitCode.OK)
+    _quiet_libraries()
     return int(options.execute(options) or ExitCode.OK)
+
+
+def _quiet_libraries() -> None:
+    """Keep matplotlib from reporting where it may cache fonts."""
+    import logging  # slow to import, and of no use to `--help`
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 
 def _fail(error: BaseException, words: Sequence[str]) -> int:
     """Report an error as the command line asked for; its exit code."""
     code = exit_code(error)
     if isinstance(error, BrokenPipeError) and _reader_left():
-        _silence_output()
+        _silence(sys.stdout, sys.stderr)
         return ExitCode.OK
-    with suppress(OSError):  # standard error may be on a full disk
+    try:
         if "--debug" in words:
             traceback.print_exception(error)
         print(f"stratawalk: error: {one_line(error)}", file=sys.stderr, flush=True)
+    except OSError:  # it is on a full disk
+        _silence(sys.stderr)
     try:
         if "--json" in words:
             print(json.dumps({"error": _facts(code, error)}))
         print(end="", flush=True)
     except OSError:
-        _silence_output()
+        _silence(sys.stdout, sys.stderr)
     return code
 
 
@@ -83,8 +94,8 @@ def _reader_left() -> bool:
     return bool(output.poll(0))
 
 
-def _silence_output() -> None:
-    """Keep Python from complaining again when it flushes its streams at exit."""
-    for stream in (sys.stdout, sys.stderr):
+def _silence(*streams: TextIO) -> None:
+    """Keep Python from failing again when it flushes the streams at exit."""
+    for stream in streams:
         with suppress(OSError, ValueError):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

@@ -6,10 +6,12 @@ import sys
 from sim.pictures import gl
 
 COMMAND = [sys.executable, "-m", "sim.cli"]
-OUTSIDE = {key: value for key, value in os.environ.items() if key != gl.WISH} | {
-    "PYTHONPATH": os.getcwd()
-}
-"""The tests' own surroundings, but for a driver that they may have silenced."""
+OUTSIDE = {
+    key: value
+    for key, value in os.environ.items()
+    if key != gl.WISH and not key.startswith("PYTHON")
+} | {"PYTHONPATH": os.getcwd()}
+"""The tests' surroundings without what changes Python or the driver of pictures."""
 
 
 def refusal(done):

@@ -16,10 +16,12 @@ LIMIT = 600  # [s] a cell
 
 
 @pytest.fixture
-def outputs(tmp_path, monkeypatch):
+def outputs(tmp_path, tmp_path_factory, monkeypatch):
     """Run a notebook in an empty folder; all texts that it prints, and its pictures."""
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path_factory.mktemp("ipython")))
+    monkeypatch.setenv("MPLCONFIGDIR", str(tmp_path_factory.mktemp("matplotlib")))
     monkeypatch.setenv("PYDEVD_DISABLE_FILE_VALIDATION", "1")  # no notice on stderr
 
     def run(name):
