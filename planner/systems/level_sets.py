@@ -56,6 +56,7 @@ class LevelSet:
         """Rates <d Phi_i, field> at `points`, shape (points, codimension).
 
         A rate that is a mere rounding error is zero, and so is one that is singular.
+        There is only one row, of zeros, if the formulas show that all rates vanish.
         """
         if not isinstance(field, NumericField):
             formulas = self.differential * field

@@ -108,6 +108,32 @@ def test_one_dragging_foot_does_not_move_a_body_that_three_others_hold():
     assert twist == pytest.approx(np.zeros((1, 3)), abs=1e-12)
 
 
+def test_loads_may_be_in_any_unit(many):
+    feet, rates, loads = many
+    twist = least_dissipation_twist(feet, rates, loads)
+    for unit in (1e-200, 1e200):
+        assert least_dissipation_twist(feet, rates, unit * loads) == pytest.approx(
+            twist, abs=1e-6
+        )
+
+
+def test_every_foot_that_bears_most_of_the_weight_is_exactly_at_rest():
+    rng = np.random.default_rng(5)
+    feet, rates = rng.normal(size=(2, 200, 4, 2))
+    loads = np.tile([0.7, 0.1, 0.1, 0.1], (200, 1))
+    twist = least_dissipation_twist(feet, rates, loads)
+    held = foot_velocities(feet, rates, twist)[:, 0]
+    assert np.abs(held).max() < 1e-14  # rounding
+
+
+def test_feet_on_a_line_that_are_pulled_apart_along_it_slide_with_least_dissipation():
+    feet = np.array([[[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 0.0]]])
+    rates = np.array([[[1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [-1.0, 0.0]]])
+    loads = np.array([[0.25, 0.25, 0.25, 0.25]])
+    twist = least_dissipation_twist(feet, rates, loads)
+    assert dissipation(feet, rates, loads, twist[:, None]) == pytest.approx(1.0)
+
+
 def test_rows_are_independent_of_each_other(many):
     together = least_dissipation_twist(*many)
     alone = [

@@ -11,8 +11,8 @@ from models.contact.dissipation import (
     foot_velocities,
     least_dissipation_twist,
 )
-from models.contact.ground import ground_of
-from models.contact.kinematics import Kinematics
+from models.contact.ground import Ground, ground_of
+from models.contact.kinematics import Kinematics, Stance
 from models.contact.sliding import sliding_twist
 from models.library import load as load_robot
 from planner.systems.flows import Flow
@@ -107,6 +107,30 @@ def test_twist_turns_round_with_the_swing(robot, world):
     back, others = sliding_twist(mirrored, backward, ground, speed=0.5)
     assert back == pytest.approx(there * [[-1, 1, -1]], abs=1e-9)
     assert others == pytest.approx(loads[:, [4, 5, 2, 3, 0, 1]], abs=1e-9)
+
+
+def test_twist_has_the_unit_of_the_rates(robot, world):
+    """One group swings, so that the slowest rate is zero."""
+    ground = ground_of(robot, world)
+    stance, rates = standing(robot, [0.1])
+    twist, loads = sliding_twist(stance, rates, ground)
+    faster, same = sliding_twist(stance, 1000 * rates, ground)
+    assert faster == pytest.approx(1000 * twist, rel=1e-9, abs=1e-9)
+    assert same == pytest.approx(loads, abs=1e-9)
+
+
+def test_a_foot_that_would_pull_hangs_free_and_the_others_bear_the_weight():
+    feet = np.array([[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]])
+    stance = Stance(
+        feet=feet,
+        rates=np.zeros((1, 4, 2)),
+        gives=np.zeros((1, 4, 3)),
+        height=np.zeros((1, 4)),
+        center_of_mass=np.array([[0.7, 0.7]]),
+    )
+    ground = Ground(np.full(4, 1e-5), np.full(4, 100.0), friction=1.0, weight=10.0)
+    _, loads = sliding_twist(stance, stance.rates, ground)
+    assert loads == pytest.approx(np.array([[0.7, 0.15, 0.15, 0.0]]))
 
 
 @pytest.mark.physics

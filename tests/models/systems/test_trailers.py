@@ -30,6 +30,14 @@ def test_axle_of_the_hexapod_s_trailer_does_not_slip_sideways():
     assert sideslip(problem, axle, psi) < 1e-12  # rounding
 
 
+def test_the_hexapod_s_trailer_is_one_unit_long_and_its_feet_have_heights():
+    system = shipped_system("hexapod-trailer").system
+    names = [str(symbol) for symbol in system.state]
+    assert names[-2:] == ["height_1", "height_2"]
+    rate = system.fields["g1_1"][names.index("psi")].subs({"theta": 0.3, "psi": 0.1})
+    assert float(rate) == pytest.approx(np.sin(0.2))  # a speed of 1 over a length of 1
+
+
 @pytest.mark.parametrize("trailers", [1, 2, 3])
 def test_no_axle_of_a_car_with_trailers_slips_sideways(trailers):
     problem = shipped_system("car-trailers", {"trailers": trailers, "length": 0.7})

@@ -26,6 +26,7 @@ def settled(formula, at):
         (1e-20 * (sp.exp(X + Y) - sp.exp(X) * sp.exp(Y)), (0.7, 0.4)),
         (1e9 * (X - Y) * sp.cos(X), (0.1 + 0.2, 0.3)),
         (sp.atan2(sp.sin(X), Y), (np.pi, 1)),
+        (sp.Max(X - sp.Float(0.1) - sp.Float(0.2), 0), (0.1 + 0.2, 0)),
     ],
 )
 def test_what_cancelling_terms_leave_is_zero(formula, at):
@@ -61,6 +62,14 @@ def test_noise_of_differences_is_rounding_and_brackets_are_not():
     third = NumericField(lambda x: [0.0, x[0]])
     brackets = [numeric_bracket(first, second), numeric_bracket(first, third)]
     assert vanishing(brackets, STATE) == (True, False)
+
+
+def test_functions_are_judged_by_their_own_weight():
+    """What is below 1e-9 of the terms that a function adds up is their rounding."""
+    field = NumericField(lambda x: [3.0, 0.9e-9], terms=lambda x: 1.0)
+    assert WeighedValues(STATE, POINTS)(field).tolist() == [[3.0, 0.0]] * len(POINTS)
+    louder = NumericField(lambda x: [3.0, 1.1e-9], terms=lambda x: 1.0)
+    assert WeighedValues(STATE, POINTS)(louder).all()
 
 
 def test_fields_that_are_tiny_or_start_far_away_do_not_vanish():

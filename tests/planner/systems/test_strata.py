@@ -71,6 +71,12 @@ def test_level_set_finds_points_on_a_curved_stratum():
     assert not circle.leaves(NumericField(lambda x: [-x[1], x[0]]))
 
 
+def test_rates_are_one_row_where_formulas_show_that_all_vanish():
+    plane = LevelSet((X,), (X, Y))
+    assert plane.rates(sp.ImmutableMatrix([0, Y])).tolist() == [[0.0]]
+    assert plane.rates(sp.ImmutableMatrix([1, Y])).shape == (len(plane.points), 1)
+
+
 def test_field_may_be_tangent_on_its_curved_stratum_alone():
     # off the circle the field leaves the circles around it, too
     field = [-Y + (X**2 + Y**2 - 1) * X, X]
