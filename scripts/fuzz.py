@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Feed the command what nobody would write, and look how it ends.
+"""Run the command on mutated inputs, and check how it ends.
 
-Mutates scenarios, cards, MJCF, systems, saved plans and options, and runs the command
-on each in this process: `python -m scripts.fuzz --seconds 180 --seed 1`. A case fails
-if it ends with code 70, an exception, more than one line on standard error, a code
-that is none of ours, or not within a minute. Models are tried here, not by a process
-of their own, so that a case takes some hundredths of a second. Failed cases are left
-in a folder, each with its files.
+Scenarios, cards, MJCF, systems, saved plans and options are mutated, and the command is
+run on each of them in this process: `python -m scripts.fuzz --seconds 180 --seed 1`. A
+case fails if the command ends with code 70, with an exception, with more than one line
+on standard error, with an unknown code, or not within a minute. Models are compiled
+here and not by a process of their own, so that a case takes some hundredths of a
+second. Failed cases are kept in a folder, each with its files.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""The command's first moments: signals, warnings and streams, before all else loads.
+"""The first moments of the command: signals, warnings and streams are prepared.
 
-What `sim.cli` needs takes a tenth of a second to load; a Ctrl-C meanwhile ends the
-command as it does later on.
+Loading `sim.cli` takes a tenth of a second. Ctrl-C ends the command during this time in
+the same way as later.
 """
 
 from __future__ import annotations

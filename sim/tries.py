@@ -1,4 +1,4 @@
-"""The same walk by many draws of an imperfect robot: a run folder each, and a table."""
+"""One walk repeated with several draws of an imperfect robot, and a table of them."""
 
 from __future__ import annotations
 

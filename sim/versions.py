@@ -1,4 +1,4 @@
-"""Versions of the software that numbers come from."""
+"""The versions of the software that produced a run's numbers."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""CasADi and OMPL on shipped systems, with the fields as controls one at a time.
+"""CasADi and OMPL on shipped systems, with the fields as controls, one at a time.
 
-The fields that act on the bottom stratum are those that the elements are made of.
-Needs the extra `peers`; without it the cells of a table say so.
+The fields are those that the elements are made of, as they act on the bottom stratum.
+This needs the extra `peers`; without it the cells of the table say so.
 """
 
 from __future__ import annotations

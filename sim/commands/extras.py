@@ -1,4 +1,4 @@
-"""Commands that need packages which are not always installed."""
+"""Commands that need optional packages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command line of all commands, and its refusals: one line, with what was meant."""
+"""The command line of all commands, and its refusals, which suggest what was meant."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""From intended angles to what servos are told: lead, zero offsets, counts, rate."""
+"""The path from intended angles to servo commands: lead, zero offsets, counts, rate."""

@@ -1,6 +1,7 @@
-"""What servos are told, row by row: intended angles, lead, offsets, counts, held.
+"""The commands that the servos receive: intended angles with lead, offsets and counts.
 
-The intended angles stay those of the schedule, which all predictions follow.
+Commands are held between the moments at which the servos are updated. The intended
+angles remain those of the schedule, which all predictions follow.
 """
 
 from __future__ import annotations

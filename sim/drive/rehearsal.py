@@ -1,10 +1,10 @@
-"""The torques of a walk, found by walking it with servos that hardly give way.
+"""The torques of a walk, measured by walking it with very stiff servos.
 
-On servos as stiff as these the joints are where they should be, so the torques are
-those of the intended motion, friction between standing feet included. They do not
-depend on where on the floor the robot is, so a walk that is planned on the way is
-rehearsed stretch by stretch beside it. The robot of the rehearsal has no imperfections,
-since nobody knows those of the one that walks.
+With such servos the joints are where they should be. The torques are therefore those of
+the intended motion, including the friction between standing feet. They do not depend on
+where on the floor the robot is, so that a walk that is planned on the way is rehearsed
+stretch by stretch beside it. The robot of the rehearsal has no imperfections, because
+those of the walking robot are not known.
 """
 
 from __future__ import annotations

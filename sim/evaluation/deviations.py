@@ -1,4 +1,4 @@
-"""How far a walk strays from its nominal path, and what a metre of it takes."""
+"""Deviations of a walk from its nominal path, and what each metre of the path costs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""One verdict on a walk, in a word and in a sentence: whether it went as predicted.
+"""The verdict on a walk, as one word and one sentence.
 
-The first that holds of: it fell, it collided, a foot slipped, it drifted, it arrived.
+The verdict is the first of the following that applies: the robot fell, it collided, a
+foot slipped, the walk drifted from its prediction, or it arrived.
 """
 
 from __future__ import annotations

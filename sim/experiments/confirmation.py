@@ -1,7 +1,7 @@
-"""Measured fields put to the test: a stroke that they were not made from.
+"""Confirmation of measured fields by a stroke that was not used to measure them.
 
-The stroke goes the other way and over the whole range of the joints. As far as the
-measured field predicts it, the field may be used; beyond that it is not.
+The stroke goes in the opposite direction and over the whole range of the joints. A
+measured field is used as far as it predicts this stroke, and not beyond.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""An export played in the physics: what was read back, held as servos hold it."""
+"""An export played back in the physics, with its commands held as servos hold them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is exported: the commands of a run folder, or of a scenario walked for it."""
+"""The source of an export: a run folder, or a scenario that is walked for it."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The paper's Figs. 1 to 9 drawn again: on its kinematics, and beside physics.
+"""The paper's Figs. 1 to 9 drawn again, on its kinematics and beside the physics.
 
-One module a figure, each with two sheets: `paper` in the paper's units (l = 1) and
-`metres` with physics beside prediction. The
-functions that compute the numbers do not draw.
+There is one module for each figure, with two sheets: `paper` in the paper's units
+(l = 1) and `metres` with physics beside the prediction. The functions that compute the
+numbers do not draw.
 """
 
 NAMES = (

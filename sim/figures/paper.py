@@ -1,6 +1,7 @@
-"""The paper's hexapod in the paper's units, walked on its exact kinematics (l = 1).
+"""The paper's hexapod in the paper's units (l = 1), walked on its exact kinematics.
 
-No body and no forces: eqs. (16) to (18) integrated along the flows of a plan.
+It has neither a body nor forces: eqs. (16) to (18) are integrated along the flows of a
+plan.
 """
 
 from __future__ import annotations

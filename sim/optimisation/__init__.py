@@ -1,1 +1,1 @@
-"""Walks as short as they can be: the planner's optimiser for robots and their time."""
+"""The shortest walks: the planner's optimiser applied to robots and their time."""

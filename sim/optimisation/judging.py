@@ -1,4 +1,4 @@
-"""What a plan comes to as a schedule: its time, its predicted end, its bounds."""
+"""Properties of a plan as a schedule: its duration, its predicted end, its bounds."""
 
 from __future__ import annotations
 

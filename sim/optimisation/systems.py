@@ -1,7 +1,8 @@
-"""Plans of systems that are no robots, as short as they can be.
+"""The shortest plans of systems that are not robots.
 
-Time is what flows take at unit speed. Coordinates that every field moves at a constant
-rate, such as the angles of legs, are free on the way.
+The duration of a plan is the time that its flows take at unit speed. Coordinates that
+every field moves at a constant rate, such as the angles of legs, are not bound to the
+path on the way.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""What a scenario asks of the optimiser, in the planner's terms.
+"""The task that a scenario gives to the optimiser, in the planner's terms.
 
-The robot's strokes move its body as the real contacts do, time is that of the schedule,
-and the path is followed as closely as the scenario says, or as its stratified plan.
+The strokes move the body as the real contacts do, and time is that of the schedule. The
+path is followed as closely as the scenario demands, or as closely as its stratified
+plan follows it.
 """
 
 from __future__ import annotations

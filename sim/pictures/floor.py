@@ -1,6 +1,7 @@
-"""The grid on the floor, whose lines have the same width all over the picture.
+"""The grid on the floor, whose lines have the same width everywhere in the picture.
 
-It is ink: drawn without a graphics card, a texture would cost as much as all the rest.
+The lines are drawn as ink. Without a graphics card, a texture would take as much time
+as the rest of the picture.
 """
 
 from __future__ import annotations

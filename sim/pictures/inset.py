@@ -1,6 +1,6 @@
 """The inset of a film: the error of the body's position, magnified, with its scale.
 
-The error is turned as the picture is, so that right in the inset is right in the film.
+The error is turned with the picture, so that right in the inset is right in the film.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The key of a film: every colour and sign in it, with its meaning."""
+"""The legend of a film: the meaning of every colour and sign in it."""
 
 from __future__ import annotations
 

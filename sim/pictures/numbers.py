@@ -1,4 +1,4 @@
-"""The numbers of the legs, on the legs."""
+"""Numbers drawn on the legs of the robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Panels of a film: light rectangles with words, of which a part changes."""
+"""Panels of a film: light rectangles with text, part of which changes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""How fast pictures of a film's size are drawn with the driver that MUJOCO_GL names.
+"""The speed at which pictures are drawn with the driver that MUJOCO_GL names.
 
-A process of its own, since the driver is tied when mujoco is imported. Prints pictures
-a second.
+The trial is a process of its own, because the driver is fixed when mujoco is imported.
+It prints the number of pictures drawn in a second.
 """
 
 from __future__ import annotations

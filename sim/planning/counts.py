@@ -1,8 +1,8 @@
 """Plans whose strokes end on the counts of a servo.
 
-A servo goes to whole counts. What rounding the end of each stroke adds or takes away is
-known beforehand, so the next segment is planned from where the prediction then stands,
-and errors do not add up. Nothing is measured: the walk is still open loop.
+A servo moves to whole counts. The effect of rounding the end of each stroke is known
+beforehand, so the next segment is planned from the pose that is then predicted, and
+errors do not add up. Nothing is measured: the walk is still open loop.
 """
 
 from __future__ import annotations

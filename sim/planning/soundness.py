@@ -1,7 +1,7 @@
-"""Plans that are predicted to tip over, or whose legs come to touch, are refused.
+"""Refusal of plans that are predicted to tip the robot over or to make legs collide.
 
-Both follow from the commanded angles alone, with the body level and the contacts as
-planned: no prediction of where the body goes takes part.
+Both are decided from the commanded angles alone, with the body level and the contacts
+as planned; no prediction of the body's motion is involved.
 """
 
 from __future__ import annotations

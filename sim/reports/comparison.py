@@ -1,4 +1,4 @@
-"""Several runs side by side: where their settings differ, and what came of them."""
+"""Several runs side by side: their differing settings and their results."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Curves with few points that look like those with many."""
+"""Curves reduced to few points without a visible change."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Inline SVG by matplotlib: curves and numbers alone, the words around are the page's.
+"""Inline SVG drawn by matplotlib: curves and numbers, while the page adds the words.
 
-Text stays text and has a class of its own, so that the page sets its size: larger on a
-telephone, where the drawing itself is smaller.
+Text remains text and has a class of its own, so that the page sets its size. On a
+telephone, where the drawing is smaller, the text is larger.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the page's script shows of the moment under the cursor: a few rows a second."""
+"""The data from which the page's script describes the moment under the cursor."""
 
 from __future__ import annotations
 

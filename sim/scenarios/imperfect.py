@@ -1,4 +1,4 @@
-"""Robots as they come from a workbench: plausible sets of imperfections, by draw."""
+"""Imperfect robots: plausible sets of imperfections, drawn at random."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""What tables of paths and of obstacles have in common, and how they are refused.
+"""Checks that the tables of paths and of obstacles share, and their refusals.
 
-Such a table has a `kind`, which decides the other keys, and holds numbers and points.
+Such a table has a `kind`, which decides what its other keys are, and it holds numbers
+and points.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Files that belong to a robot beside its MJCF: meshes, textures, height fields.
+"""Files that belong to a robot besides its MJCF: meshes, textures, height fields.
 
 They are gathered from wherever the MJCF, its includes and its attached parts keep them,
-so that a model written to another folder finds its own copies.
+so that a model that is written to another folder finds its own copies.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
-"""What is not as it should be: loads, slopes, soft floors, slippery feet, play.
+"""Imperfections of robot and floor: loads, slopes, soft floors, slippery feet, play.
 
-Predictions know nothing of it; that is what the comparison shows.
+The predictions know nothing of them; the comparison with the physics shows their
+effect.
 """
 
 from __future__ import annotations
