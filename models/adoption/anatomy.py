@@ -121,8 +121,8 @@ def find_limbs(pose: Pose, source: str) -> tuple[Limb, ...]:
     limbs = [_limb(pose, geoms, source) for geoms in ends.values()]
     if not limbs:
         raise ModelError(
-            f"no legs: {source}; no geom that touches anything hangs on the body by "
-            "two joints or more"
+            f"no legs were found: {source}; no geom that can touch the floor is "
+            "connected to the body by two joints or more"
         )
     return tuple(limbs)
 
@@ -145,7 +145,7 @@ def _limb(pose: Pose, geoms: list[int], source: str) -> Limb:
         raise ModelError(
             f"the leg of {model.geom(foot).name!r} cannot swing: {source}; its joint "
             f"nearest to the vertical, {names[swing]!r}, is {np.rad2deg(lean):.0f} "
-            "degrees off it, and strata are of legs that swing about the vertical"
+            "degrees off it, but legs must swing about the vertical"
         )
     toe = pose.bottom(foot)
     rises = np.cross(axes, toe - anchors)[:, 2]
@@ -154,8 +154,8 @@ def _limb(pose: Pose, geoms: list[int], source: str) -> Limb:
     lift = int(np.abs(rises).argmax())
     if not rises[lift]:
         raise ModelError(
-            f"no joint lifts {model.geom(foot).name!r}: {source}; its leg has none "
-            "with a horizontal axis"
+            f"no joint lifts {model.geom(foot).name!r}: {source}; no joint of "
+            "its leg has a horizontal axis"
         )
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
     return Limb(

@@ -117,8 +117,8 @@ def posed(
             if _clear(limbs, first[i], second[j]):
                 return first[i], second[j]
     raise ModelError(
-        f"its legs cannot be turned to meet at pivots: {source}; within the ranges of "
-        "its swing joints each group can only slide, widen them or start turned"
+        f"its legs cannot be turned so that they meet at pivots: {source}; each group "
+        "can only slide, widen the ranges of the swing joints or turn them at the start"
     )
 
 

@@ -71,7 +71,8 @@ def _tried(path: Path) -> list[str]:
     lines = done.stdout.decode(errors="replace").splitlines()
     if done.returncode or not lines:
         raise ModelError(
-            f"the compiler breaks down on it: {path}; leave parts out until it does not"
+            f"MuJoCo's compiler crashes on it: {path}; leave parts out until it "
+            "compiles"
         )
     said = json.loads(lines[-1])
     if "large" in said:

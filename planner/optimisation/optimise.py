@@ -143,7 +143,7 @@ class Optimiser:
         if best is None:
             raise BoundError(
                 "the best plan found leaves its tolerances between the points where "
-                "they were asked for; allow a little more"
+                "they were checked; give larger tolerances"
             )
         return self._plan(best[1], goal)
 

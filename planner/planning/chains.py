@@ -128,8 +128,8 @@ class ChainedForm:
         if not missed <= MET:
             raise PlannerError(
                 f"flows of the chained form end {missed:.3g} from "
-                f"{point(ends(1.0))}: its singularities part the goal from the start; "
-                "plan with elements"
+                f"{point(ends(1.0))}: its singularities separate the goal from the "
+                "start; plan with elements"
             )
         return Plan(
             system=self.system,

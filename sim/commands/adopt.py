@@ -32,7 +32,7 @@ def execute(options: argparse.Namespace) -> None:
     for path in (card, picture, *([] if source.text is None else [source.path])):
         if path.exists():
             raise UsageError(
-                "there is such a file already", str(path), "adopt writes over nothing"
+                "already exists", str(path), "move it away: adopt overwrites no file"
             )
     draft = draft_card(source)
     try:

@@ -65,7 +65,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _rate(text: str) -> float:
     value = float(text)
     if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is no rate; give 50, say")
+        raise argparse.ArgumentTypeError(
+            f"{text} is not a rate; give a number such as 50"
+        )
     return value
 
 
@@ -123,7 +125,7 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
         raise UsageError(
             f"--rate {options.rate:g} for servos that took {source.rate:g} a second",
             options.scenario,
-            "leave --rate away, or plan with --set command_rate",
+            "leave --rate out, or plan with --set command_rate",
         )
     return source
 
@@ -138,7 +140,7 @@ def _require_as_walked(options: argparse.Namespace) -> None:
         raise UsageError(
             f"{', '.join(given)} for a run, which is exported as it was walked",
             options.scenario,
-            "give the scenario instead, or leave these options away",
+            "give the scenario instead, or leave these options out",
         )
 
 

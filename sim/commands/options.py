@@ -107,5 +107,5 @@ def folder_of(options: argparse.Namespace) -> Path | None:
         UsageError: If the name is empty.
     """
     if options.out == "":
-        raise UsageError("an empty name", "--out", "name a folder, or leave --out away")
+        raise UsageError("an empty name", "--out", "name a folder, or leave --out out")
     return None if options.out is None else Path(options.out)

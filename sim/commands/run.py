@@ -63,7 +63,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _ratio(text: str) -> float:
     value = float(text)
     if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a share; give 0.05, say")
+        raise argparse.ArgumentTypeError(
+            f"{text} is not a share; give a number such as 0.05"
+        )
     return value
 
 

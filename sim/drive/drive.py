@@ -73,8 +73,9 @@ class Drive:
         if kick <= held:
             return
         raise UsageError(
-            f"servos of {stiffness:g} N m/rad commanded {self._servo.rate:g} times a "
-            f"second kick with {kick:.2g} N m, and friction holds {held:.2g} N m",
+            f"each of {self._servo.rate:g} commands a second changes the torque of a "
+            f"servo of {stiffness:g} N m/rad by {kick:.2g} N m, and friction holds "
+            f"{held:.2g} N m",
             f"scenario {scenario.name!r}",
             f"raise command_rate to {ceil(self._servo.rate * kick / held)}, lower "
             f"swing_speed, or set servo_stiffness to {stiffness * held / kick:.0f}",

@@ -25,7 +25,7 @@ Stroke = Callable[[float], tuple[Array, Array, float]]
 def confirmed_reach(
     setup: Setup, field: MeasuredField, stroke: Stroke, farthest: float
 ) -> float:
-    """How far either way a field predicts a stroke back [rad].
+    """The range in which a field predicts a stroke in the opposite direction [rad].
 
     Args:
         setup: Robot, world and limits.
@@ -42,7 +42,7 @@ def confirmed_reach(
     within = ways <= field.span
     if (worst := share[within].max()) > TOLERATED:
         raise MeasurementError(
-            f"a stroke back, which it was not measured on, departs from it by "
+            f"a stroke in the opposite direction departs from its prediction by "
             f"{100 * worst:.0f} % of its motion"
         )
     beyond = np.flatnonzero(share > TOLERATED)
@@ -59,7 +59,9 @@ def _stroke_back(stroke: Stroke, spans: tuple[float, ...]) -> tuple[Array, Array
             continue
         order = np.argsort(way)
         return way[order], np.unwrap(pose[order], axis=0, period=2 * np.pi)
-    raise MeasurementError(f"it could not be tested by a stroke back: {refusal}")
+    raise MeasurementError(
+        f"it could not be confirmed by a stroke in the opposite direction: {refusal}"
+    )
 
 
 def _shares(

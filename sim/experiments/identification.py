@@ -59,7 +59,7 @@ def identify(setup: Setup) -> IdentifiedTwists:
 
 
 def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
-    """The field with the range over which a stroke back agrees with it.
+    """The field, with the range in which an opposite stroke agrees with it.
 
     Args:
         setup: Robot, world and limits.

@@ -68,7 +68,7 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
 
 def _servo(given: Any) -> tuple[str, JointServo]:
     if not isinstance(given, dict):
-        raise ValueError(f"{given!r} is no table")
+        raise ValueError(f"{given!r} is not a table")
     values = OPTIONAL | given
     if missing := [key for key in KEYS if key not in values]:
         raise ValueError(f"{', '.join(missing)} missing")

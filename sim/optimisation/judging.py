@@ -105,7 +105,7 @@ class Judge:
         if found < least:
             raise BoundError(
                 f"the shortest plan found comes within {1e3 * found:.1f} mm of an "
-                f"obstacle, where {1e3 * least:.1f} mm are asked; give a smaller "
+                f"obstacle, where {1e3 * least:.1f} mm are required; give a smaller "
                 "path_tolerance"
             )
 
@@ -118,7 +118,7 @@ class Judge:
         try:
             require_sound(self.setup, plan)
         except SimulationError as error:
-            raise BoundError(f"the shortest plan found will not do: {error}") from error
+            raise BoundError(f"the shortest plan found is refused: {error}") from error
 
     def schedule(self, segments: Sequence[Sequence[Flow]]) -> Schedule:
         """The commands of flows, without holds."""

@@ -98,8 +98,8 @@ def _blame_the_timestep(
         with suppress(ModelError):
             _check_standing(kinematics, finer, lift_angle)
             raise UsageError(
-                f"timestep = {asked:g} is too long: the servos of {kinematics.robot} "
-                "shake it off its feet",
+                f"timestep = {asked:g} is too long for the servos of "
+                f"{kinematics.robot}, which are unstable with it and make it fall",
                 "timestep",
                 f"give at most {timestep:g}, at which it stands",
             ) from refusal

@@ -62,8 +62,8 @@ class ClearanceBound:
         return BoundError(
             f"the nominal path itself, standing on S{stratum}, has {part} "
             f"{1e3 * clearance:.1f} mm from obstacle {obstacle} at {point(pose)}, "
-            f"where more than {1e3 * self.least:.1f} mm are asked; make {missing:.1f} "
-            "mm more room there, or lower min_clearance"
+            f"where more than {1e3 * self.least:.1f} mm are required; make "
+            f"{missing:.1f} mm more room there, or lower min_clearance"
         )
 
     def _swept(self, stage: ForeseenStretch) -> tuple[Array, Array]:

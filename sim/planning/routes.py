@@ -82,7 +82,8 @@ def _require_room(
     part, obstacle = around.nearest(qpos[worst])
     raise BoundError(
         f"the {name} {point(pose)} has {part} {1e3 * clearance:.1f} mm from obstacle "
-        f"{obstacle}, where more than {1e3 * least:.1f} mm are asked; move one of them"
+        f"{obstacle}, where more than {1e3 * least:.1f} mm are required; move one of "
+        "them"
     )
 
 

@@ -141,7 +141,7 @@ def _find(source: str) -> Path:
     if path.suffix != ".toml" and len(path.parts) == 1 and not path.exists():
         raise UsageError(f"unknown scenario {source!r}", "SCENARIO", _known(source))
     if path.is_dir():
-        raise UsageError("a folder is no scenario", source, "give a TOML file in it")
+        raise UsageError("a folder is not a scenario", source, "give a TOML file in it")
     if not path.is_file():
         raise UsageError(
             "no such scenario file", source, "give a TOML file that exists"

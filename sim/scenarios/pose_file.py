@@ -23,7 +23,7 @@ def read_poses(path: Path) -> list[tuple[float, ...]]:
         rows = csv.DictReader(file)
         names = [name.strip() for name in rows.fieldnames or ()]
         if missing := [name for name in COLUMNS if name not in names]:
-            raise ValueError(f"no column {missing[0]!r}; head it x,y,yaw")
+            raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
         rows.fieldnames = names
         poses = []
         for number, row in enumerate(rows, start=2):
@@ -32,5 +32,7 @@ def read_poses(path: Path) -> list[tuple[float, ...]]:
             except (TypeError, ValueError):
                 raise ValueError(f"line {number} holds no pose; give numbers") from None
             if len(poses) > MOST_POSES:
-                raise ValueError(f"more than {MOST_POSES} poses; thin it out")
+                raise ValueError(
+                    f"more than {MOST_POSES} poses; leave some of them out"
+                )
     return poses

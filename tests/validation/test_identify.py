@@ -89,7 +89,9 @@ def test_fields_of_the_hexapod_are_confirmed_over_the_whole_joint_range(identifi
 def test_a_field_that_a_stroke_back_does_not_follow_is_refused(setup, identified):
     field = identified.fields["g1_1"]
     half = replace(field, twist=tuple(part / 2 for part in field.twist))
-    with pytest.raises(MeasurementError, match="a stroke back, which it was not"):
+    with pytest.raises(
+        MeasurementError, match="a stroke in the opposite direction departs"
+    ):
         confirmed(setup, "g1_1", half)
 
 

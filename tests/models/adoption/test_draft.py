@@ -101,7 +101,7 @@ def test_legs_that_cannot_stand_in_two_groups_are_refused_for_that(tmp_path):
 
 def test_legs_that_cannot_meet_are_refused_for_that(tmp_path):
     said = refusal(Adoptee("long", parallel(8, 0.36)).write(tmp_path))
-    assert "cannot be turned to meet at pivots" in said
+    assert "cannot be turned so that they meet at pivots" in said
 
 
 def test_folder_is_that_of_its_robot_and_not_of_its_scene(tmp_path):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from models.contact import dissipation as dissipation_module
 from models.contact.dissipation import (
     foot_jacobians,
     foot_velocities,
@@ -126,12 +127,22 @@ def test_every_foot_that_bears_most_of_the_weight_is_exactly_at_rest():
     assert np.abs(held).max() < 1e-14  # rounding
 
 
-def test_feet_on_a_line_that_are_pulled_apart_along_it_slide_with_least_dissipation():
-    feet = np.array([[[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 0.0]]])
-    rates = np.array([[[1.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [-1.0, 0.0]]])
-    loads = np.array([[0.25, 0.25, 0.25, 0.25]])
+def test_feet_that_touch_at_one_point_slide_about_their_median_and_do_not_turn():
+    feet = np.array([[[0.0, 0.0], [0.0, 0.0], [0.0, 0.0], [1.0, 0.0]]])
+    corners = np.array([[1.0, 0.0], [-0.5, np.sqrt(0.75)], [-0.5, -np.sqrt(0.75)]])
+    rates = np.vstack([corners + (2.0, 1.0), [[0.0, 0.0]]])[None]
+    loads = np.array([[1.0, 1.0, 1.0, 0.0]])
     twist = least_dissipation_twist(feet, rates, loads)
-    assert dissipation(feet, rates, loads, twist[:, None]) == pytest.approx(1.0)
+    assert twist == pytest.approx(np.array([[-2.0, -1.0, 0.0]]), abs=1e-6)
+
+
+def test_a_minimum_that_friction_certifies_is_not_searched_any_further(monkeypatch):
+    def search(problem, start):
+        pytest.fail("Newton's method is used")
+
+    monkeypatch.setattr(dissipation_module._Problem, "improve", search)
+    test_a_foot_that_carries_most_of_the_weight_sticks()
+    test_feet_that_can_follow_the_body_do_not_slip()
 
 
 def test_rows_are_independent_of_each_other(many):

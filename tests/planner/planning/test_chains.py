@@ -131,7 +131,7 @@ def test_ends_beyond_a_singularity_are_refused(two):
     goal = np.zeros(6)
     goal[2:5] = 0.9 * np.pi  # the other way round: the chart ends at pi / 2
     with pytest.raises(
-        PlannerError, match="singularities part the goal from the start"
+        PlannerError, match="singularities separate the goal from the start"
     ):
         two.plan(np.zeros(6), goal)
     unicycle = shipped_system("unicycle")

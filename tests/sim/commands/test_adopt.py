@@ -40,7 +40,7 @@ def test_nothing_is_written_over(tmp_path, capsys, name):
     path = SPIDER.write(tmp_path)
     (tmp_path / name).write_text("mine")
     assert main(["adopt", str(path)]) == 2
-    assert "there is such a file already" in capsys.readouterr().err
+    assert "already exists" in capsys.readouterr().err
     assert names(tmp_path) == sorted([name, "spider.xml"])
     assert (tmp_path / name).read_text() == "mine"
 

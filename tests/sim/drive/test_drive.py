@@ -144,7 +144,7 @@ def test_soft_servos_with_lead_go_where_stiff_ones_go(scenario):
 
 
 def test_stiff_servos_on_few_commands_a_second_are_refused(scenario):
-    with pytest.raises(UsageError, match="kick with 10 N m, and friction") as refusal:
+    with pytest.raises(UsageError, match="by 10 N m, and friction") as refusal:
         Walker(prepare(scenario(command_rate=50.0)))
     assert "raise command_rate to 3" in refusal.value.remedy
 

@@ -116,7 +116,7 @@ def test_a_servo_table_of_ros_gives_channels_and_ticks(classroom, tmp_path, caps
         ),
         (("--format", "header", "--servo-table", "none.yaml"), "cannot be read"),
         (("--format", "bvh"), "invalid choice: 'bvh'"),
-        (("--format", "csv", "--rate", "0"), "is no rate"),
+        (("--format", "csv", "--rate", "0"), "is not a rate"),
     ],
 )
 def test_what_makes_no_sense_is_refused(classroom, tmp_path, capsys, words, said):

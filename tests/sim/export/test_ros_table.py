@@ -60,7 +60,7 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
         ("[", "not YAML"),
         ("", "no servos"),
         ("[]", "no servos"),
-        ("- 3", "servo 1: 3 is no table"),
+        ("- 3", "servo 1: 3 is not a table"),
         ("- {name: a, id: 1}", "servo 1: ticks, center, max_radians missing"),
         (listed().replace("512", "x"), "center must be a number, got 'x'"),
         (listed().replace("id: 20", "id: x"), "id must be a whole number"),

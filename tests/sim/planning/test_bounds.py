@@ -197,7 +197,8 @@ def test_a_plan_may_be_left_to_hit(passage):
 def test_a_passage_too_narrow_for_the_nominal_path_is_refused_there(passage):
     message = (
         r"the nominal path itself, standing on S12, has foot_2 1\.0 mm from obstacle "
-        r"2 at \(0, 0, 0\), where more than 2\.0 mm are asked; make 1\.0 mm more room"
+        r"2 at \(0, 0, 0\), where more than 2\.0 mm are required; "
+        r"make 1\.0 mm more room"
     )
     with pytest.raises(BoundError, match=message) as refused:
         within_bounds(prepare(passage(0.001)))

@@ -103,7 +103,7 @@ def test_where_there_is_no_way_it_says_so(monkeypatch):
 def test_a_goal_inside_an_obstacle_is_refused_with_what_is_in_the_way():
     message = (
         r"the goal \(0\.9, 0, 0\) has \w+ -\d+\.\d mm from obstacle 1, where more than "
-        r"5\.0 mm are asked"
+        r"5\.0 mm are required"
     )
     with pytest.raises(BoundError, match=message):
         routed(shut({"kind": "box", "center": [0.9, 0.0], "size": [0.2, 0.2]}))

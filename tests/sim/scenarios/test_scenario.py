@@ -283,7 +283,7 @@ def test_absent_file_is_refused(tmp_path):
 
 
 def test_folder_is_refused(tmp_path):
-    with pytest.raises(UsageError, match="a folder is no scenario"):
+    with pytest.raises(UsageError, match="a folder is not a scenario"):
         load_scenario(str(tmp_path))
 
 
