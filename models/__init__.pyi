@@ -1,3 +1,7 @@
+from .adoption.coupled_swings import (
+    Design as Design,
+    designs as designs,
+)
 from .adoption.draft import (
     Draft as Draft,
     draft_card as draft_card,
@@ -71,6 +75,10 @@ from .morphology.shipped import (
     PIVOT as PIVOT,
     PIVOTS as PIVOTS,
 )
+from .morphology.variants import (
+    geometry_of as geometry_of,
+    reshaped as reshaped,
+)
 from .motion.identified import (
     FailedField as FailedField,
     IdentifiedTwists as IdentifiedTwists,
@@ -89,6 +97,7 @@ from .motion.real_contacts import (
 from .motion.robot_equations import (
     Equations as Equations,
     equations as equations,
+    group_twist as group_twist,
     strata as strata,
 )
 from .motion.strokes import (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from models.checks.parts import check_parts
@@ -12,6 +14,8 @@ from models.description.files import Opened
 from models.description.inspection import inspect_model
 from models.description.robot import FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
+from models.morphology.mjcf import write_mjcf
+from models.morphology.variants import reshaped
 
 EMBEDDED = "card"  # name of the custom text that may hold the card
 
@@ -21,7 +25,12 @@ def shipped_robots() -> tuple[str, ...]:
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
-def load(name: str, *, allow_external: bool = False) -> Robot:
+def load(
+    name: str,
+    *,
+    allow_external: bool = False,
+    geometry: Mapping[str, float] | None = None,
+) -> Robot:
     """A shipped robot by name, or a user's own by the path of its MJCF file.
 
     The card is the TOML file beside it, or its custom text `card`. A file with neither
@@ -30,11 +39,12 @@ def load(name: str, *, allow_external: bool = False) -> Robot:
     Args:
         name: Name or path.
         allow_external: Whether a user's own may open files outside its folder.
+        geometry: Numbers of a shipped robot's shape that are to be others, by name.
 
     Raises:
         UnknownRobotError: If there is no such robot or file.
-        ModelError: If file or card cannot be used, or the model is too large or opens
-            what it may not.
+        ModelError: If file, card or geometry cannot be used, or the model is too large
+            or opens what it may not.
     """
     path = _find(name)
     opened = None if path.parent == FOLDER else _inspected(path, allow_external)
@@ -42,6 +52,8 @@ def load(name: str, *, allow_external: bool = False) -> Robot:
     borrowed = Path(source).stem if Path(source).parent == FOLDER != path.parent else ""
     card = parse_card(text, source)
     robot = Robot(path.stem, path, text, card, opened, borrowed)
+    if geometry:
+        robot = variant(robot, geometry)
     try:
         check_parts(robot)
     except ModelError as error:
@@ -55,6 +67,29 @@ def load(name: str, *, allow_external: bool = False) -> Robot:
 def has_card_inside(path: Path) -> bool:
     """Whether an MJCF file brings its card as custom text."""
     return any(text.name == EMBEDDED for text in read_spec(path).texts)
+
+
+def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
+    """A shipped robot with other numbers of its shape.
+
+    Args:
+        robot: The robot as it is shipped.
+        geometry: Numbers by name.
+
+    Raises:
+        ModelError: If it is not shipped, or there is no such number or shape.
+    """
+    if robot.path.parent != FOLDER:
+        raise ModelError(
+            f"geometry {', '.join(geometry)} of a robot of your own: {robot.path}; "
+            "change its file, or take a shipped robot"
+        )
+    try:
+        shape = reshaped(robot.name, geometry)
+    except ValueError as error:
+        raise ModelError(f"{robot.name}: {error}") from error
+    groups = [group.legs for group in robot.card.groups.values()]
+    return replace(robot, geometry=dict(geometry), text=write_mjcf(shape, groups))
 
 
 def _find(name: str) -> Path:

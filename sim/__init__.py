@@ -21,6 +21,7 @@ export        Walks become files for servos, which are read back and played
 figures       The paper's figures again, beside physics
 bench         Speed and memory, measured side by side
 sweeps        One scenario is walked with many settings, into one table
+studies       What the table of a sweep says, in maps
 commands      The command line, one module a command
 ============  ========================================================================
 

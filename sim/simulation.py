@@ -6,7 +6,7 @@ import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Protocol
 
 import numpy as np
@@ -20,10 +20,12 @@ from sim.motion.poses import wrap
 from sim.optimisation.planned import PlannedWalk
 from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
+from sim.planning.sharing import is_shareable, keeper, shared_plan
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
 from sim.preparation.reach import explained
 from sim.preparation.setup import Setup, prepare
+from sim.preparation.shared import Shared
 from sim.progress import Progress, silent
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
@@ -105,6 +107,7 @@ def simulate(
     progress: Progress = silent,
     witness: Witness | None = None,
     without: Collection[str] = (),
+    shared: Shared | None = None,
 ) -> Simulation:
     """Carry out a scenario.
 
@@ -115,6 +118,7 @@ def simulate(
         witness: Receives the results before and after the walk.
         without: Comparisons to leave out, which cost physics of their own: the
             prediction `identified`, and `creep_floor`.
+        shared: What earlier walks have made; such a walk cannot be written.
 
     Raises:
         PlannerError: If there is no plan.
@@ -126,7 +130,7 @@ def simulate(
     timing: dict[str, float] = {}
     aside: Aside = (0.0, 0.0, 0.0)
     with _timed(timing, "compile"):
-        setup = prepare(scenario, robot)
+        setup = prepare(scenario, robot, shared)
     with (
         _timed(timing, "plan"),
         limited(scenario.plan_time, lambda done: progress("planning", done)),
@@ -137,7 +141,7 @@ def simulate(
     timing["simulate"] = 0.0
     for attempt in range(scenario.correct):
         with _timed(timing, "plan"), limited(scenario.plan_time):
-            prepared = _prepared(scenario, planned, aside)
+            prepared = _prepared(scenario, planned, aside, shared)
         if witness is not None and attempt == 0:
             witness.prepared(prepared)
         walker = Walker(prepared.setup, progress)
@@ -153,21 +157,32 @@ def simulate(
         timing["simulate"] += walk.seconds["simulate"]
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
-        evaluation = evaluate(walk, without)
+        evaluation = evaluate(walk, without, shared)
         stand = "creep_floor" not in without
         floor = creep_floor(prepared.setup, walk.duration) if stand else None
     return Simulation(prepared, evaluation, floor, timing)
 
 
-def _prepared(scenario: Scenario, planned: PlannedWalk, aside: Aside) -> Prepared:
+def _prepared(
+    scenario: Scenario, planned: PlannedWalk, aside: Aside, shared: Shared | None
+) -> Prepared:
     setup = planned.setup.beside(aside)
     with explained(setup.robot, setup.equations):
-        plan = None if scenario.replan else planned.plan(aside)
-    if plan is not None:
-        require_sound(setup, plan)
+        plan = None if scenario.replan else _plan(setup, planned, aside, shared)
+    if plan is not None and not scenario.allow_unstable:
+        keep = keeper(setup, shared)
+        keep("sound", partial(require_sound, setup, plan))
     steps = expected_steps(setup, plan)
     check_effort(setup, steps)
     return Prepared(scenario, setup, plan, steps)
+
+
+def _plan(
+    setup: Setup, planned: PlannedWalk, aside: Aside, shared: Shared | None
+) -> Plan:
+    if shared is not None and is_shareable(setup):
+        return shared_plan(setup, shared)
+    return planned.plan(aside)
 
 
 def _further(aside: Aside, scenario: Scenario, reached: Array) -> Aside:

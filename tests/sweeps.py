@@ -42,3 +42,36 @@ def stratawalk(*words, env=ENV, timeout=300):
     return subprocess.run(
         command(*words), env=env, capture_output=True, text=True, timeout=timeout
     )
+
+
+FAULT = """
+import importlib.abc, importlib.machinery, os, signal, sys
+
+class Deadly(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name != "sim.sweeps.worker":
+            return None
+        sys.meta_path.remove(self)
+        spec = importlib.util.find_spec(name)
+        execute = spec.loader.exec_module
+        def poisoned(module):
+            execute(module)
+            walk = module.simulate
+            def simulate(scenario, **options):
+                if scenario.friction == 0.666:
+                    os.kill(os.getpid(), signal.SIGKILL)
+                return walk(scenario, **options)
+            module.simulate = simulate
+        spec.loader.exec_module = poisoned
+        return spec
+
+sys.meta_path.insert(0, Deadly())
+"""
+"""As `sitecustomize` of a process: a point of friction 0.666 kills its worker."""
+
+
+def poisoned(folder):
+    """An environment in which a point of friction 0.666 kills its worker."""
+    (folder / "sitecustomize.py").write_text(FAULT)
+    path = os.pathsep.join([str(folder), ENV["PYTHONPATH"]])
+    return ENV | {"PYTHONPATH": path}

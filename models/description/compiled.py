@@ -52,6 +52,24 @@ def read_spec(path: Path) -> mujoco.MjSpec:
         raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
 
 
+def parse_spec(text: str, folder: Path) -> mujoco.MjSpec:
+    """An editable model from MJCF text.
+
+    Args:
+        text: MJCF.
+        folder: Where the files are that it includes.
+
+    Raises:
+        ModelError: If it is not MJCF.
+    """
+    included = {path.name: path.read_bytes() for path in folder.glob("*.xml")}
+    try:
+        return mujoco.MjSpec.from_string(text, include=included)
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError(f"not usable as MJCF: {reason}") from error
+
+
 def named(spec: mujoco.MjSpec) -> None:
     """Name what has no name, by its body and number, so that a card can name it.
 

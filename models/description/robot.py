@@ -8,7 +8,7 @@ check that file and card fit together; the equations of motion are in
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -22,6 +22,7 @@ from models.description.compiled import (
     compile_model,
     free_joint,
     named,
+    parse_spec,
     read_spec,
     root_body,
 )
@@ -41,6 +42,8 @@ class Robot:
     card: Card
     opened: Opened | None = None  # files of a user's own
     borrowed: str = ""  # shipped robot whose card it has been given
+    geometry: Mapping[str, float] = field(default_factory=dict)  # of a variant
+    text: str = ""  # MJCF of a variant, which is in no file
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -124,7 +127,7 @@ class Robot:
 
     def read(self) -> mujoco.MjSpec:
         """A fresh, editable copy of the MJCF file, in which every part has a name."""
-        spec = read_spec(self.path)
+        spec = parse_spec(self.text, FOLDER) if self.text else read_spec(self.path)
         named(spec)
         return spec
 

@@ -70,54 +70,53 @@ def _along(states: Array, path: Array) -> tuple[float, Array]:
     A companion cannot be closer than the nearest point of the path. In most cases that
     distance can be kept, and the general algorithm is not needed.
     """
-    most = _least(states, path)
-    forward = _reachable(states, path, most)
+    apart = _distances(states[:, None], path[None])  # (T, K)
+    most = _least(apart)
+    forward = _reachable(apart, most)
     if not forward[-1, -1]:
-        most = _frechet(states, path)
-        forward = _reachable(states, path, most)
-    backward = _reachable(states[::-1], path[::-1], most)[::-1, ::-1]
-    pairs = zip(states, forward & backward, strict=True)
-    nearest = [np.where(on, _distances(x, path), np.inf).argmin() for x, on in pairs]
-    return most, np.array(nearest)
+        most = _frechet(apart)
+        forward = _reachable(apart, most)
+    backward = _reachable(apart[::-1, ::-1], most)[::-1, ::-1]
+    nearest: Array = np.where(forward & backward, apart, np.inf).argmin(axis=1)
+    return most, nearest
 
 
-def _least(states: Array, path: Array) -> float:
+def _least(apart: Array) -> float:
     """A distance that some state, or one of the ends, has from the path."""
-    ends = _distances(states[[0, -1]], path[[0, -1]]).max()
-    return float(max(ends, *(_distances(state, path).min() for state in states)))
+    return float(max(apart[0, 0], apart[-1, -1], apart.min(axis=1).max()))
 
 
 def _distances(here: Array, there: Array) -> Array:
-    gap = here - there
-    distances: Array = np.sqrt(np.einsum("...i,...i->...", gap, gap))
+    squares = sum((here[..., i] - there[..., i]) ** 2 for i in range(here.shape[-1]))
+    distances: Array = np.sqrt(squares)
     return distances
 
 
-def _frechet(states: Array, path: Array) -> float:
-    """The discrete Frechet distance, along the diagonals of all pairs."""
-    rows, columns = len(states), len(path)
+def _frechet(apart: Array) -> float:
+    """The discrete Frechet distance, along the diagonals of all pairs, (T, K)."""
+    rows, columns = apart.shape
     last, before = np.full((2, columns + 1), np.inf)
     before[0] = -np.inf  # so that the first pair has something to come from
     for diagonal in range(rows + columns - 1):
         low, high = max(0, diagonal - rows + 1), min(diagonal, columns - 1) + 1
         i = np.arange(low, high)
-        gap = _distances(states[diagonal - i], path[i])
+        gap = apart[diagonal - i, i]
         reached = np.minimum(np.minimum(last[i + 1], last[i]), before[i])
         before, last = last, np.full(columns + 1, np.inf)
         last[low + 1 : high + 1] = np.maximum(gap, reached)
     return float(last[-1])
 
 
-def _reachable(states: Array, path: Array, most: float) -> Array:
+def _reachable(apart: Array, most: float) -> Array:
     """Which point can be the companion of which state, shape (T, K), bool."""
-    most = most * (1 + ROUNDING)
-    found = np.zeros((len(states), len(path)), dtype=bool)
-    index = np.arange(len(path))
+    free = apart <= most * (1 + ROUNDING)
+    index = np.arange(apart.shape[1], dtype=np.int32)
+    barred = np.maximum.accumulate(np.where(free, np.int32(-1), index), axis=1)
+    found = np.zeros(apart.shape, dtype=bool)
     entered = index == 0
-    for row, state in zip(found, states, strict=True):
-        free = _distances(state, path) <= most
-        barred = np.maximum.accumulate(np.where(free, -1, index))
-        begun = np.maximum.accumulate(np.where(free & entered, index, -1))
-        row[:] = begun > barred
-        entered = row | np.append(False, row[:-1])
+    for row, open_, bar in zip(found, free, barred, strict=True):
+        begun = np.maximum.accumulate(np.where(open_ & entered, index, -1))
+        np.greater(begun, bar, out=row)
+        entered = row.copy()
+        entered[1:] |= row[:-1]
     return found

@@ -18,6 +18,8 @@ COMMANDS = (
     "compare",
     "sweep",
     "merge",
+    "study",
+    "design",
     "plan",
     "export",
     "check",

@@ -23,7 +23,9 @@ TOLD = 5  # reasons of failed points
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument(
-        "file", metavar="FILE.toml", help="which scenario, and what varies"
+        "file",
+        metavar="FILE.toml",
+        help="which scenario, what varies; or a shipped study",
     )
     parser.add_argument(
         "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,8 @@ from sim.experiments.predictions import MODELS, twist_model
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
+from sim.planning.sharing import keeper
+from sim.preparation.shared import Shared
 from sim.versions import versions
 from sim.walking.finished import Stretch, Walk
 
@@ -77,22 +79,30 @@ class Evaluation:
         return self.walking & self.walk.recording.marks.inspected
 
 
-def evaluate(walk: Walk, without: Collection[str] = ()) -> Evaluation:
+def evaluate(
+    walk: Walk, without: Collection[str] = (), shared: Shared | None = None
+) -> Evaluation:
     """Compare the achieved motion with every prediction.
 
     Args:
         walk: A finished walk.
         without: Predictions to leave out, among those that nothing depends on.
+        shared: What earlier evaluations have made.
     """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
-    given = [list(_commanded(walk, stretch)) for stretch in walk.stretches]
+    keep = keeper(walk.setup, shared)
+    given = keep(
+        "commanded", lambda: [list(_commanded(walk, s)) for s in walk.stretches]
+    )
     for name in MODELS:
         if name in without:
             unpredicted[name] = "left out"
             continue
         try:
-            predicted[name] = _predicted(walk, twist_model(walk.setup, name), given)
+            twists = twist_model(walk.setup, name)
+            follow = partial(_predicted, walk, twists, given)
+            predicted[name] = keep(name, follow) if name == "ideal" else follow()
         except MeasurementError as error:
             unpredicted[name] = str(error)
     walking = walk.recording.moments.step >= walk.starts

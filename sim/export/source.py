@@ -115,7 +115,11 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
         what = f"not a finished run, {' '.join(str(error).split())}"
         raise UsageError(what, str(folder), UNFINISHED) from error
     servo = servo_settings(scenario, card)
-    robot = load(scenario.robot, allow_external=allow_external)
+    robot = load(
+        scenario.robot,
+        allow_external=allow_external,
+        geometry=scenario.geometry,
+    )
     return Source(
         robot, card, model, (ctrl,), len(ctrl), servo.name, servo.rate, summary, arrays
     )

@@ -26,10 +26,17 @@ from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.gait import require_gait
 from sim.preparation.reach import explained
+from sim.preparation.shared import (
+    OF_THE_WAY,
+    OF_THE_WORLD,
+    Shared,
+    everything_but,
+    made,
+)
 from sim.scenarios.imperfect import is_imperfect, without_imperfections
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
-from sim.world.model import World, build, load as load_world
+from sim.world.model import World
 from sim.world.servo_settings import ServoSettings, servo_settings
 
 
@@ -64,8 +71,8 @@ class Setup:
         if not is_imperfect(self.scenario):
             return self
         scenario = without_imperfections(self.scenario)
-        world = build(self.robot, scenario)
-        return replace(self, scenario=scenario, world=world, model=load_world(world))
+        world, model = made(self.robot, scenario)
+        return replace(self, scenario=scenario, world=world, model=model)
 
     @property
     def stance(self) -> StanceRule:
@@ -157,12 +164,15 @@ class Setup:
         return self.equations.configurations(path)
 
 
-def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
+def prepare(
+    scenario: Scenario, robot: Robot | None = None, shared: Shared | None = None
+) -> Setup:
     """Load the robot, compile its equations, build its world.
 
     Args:
         scenario: What to walk.
         robot: The scenario's robot, if it is loaded already.
+        shared: What earlier walks have made; the world's text is then not for writing.
 
     Raises:
         UnknownRobotError: If there is no such robot.
@@ -170,14 +180,13 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
         UsageError: If a setting asks for what the robot cannot do.
         SimulationError: If its strokes reach some directions only.
     """
-    robot = load(scenario.robot) if robot is None else robot
-    described = equations(robot, scenario.fields)
-    require_gait(scenario, robot, described)
-    with explained(robot, described):
-        extended = _extended(described, scenario)
+    if robot is None or robot.geometry != (scenario.geometry or {}):
+        robot = _robot(scenario, shared)
+    described, extended, kinematics = _mathematics(robot, scenario, shared)
     servo = servo_settings(scenario, robot.card)
-    world = build(robot, scenario)
-    kinematics, model = Kinematics(robot), load_world(world)
+    world, model = (
+        made(robot, scenario) if shared is None else shared.world(scenario, robot)
+    )
     lift = lift_angle(kinematics, scenario.lift_height)
     setup = Setup(
         scenario=scenario,
@@ -201,6 +210,32 @@ def prepare(scenario: Scenario, robot: Robot | None = None) -> Setup:
     level = setup.as_planned if scenario.bumps else setup
     check_standing(kinematics, level.model, lift)
     return setup
+
+
+def _robot(scenario: Scenario, shared: Shared | None) -> Robot:
+    def make() -> Robot:
+        return load(scenario.robot, geometry=scenario.geometry)
+
+    key = (scenario.robot, str(scenario.geometry))
+    return make() if shared is None else shared.kept("robot", key, make)
+
+
+def _mathematics(
+    robot: Robot, scenario: Scenario, shared: Shared | None
+) -> tuple[Equations, ExtendedSystem, Kinematics]:
+    """What is known of a robot without its world."""
+
+    def make() -> tuple[Equations, ExtendedSystem, Kinematics]:
+        described = equations(robot, scenario.fields)
+        require_gait(scenario, robot, described)
+        with explained(robot, described):
+            extended = _extended(described, scenario)
+        return described, extended, Kinematics(robot)
+
+    if shared is None:
+        return make()
+    key = everything_but(scenario, (*OF_THE_WORLD, *OF_THE_WAY))
+    return shared.kept("mathematics", key, make)
 
 
 def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:

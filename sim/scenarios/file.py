@@ -18,7 +18,9 @@ from planner import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.scenario import Scenario, settings
+from sim.scenarios.settings import Named, kind_of
 
+TABLES = {item.name for item in settings() if isinstance(kind_of(item), Named)}
 FOLDER = Path(str(files("sim.scenarios")))
 
 
@@ -186,7 +188,7 @@ def _anchor_poses(path: object, folder: Path) -> None:
 def _replace(table: dict[str, Any], key: str, value: object) -> None:
     *outer, last = key.split(".")
     for name in outer:
-        inner = table.get(name)
+        inner = table.setdefault(name, {}) if name in TABLES else table.get(name)
         if not isinstance(inner, dict):
             raise UsageError(
                 f"unknown key {key!r}", "--set", did_you_mean(key, _keys())
@@ -218,6 +220,9 @@ def _toml(value: object) -> str:
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, Mapping):
+        inner = (f"{key} = {_toml(number)}" for key, number in value.items())
+        return f"{{ {', '.join(inner)} }}"
     if isinstance(value, Iterable):
         return f"[{', '.join(map(_toml, value))}]"
     return repr(value)

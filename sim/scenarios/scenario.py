@@ -7,13 +7,23 @@ is done by `scenarios.file`, running one by `sim.simulate`.
 from __future__ import annotations
 
 import reprlib
+from collections.abc import Mapping
 from dataclasses import Field, dataclass, fields
 from typing import Any, Literal
 
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.obstacles import Obstacle
-from sim.scenarios.settings import Choice, Flag, Number, Numbers, Text, Texts, setting
+from sim.scenarios.settings import (
+    Choice,
+    Flag,
+    Named,
+    Number,
+    Numbers,
+    Text,
+    Texts,
+    setting,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +40,9 @@ class Scenario:
     description: str = setting(Text(empty=True), "one line for people", "")
     robot: str = setting(
         Text(), "a shipped robot, or a path to an MJCF file", "hexapod"
+    )
+    geometry: Mapping[str, float] | None = setting(
+        Named(), "numbers of a shipped robot's shape that are to be others", None
     )
     fields: Literal["lifted", "paper"] = setting(
         Choice(("lifted", "paper")), "fields to steer with", "lifted"

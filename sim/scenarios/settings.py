@@ -5,7 +5,9 @@ The settings themselves are declared in `scenarios.scenario`.
 
 from __future__ import annotations
 
-from dataclasses import MISSING, dataclass, field
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field
+from math import isfinite
 from numbers import Real
 from typing import Any, Protocol, TypeGuard
 
@@ -80,6 +82,27 @@ class Numbers:
         """For example `a list of 2 numbers`."""
         count = "" if self.any_length else f"{len(self.each)} "
         return f"a list of {count}numbers, {', '.join(map(str, self.each))}"
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Numbers with names, a table in a file."""
+
+    def accept(self, value: object) -> dict[str, float]:
+        """The numbers as floats.
+
+        Raises:
+            ValueError: If it is no table, or holds what is no finite number.
+        """
+        if not isinstance(value, Mapping) or not all(map(is_number, value.values())):
+            raise ValueError
+        if not all(map(isfinite, value.values())):
+            raise ValueError
+        return {str(name): float(number) for name, number in sorted(value.items())}
+
+    def __str__(self) -> str:
+        """What is allowed."""
+        return "numbers by name, such as { kappa = 0.5 }"
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,3 +202,13 @@ def setting(kind: Kind, about: str, default: object = MISSING) -> Any:
         A field for a keyword-only dataclass.
     """
     return field(default=default, metadata={"kind": kind, "about": about})
+
+
+def kind_of(item: Field[Any]) -> Kind:
+    """The kind of a setting.
+
+    Args:
+        item: Its field.
+    """
+    kind: Kind = item.metadata["kind"]
+    return kind

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from sim.scenarios.file import anchor, read_toml, scenario_from, scenario_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.axes import MOST, Block, flat, grid_blocks, list_block, sobol_block
 
+STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
 KEYS = ("scenario", "without", *TABLES)
 MEASURES = ("identified", "creep_floor")
@@ -75,14 +77,12 @@ def read_sweep(source: str) -> Sweep:
     """Read a sweep's file.
 
     Args:
-        source: Path of a TOML file.
+        source: Path of a TOML file, or name of a shipped study.
 
     Raises:
         UsageError: If there is no such file, it is not TOML, or says the impossible.
     """
-    path = Path(source)
-    if not path.is_file():
-        raise UsageError("no such sweep file", source, "give a TOML file that exists")
+    path = _find(source)
     table = read_toml(path)
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
@@ -102,6 +102,25 @@ def read_sweep(source: str) -> Sweep:
         without=_without(table.get("without", [])),
         kept=kept,
         filmed=filmed,
+    )
+
+
+def shipped_studies() -> tuple[str, ...]:
+    """Names of the sweeps that come with the package."""
+    return tuple(sorted(path.stem for path in STUDIES.glob("*.toml")))
+
+
+def _find(source: str) -> Path:
+    if source in shipped_studies():
+        return STUDIES / f"{source}.toml"
+    path = Path(source)
+    if path.is_file():
+        return path
+    if path.suffix or len(path.parts) > 1:
+        raise UsageError("no such sweep file", source, "give a TOML file that exists")
+    near = did_you_mean(source, shipped_studies())
+    raise UsageError(
+        f"unknown study {source!r}", "FILE.toml", f"{near}; or give a file"
     )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from models import shipped_robots
+from models import geometry_of, shipped_robots
 from planner import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.file import to_table
@@ -103,8 +103,9 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
     """
     numbers = [point for point in range(len(sweep)) if point in shard]
     scenarios = {point: sweep.at(point) for point in numbers}
-    for robot in {scenario.robot for scenario in scenarios.values()}:
-        _require_robot(robot)
+    shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
+    for robot, *names in sorted(shapes):
+        _require_robot(robot, names)
     return Points(
         sweep,
         {point: to_table(scenario) for point, scenario in scenarios.items()},
@@ -206,11 +207,16 @@ def result(
     return Result(len(digests), reasons.total(), dict(reasons.most_common()), walked)
 
 
-def _require_robot(robot: str) -> None:
-    """Refuse a robot that cannot be found, before anything is walked."""
+def _require_robot(robot: str, names: Sequence[str]) -> None:
+    """Refuse what cannot be found, a robot or a number of its shape, beforehand."""
     if robot.endswith(".xml"):
         if not Path(robot).is_file():
             raise UsageError("no such robot file", robot, "give one that exists")
     elif robot not in (shipped := shipped_robots()):
         what = f"unknown robot {robot!r}"
         raise UsageError(what, "the sweep's file", did_you_mean(robot, shipped))
+    else:
+        known = geometry_of(robot)
+        for name in (name for name in names if name not in known):
+            what = f"unknown number geometry.{name} of {robot}"
+            raise UsageError(what, "the sweep's file", did_you_mean(name, known))

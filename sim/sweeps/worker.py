@@ -10,11 +10,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from sim.errors import one_line
+from sim.preparation.shared import Shared
 from sim.scenarios.file import scenario_from
 from sim.simulation import simulate
 from sim.sweeps.identity import software
 from sim.sweeps.ledger import OK, Outcome
 
+SHARED = Shared()
+"""What this process keeps from point to point."""
 LEFT_OUT = ("timing",)  # which differs from run to run
 
 
@@ -30,7 +33,7 @@ def carry_out(
     """
     try:
         scenario = scenario_from(table, {}, "the sweep")
-        summary = simulate(scenario, without=without).summary
+        summary = simulate(scenario, without=without, shared=SHARED).summary
     except Exception as error:  # any failure of a point is one of its results
         return Outcome(digest, one_line(error), software=software())
     return Outcome(digest, OK, dict(numbers(summary)), software())

@@ -34,6 +34,7 @@ class World:
     assets: Mapping[str, bytes]  # by path relative to the text's file
     servo: tuple[float, float] | None  # stiffness and damping, if all joints' are alike
     let_down: float  # how far its robot had to be lowered onto the floor [m]
+    floor: str  # geom that its robot stands on
 
     @property
     def files(self) -> dict[str, bytes]:
@@ -67,7 +68,8 @@ def build(robot: Robot, scenario: Scenario) -> World:
     add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
-    return World(str(spec.to_xml()), assets, common_servo(model, robot), let_down)
+    servo = common_servo(model, robot)
+    return World(str(spec.to_xml()), assets, servo, let_down, floor.name)
 
 
 def load(world: World) -> mujoco.MjModel:

@@ -178,3 +178,11 @@ def test_only_shards_of_one_sweep_are_merged(swept, failing):
     done = stratawalk("merge", swept[1], failing[0], "--out", swept[1].parent / "x")
     assert done.returncode == 2
     assert "not of one sweep" in done.stderr
+
+
+def test_an_unknown_number_of_a_shape_is_refused_before_anything_is_made(tmp_path):
+    file = write_sweep(tmp_path, "[grid]\ngeometry.kapa = [0.5]")
+    done = stratawalk("sweep", file, "--out", tmp_path / "out")
+    assert done.returncode == 2
+    assert "did you mean 'kappa'" in done.stderr
+    assert not (tmp_path / "out").exists()

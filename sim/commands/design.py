@@ -1,0 +1,86 @@
+"""`stratawalk design`: how few joints suffice, the paper's own question."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from sim.commands.extras import needs_extra
+from sim.commands.trusted import add_trust_argument, robot_of
+from sim.errors import ExitCode, UsageError
+
+HELP = "how few joints suffice: swings locked or coupled, legs lifted in groups"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "robot", metavar="ROBOT", help="a shipped robot, or MJCF with a card"
+    )
+    add_trust_argument(parser)
+    parser.add_argument(
+        "--walks",
+        type=int,
+        default=20,
+        metavar="N",
+        help="how many designs to walk, the fewest joints first; 20 if not given",
+    )
+    parser.add_argument(
+        "--designs", type=int, metavar="N", help="look at the first N designs alone"
+    )
+    parser.add_argument("--out", metavar="FILE", help="Parquet table of all designs")
+
+
+@needs_extra("sweep")
+def execute(options: argparse.Namespace) -> ExitCode:
+    """Check every design, walk those that go everywhere, and print the table."""
+    from models import designs
+    from sim.progress import bar
+    from sim.studies.designing import first, tried
+    from sim.sweeps.identity import software
+    from sim.sweeps.table import write_table
+
+    robot = robot_of(options, options.robot)
+    found = first(designs(robot.legs), options.designs)
+    if not found:
+        what = f"{len(robot.legs)} legs make no two groups that can stand"
+        raise UsageError(what, options.robot, "take a robot of six legs or more")
+    rows = []
+    with bar(quiet=options.json) as progress:
+        for row in tried(robot, found, options.walks):
+            rows.append(row)
+            progress("designs", len(rows) / len(found))
+    if options.out is not None:
+        about = {"robot": options.robot, "software": software()}
+        write_table(Path(options.out), rows, about)
+    if options.json:
+        print(json.dumps(rows))
+    else:
+        print(*_table(rows), sep="\n")
+    return ExitCode.OK
+
+
+def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:
+    """By the number of joints: how many designs there are, and the best that walked."""
+    by_joints = defaultdict(list)
+    for row in rows:
+        by_joints[row["joints"]].append(row)
+    yield (
+        f"{'joints':>6}{'designs':>9}{'everywhere':>12}{'walked':>8}"
+        f"{'strokes/m':>11}{'margin':>9}{'off':>8}  best design"
+    )
+    for joints, some in sorted(by_joints.items()):
+        able = [row for row in some if row.get("strokes.y") is not None]
+        walked = [row for row in able if row.get("min_margin") is not None]
+        line = f"{joints:6}{len(some):9}{len(able):12}{len(walked):8}"
+        if walked:
+            best = min(walked, key=lambda row: row["strokes_per_metre"])
+            line += (
+                f"{best['strokes_per_metre']:11.1f}{1e3 * best['min_margin']:6.1f} mm"
+                f"{best['farthest_per_path']:8.1%}  {best['groups']}"
+            )
+        yield line

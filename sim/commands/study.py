@@ -1,0 +1,57 @@
+"""`stratawalk study`: where predictions hold in a sweep, and which settings matter."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from sim.commands.extras import needs_extra
+from sim.errors import ExitCode, FilesError
+
+HELP = "map where the predictions of a sweep hold, and tell which settings matter"
+PREDICTIONS = ("ideal", "quasi-static", "identified")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument(
+        "table", metavar="TABLE", help="table of a sweep, or the sweep's folder"
+    )
+    parser.add_argument(
+        "--prediction",
+        choices=PREDICTIONS,
+        default="quasi-static",
+        help="prediction that the walks are compared with",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="DIR",
+        help="for the maps; `maps` beside the table if not given",
+    )
+
+
+@needs_extra("sweep")
+def execute(options: argparse.Namespace) -> ExitCode:
+    """Print what a sweep has found, and draw its maps."""
+    from sim.studies.findings import describe, findings
+    from sim.studies.maps import draw_maps
+    from sim.studies.results import read_results
+
+    given = Path(options.table)
+    results = read_results(given, options.prediction.replace("-", "_"))
+    beside = (given if given.is_dir() else given.parent) / "maps"
+    folder = beside if options.out is None else Path(options.out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = f"cannot make the folder, {error.strerror}"
+        raise FilesError(reason, str(folder), "choose another with --out") from error
+    found, drawn = findings(results), draw_maps(results, folder)
+    if options.json:
+        print(json.dumps(found | {"maps": [str(path) for path in drawn]}))
+        return ExitCode.OK
+    print(*describe(found), sep="\n")
+    for path in drawn:
+        print(f"{'map':8}{path}")
+    return ExitCode.OK

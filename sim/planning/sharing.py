@@ -1,0 +1,59 @@
+"""Plans that several walks have in common, since they differ in their physics alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+from planner import Plan
+from sim.planning.open_loop import plan_open_loop
+from sim.preparation.setup import Setup
+from sim.preparation.shared import OF_THE_PHYSICS, Shared, everything_but
+
+T = TypeVar("T")
+
+
+class Keep(Protocol):
+    """Gives a thing that was made before, or makes it."""
+
+    def __call__(self, kind: str, make: Callable[[], T]) -> T:
+        """The thing of a kind."""
+        ...
+
+
+def is_shareable(setup: Setup) -> bool:
+    """Whether a walk's plan follows from the ideal fields and the path alone."""
+    scenario = setup.scenario
+    plain = scenario.steer == "ideal" and scenario.words == "printed"
+    free = not scenario.obstacles and scenario.min_margin is None
+    once = scenario.optimise == "none" and scenario.correct == 1
+    return plain and free and once and not setup.servo.resolution
+
+
+def keeper(setup: Setup, shared: Shared | None) -> Keep:
+    """Keeps what follows from a walk's commands alone, whatever the physics made of it.
+
+    Args:
+        setup: What was walked.
+        shared: What earlier walks have made; None keeps nothing.
+    """
+    scenario = setup.scenario
+    if shared is None or scenario.replan or not is_shareable(setup):
+        return lambda kind, make: make()
+    plan = everything_but(scenario, OF_THE_PHYSICS)
+    key = (plan, setup.limits, scenario.sample_every)
+    return lambda kind, make: shared.kept(kind, key, make)
+
+
+def shared_plan(setup: Setup, shared: Shared) -> Plan:
+    """The plan of a shareable walk.
+
+    Args:
+        setup: What to walk.
+        shared: What earlier walks have made.
+
+    Raises:
+        PlannerError: If there is none.
+    """
+    key = everything_but(setup.scenario, OF_THE_PHYSICS)
+    return shared.kept("plan", key, lambda: plan_open_loop(setup))

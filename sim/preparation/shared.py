@@ -1,0 +1,131 @@
+"""What walks with common settings have in common, kept from one walk to the next.
+
+Which settings a thing does not depend on is listed here; it is made anew where any
+other one differs. A test changes each setting of the lists and compares.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections import OrderedDict
+from collections.abc import Callable, Collection, Hashable
+from dataclasses import replace
+from typing import Any, TypeVar
+
+import mujoco
+
+from models import Robot, actuator_of
+from sim.scenarios.scenario import Scenario, settings
+from sim.world.model import World, build, load as load_world
+
+T = TypeVar("T")
+
+UNSEEN = ("name", "description", "plan_time", "sample_every", "playback")
+OF_THE_WAY = (
+    *UNSEEN, "stance", "words", "segments", "replan", "steer", "optimise",
+    "path_tolerance", "yaw_tolerance", "together", "correct", "path", "min_margin",
+    "min_clearance", "allow_unstable", "seed",
+)  # fmt: skip
+"""Settings that neither the world nor what is measured in it depends on."""
+OF_THE_WORLD = (
+    "friction", "timestep", "servo", "servo_stiffness", "servo_damping",
+    "command_rate", "resolution", "feed_forward", "zero_offset", "play", "payload",
+    "slope", "floor_stiffness", "foot_friction", "draw", "swing_speed",
+    "swing_acceleration", "lift_height", "hold",
+)  # fmt: skip
+"""Settings that a robot's equations do not depend on."""
+OF_THE_PHYSICS = (*UNSEEN, *OF_THE_WORLD, "allow_unstable", "seed")
+"""Settings that a stratified plan on the ideal fields does not depend on."""
+MOST = 32  # things kept of a kind
+
+
+class Shared:
+    """Things that have been made, by kind and by what they depend on."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, OrderedDict[Hashable, Any]] = {}
+
+    def kept(self, kind: str, key: Hashable, make: Callable[[], T]) -> T:
+        """A thing that was made before, or that is made now.
+
+        Args:
+            kind: What kind of thing.
+            key: Everything that it depends on.
+            make: Makes it.
+        """
+        of_kind = self._kept.setdefault(kind, OrderedDict())
+        if key not in of_kind:
+            of_kind[key] = make()
+        of_kind.move_to_end(key)
+        if len(of_kind) > MOST:
+            of_kind.popitem(last=False)
+        found: T = of_kind[key]
+        return found
+
+    def world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
+        """Robot and world of a scenario, and the model compiled from them.
+
+        Scenarios that differ in nothing but the way share a model. Those that differ in
+        friction and gains as well have copies of one, with these numbers replaced.
+        """
+        if scenario.bumps:  # which lie along the way
+            return made(robot, scenario)
+        key = everything_but(scenario, OF_THE_WAY)
+        return self.kept("world", key, lambda: self._world(scenario, robot))
+
+    def _world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
+        if scenario.servo not in (None, "ideal") or scenario.foot_friction is not None:
+            return made(robot, scenario)
+        plain = replace(
+            scenario, friction=1.0, servo_stiffness=None, servo_damping=None
+        )
+        key = everything_but(plain, OF_THE_WAY)
+        world, model = self.kept("plain world", key, lambda: made(robot, plain))
+        if world.servo is None:  # servos that differ are left to the compiler
+            return made(robot, scenario)
+        return _tuned(world, model, robot, scenario)
+
+
+def everything_but(scenario: Scenario, names: Collection[str]) -> Hashable:
+    """All settings of a scenario but some, to be compared with another one's.
+
+    Args:
+        scenario: The scenario.
+        names: Settings that are left out; `path` and `obstacles` may be among them.
+    """
+    every = (*(item.name for item in settings()), "path", "obstacles")
+    values = {name: getattr(scenario, name) for name in every if name not in names}
+    return tuple((name, repr(value)) for name, value in values.items())
+
+
+def made(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:
+    """Robot and world of a scenario, and the model compiled from their text."""
+    world = build(robot, scenario)
+    return world, load_world(world)
+
+
+def _tuned(
+    world: World, plain: mujoco.MjModel, robot: Robot, scenario: Scenario
+) -> tuple[World, mujoco.MjModel]:
+    """A world and its model with their numbers replaced, as if compiled with them."""
+    model = copy.copy(plain)
+    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
+    for name in (world.floor, *feet):
+        model.geom(name).friction[0] = _written(scenario.friction)
+    joints = [joint for leg in robot.card.legs.values() for joint in leg.joints]
+    driving = [actuator_of(model, joint) for joint in joints]
+    stiffness, damping = world.servo or (0.0, 0.0)
+    if scenario.servo_stiffness is not None:
+        stiffness = scenario.servo_stiffness
+        model.actuator_gainprm[driving, 0] = _written(stiffness)
+        model.actuator_biasprm[driving, 1] = -_written(stiffness)
+    if scenario.servo_damping is not None:
+        damping = scenario.servo_damping
+        model.actuator_biasprm[driving, 2] = -_written(damping)
+    # Nobody writes the model of a sweep's point, so its text is left as it was.
+    return replace(world, servo=(stiffness, damping)), model
+
+
+def _written(value: float) -> float:
+    """A number as it is once MuJoCo has written it as text and read it again."""
+    return float(f"{value:g}")

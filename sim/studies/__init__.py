@@ -1,0 +1,1 @@
+"""Studies: what a sweep's table says, in classes, sensitivities and maps."""

@@ -1,0 +1,137 @@
+"""Designs with fewer joints, checked and walked: how few joints suffice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from models import Design, ModelError, Robot, equations, group_twist, mobility_of
+from planner import PlannerError
+from sim.errors import StratawalkError, one_line
+from sim.scenarios.file import load_scenario
+from sim.simulation import simulate
+
+WALK = {
+    "path.goal": [0.01, 0.01, 0.0],
+    "segments": 4,
+    "timestep": 0.001,
+    "swing_speed": 1.0,
+}
+"""How designs are tried: a step aside as long as one ahead."""
+WITHOUT = ("identified", "creep_floor")
+SAME = 1e-3  # of the larger motion; what two strokes differ by is rounding
+
+
+@dataclass
+class Twists:
+    """Twist of a group by itself, which many designs have in common."""
+
+    robot: Robot
+
+    def __post_init__(self) -> None:
+        self._known: dict[tuple[tuple[int, int], ...], np.ndarray | None] = {}
+
+    def may_go_everywhere(self, design: Design) -> bool:
+        """Whether both strokes and their bracket span the plane's motions.
+
+        Args:
+            design: What to look at.
+        """
+        built = design.built(self.robot)
+        found = [
+            self._of(built, name, tuple(signs.items()))
+            for name, signs in zip(built.groups, design.groups, strict=True)
+        ]
+        first, second = found
+        if first is None or second is None:
+            return False
+        across = _bracket(first, second)
+        size = np.linalg.svd(np.array([first, second, across]), compute_uv=False)
+        return bool(size[-1] > SAME * size[0] ** 2)
+
+    def _of(self, robot: Robot, name: str, key: tuple[tuple[int, int], ...]) -> Any:
+        if key not in self._known:
+            try:
+                self._known[key] = np.array(group_twist(robot, name))
+            except ModelError:  # these legs do not stand
+                self._known[key] = None
+        return self._known[key]
+
+
+def _bracket(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Bracket of two twists: forward, left and yaw."""
+    (x, y, turn), (u, v, spin) = one, other
+    return np.array([turn * -v + spin * y, turn * u - spin * x, 0.0])
+
+
+def tried(
+    robot: Robot, found: Sequence[Design], walks: int
+) -> Iterator[Mapping[str, Any]]:
+    """A row of the table for every design, in order.
+
+    Args:
+        robot: Robot whose legs they are.
+        found: Designs, the fewest joints first.
+        walks: How many of those that go everywhere are walked.
+    """
+    twists, left = Twists(robot), walks
+    for number, design in enumerate(found):
+        row: dict[str, Any] = {
+            "design": number,
+            "groups": str(design),
+            "swing_joints": design.joints,
+            "joints": design.joints + len(robot.legs),
+            "status": "lacks a direction, or does not stand",
+        }
+        if twists.may_go_everywhere(design):
+            row |= _checked(design.built(robot))
+            if row["status"] == "ok":
+                row |= _walked(design.built(robot)) if left > 0 else UNWALKED
+                left -= 1
+        yield row
+
+
+UNWALKED = {"status": "goes everywhere, not walked"}
+
+
+def _checked(robot: Robot) -> dict[str, Any]:
+    """What each direction costs, by the test that `stratawalk check` makes."""
+    try:
+        found = mobility_of(robot, equations(robot))
+    except (ModelError, PlannerError, ValueError) as error:
+        return {"status": one_line(error)}
+    strokes = {f"strokes.{cost.direction}": cost.strokes for cost in found.costs}
+    if found.lacking:
+        return {"status": f"cannot {' or '.join(found.lacking)}", **strokes}
+    return {"status": "ok", **strokes}
+
+
+def _walked(robot: Robot) -> dict[str, Any]:
+    scenario = load_scenario("line", {**WALK, "robot": robot.name})
+    try:
+        summary = simulate(scenario, robot=robot, without=WITHOUT).summary
+    except (StratawalkError, PlannerError, ModelError) as error:
+        return {"status": one_line(error)}
+    off, length = summary["error"]["quasi_static"], summary["path_length"]
+    return {
+        "status": "ok",
+        "verdict": summary["verdict"],
+        "strokes_per_metre": summary["per_metre"]["strokes"],
+        "min_margin": summary["achieved"]["min_margin"],
+        "goal": summary["error"]["goal"]["position"],
+        "farthest_per_path": off["farthest"] / length,
+    }
+
+
+def first(found: Iterator[Design], count: int | None) -> list[Design]:
+    """The first designs, or all of them.
+
+    Args:
+        found: Designs.
+        count: How many; None for all.
+    """
+    return list(islice(found, count))

@@ -1,0 +1,108 @@
+"""A sweep's table, read back, and every point sorted by how well its prediction holds.
+
+A point is judged by the farthest that the walk came from a prediction, as a share of
+its path.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pyarrow import ArrowException, parquet
+
+from planner import Array, did_you_mean
+from sim.errors import UsageError
+
+LIMITS = (0.01, 0.03, 0.10)
+"""Shares of the path within which predictions are said to hold."""
+CLASSES = ("within 1 %", "within 3 %", "within 10 %", "beyond", "fell", "no walk")
+BEYOND, FELL, NO_WALK = 3, 4, 5
+
+
+@dataclass(frozen=True)
+class Results:
+    """The rows of a sweep's table.
+
+    Attributes:
+        columns: Values by column, a list of one a row.
+        keys: Columns that vary.
+        prediction: Name of the prediction that points are judged by.
+    """
+
+    columns: Mapping[str, list[Any]]
+    keys: tuple[str, ...]
+    prediction: str
+
+    def __len__(self) -> int:
+        return len(self.columns["point"])
+
+    @cached_property
+    def walked(self) -> Array:
+        """Which points have numbers, shape (N,), bool."""
+        return np.array([status == "ok" for status in self.columns["status"]])
+
+    @cached_property
+    def off(self) -> Array:
+        """Farthest from the prediction as a share of the path, (N,); NaN for none."""
+        farthest = self.column(f"error.{self.prediction}.farthest")
+        length = self.column("path_length")
+        walked = self.column("distance_walked")
+        return farthest / np.where(length > 0, length, walked)
+
+    @cached_property
+    def classes(self) -> Array:
+        """Index of each point's class among `CLASSES`, shape (N,)."""
+        found = np.searchsorted(LIMITS, np.nan_to_num(self.off, nan=np.inf))
+        words = self.columns.get("verdict", [None] * len(self))
+        fell = np.array([word == "fell" for word in words])
+        return np.where(self.walked, np.where(fell, FELL, found), NO_WALK)
+
+    def column(self, name: str) -> Array:
+        """A column of numbers, shape (N,); NaN where a row has none.
+
+        Args:
+            name: Its name.
+
+        Raises:
+            UsageError: If the table has no such column.
+        """
+        if name not in self.columns:
+            near = did_you_mean(name, self.columns)
+            raise UsageError(f"no column {name!r}", "the table", near)
+        given = self.columns[name]
+        return np.array([np.nan if value is None else value for value in given], float)
+
+
+def read_results(path: Path, prediction: str) -> Results:
+    """Read the table of a sweep.
+
+    Args:
+        path: The table, or the folder of the sweep.
+        prediction: Name of the prediction that points are judged by.
+
+    Raises:
+        UsageError: If there is no such table, or it lacks the prediction.
+    """
+    file = path / "table.parquet" if path.is_dir() else path
+    if not file.is_file():
+        raise UsageError("no such table", str(file), "give the table of a sweep")
+    try:
+        table = parquet.read_table(file)
+        about = json.loads(table.schema.metadata[b"stratawalk"])
+    except (ArrowException, OSError, KeyError, TypeError, ValueError) as error:
+        what = "not the table of a sweep"
+        remedy = "give the table that `stratawalk sweep` has written"
+        raise UsageError(what, str(file), remedy) from error
+    columns = {name: table[name].to_pylist() for name in table.column_names}
+    vary = about["asked"]["vary"]
+    keys = tuple(key for names in vary for key in names.split(" with "))
+    results = Results(columns, keys, prediction)
+    if results.walked.any():
+        results.column(f"error.{prediction}.farthest")
+    return results

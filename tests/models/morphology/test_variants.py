@@ -1,0 +1,46 @@
+"""Shipped robots with other numbers keep what the numbers do not touch."""
+
+import pytest
+
+from models.errors import ModelError
+from models.library import load
+from models.morphology.shipped import MORPHOLOGIES
+from models.morphology.variants import geometry_of, reshaped
+from models.motion.robot_equations import equations
+
+
+@pytest.mark.parametrize("shape", MORPHOLOGIES, ids=lambda shape: shape.name)
+def test_without_other_numbers_a_shape_is_the_shipped_one(shape):
+    assert reshaped(shape.name, {}) == shape
+    assert reshaped(shape.name, geometry_of(shape.name)) == shape
+
+
+@pytest.mark.parametrize("kappa", [0.4, 0.7])
+def test_stride_and_yaw_gain_follow_kappa(kappa):
+    robot = load("hexapod", geometry={"kappa": kappa})
+    forward, left, yaw = equations(robot).twists["g1_1"]
+    assert forward == pytest.approx(kappa * 0.0675)  # the pivot's distance
+    assert left == pytest.approx(0, abs=1e-9)
+    assert yaw == pytest.approx(kappa)
+
+
+def test_masses_and_heights_are_those_given():
+    robot = load("hexapod", geometry={"body_mass": 2.0, "hip_height": 0.07})
+    plain = load("hexapod")
+    assert robot.model.body("torso").mass[0] == 2.0
+    assert robot.model.body("torso").pos[2] == 0.07
+    assert robot.card == plain.card
+    assert robot.model.nu == plain.model.nu
+
+
+def test_unknown_numbers_are_refused_with_those_known():
+    with pytest.raises(ModelError, match="geometry.kapa is unknown; did you mean 'kap"):
+        load("hexapod", geometry={"kapa": 0.5})
+    with pytest.raises(ModelError, match="body_mass = -1.0 is not above 0"):
+        load("hexapod", geometry={"body_mass": -1.0})
+
+
+def test_a_robot_of_ones_own_has_no_such_numbers(edited):
+    path = str(edited().path)
+    with pytest.raises(ModelError, match="change its file"):
+        load(path, geometry={"kappa": 0.5})

@@ -1,0 +1,116 @@
+"""Workers that die, workers of a real Dask cluster, and workers with other software."""
+
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import pandas
+import pytest
+
+from tests.sweeps import ENV, poisoned, stratawalk, write_sweep
+
+pytestmark = pytest.mark.physics
+POISON = "[grid]\nfriction = [0.5, 0.666, 0.8]\n"
+DASK = [sys.executable, "-m", "distributed.cli.dask_{}"]
+
+
+@contextmanager
+def running(kind, *words, env=ENV):
+    """A process of Dask's own command line, for as long as the block runs."""
+    command = [word.format(kind) for word in DASK] + list(map(str, words))
+    process = subprocess.Popen(
+        command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait(60)
+
+
+@contextmanager
+def cluster(folder, count=2, env=ENV):
+    """Address of a real scheduler with workers, all on loopback."""
+    file = folder / "scheduler.json"
+    host = ("--host", "127.0.0.1")
+    with (
+        running("scheduler", *host, "--port", 0, "--no-dashboard",
+                "--scheduler-file", file, env=env),
+    ):  # fmt: skip
+        began = time.monotonic()
+        while not (file.exists() and file.stat().st_size):
+            assert time.monotonic() - began < 120
+            time.sleep(0.1)
+        address = pandas.read_json(file, typ="series")["address"]
+        with running(
+            "worker", address, *host, "--nworkers", count, "--nthreads", 1,
+            "--no-dashboard", "--local-directory", folder / "scratch", env=env,
+        ):  # fmt: skip
+            yield address
+
+
+def statuses(folder):
+    return pandas.read_parquet(folder / "table.parquet")["status"].tolist()
+
+
+def test_a_point_that_kills_its_worker_harms_no_other(tmp_path):
+    file = write_sweep(tmp_path, POISON)
+    env = poisoned(tmp_path)
+    out = tmp_path / "out"
+    done = stratawalk("sweep", file, "--out", out, "--workers", 2, env=env)
+    assert done.returncode == 8, done.stderr
+    first, deadly, last = statuses(out)
+    assert (first, last) == ("ok", "ok")
+    assert deadly == "its worker died, 2 times: it was killed, or out of memory"
+
+
+def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
+    file = write_sweep(tmp_path, POISON)
+    here = stratawalk("sweep", file, "--out", tmp_path / "here", "--workers", 1)
+    assert here.returncode == 0, here.stderr
+    with cluster(tmp_path) as address:
+        there = ("sweep", file, "--out", tmp_path / "there", "--scheduler", address)
+        done = stratawalk(*there)
+        assert done.returncode == 0, done.stderr
+        tables = [
+            (tmp_path / n / "table.parquet").read_bytes() for n in ("here", "there")
+        ]
+        assert tables[0] == tables[1]
+
+
+@pytest.mark.full
+def test_a_poisoned_point_harms_no_other_on_a_cluster_either(tmp_path):
+    file = write_sweep(tmp_path, POISON)
+    with cluster(tmp_path, env=poisoned(tmp_path)) as address:
+        out = tmp_path / "out"
+        done = stratawalk("sweep", file, "--out", out, "--scheduler", address)
+    assert done.returncode == 8, done.stderr
+    first, deadly, last = statuses(out)
+    assert (first, last) == ("ok", "ok")
+    assert deadly.startswith("its worker died")
+
+
+def test_workers_with_another_mujoco_get_no_points(tmp_path):
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
+    fake = tmp_path / "fake" / "mujoco-4.0.9.dist-info"
+    fake.mkdir(parents=True)
+    (fake / "METADATA").write_text(
+        "Metadata-Version: 2.1\nName: mujoco\nVersion: 4.0.9"
+    )
+    other = ENV | {"PYTHONPATH": f"{tmp_path / 'fake'}:{ENV['PYTHONPATH']}"}
+    with cluster(tmp_path, 1, other) as address:
+        out = tmp_path / "out"
+        done = stratawalk("sweep", file, "--out", out, "--scheduler", address)
+    assert done.returncode == 8
+    assert 'mujoco: "4.0.0", there "4.0.9"' in done.stderr
+    assert not (out / "table.parquet").exists()
+
+
+def test_a_scheduler_that_does_not_answer_is_refused(tmp_path):
+    file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
+    nobody = "tcp://127.0.0.1:9"
+    done = stratawalk("sweep", file, "--out", tmp_path / "o", "--scheduler", nobody)
+    assert done.returncode == 2
+    assert nobody in done.stderr
+    assert "dask scheduler" in done.stderr

@@ -1,0 +1,89 @@
+"""A sweep that is killed again and again ends with the table of one that was not."""
+
+import random
+import signal
+import subprocess
+import time
+
+import psutil
+import pytest
+
+from tests.sweeps import ENV, command, stratawalk, write_sweep
+
+pytestmark = pytest.mark.physics
+SEED = 16
+
+
+def lines(path):
+    """How many points a ledger holds."""
+    return path.read_bytes().count(b"\n") if path.exists() else 0
+
+
+def wait_for(process, ledger, count, seconds):
+    """Wait until a ledger holds so many points, and some seconds more."""
+    while lines(ledger) < count and process.poll() is None:
+        time.sleep(0.02)
+    time.sleep(seconds)
+
+
+def kill_a_worker(process, chance):
+    """Kill one of the processes that a process has started, if there are any."""
+    try:
+        workers = psutil.Process(process.pid).children(recursive=True)
+        chance.choice(workers).kill() if workers else None
+    except psutil.NoSuchProcess:
+        return
+
+
+def killed(words, ledger, chance, more):
+    """Run the command, kill one of its workers on the way, and then the command.
+
+    Args:
+        words: Of the command.
+        ledger: Of its sweep, which tells how far it is.
+        chance: Where random moments come from.
+        more: Points that it may add at most before it is killed.
+
+    Returns:
+        Its exit code.
+    """
+    process = subprocess.Popen(
+        command(*words), env=ENV, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    before = lines(ledger)
+    first, second = sorted(chance.randint(0, more) for _ in range(2))
+    wait_for(process, ledger, before + first, chance.uniform(0.0, 1.0))
+    kill_a_worker(process, chance)
+    wait_for(process, ledger, before + second, chance.uniform(0.0, 1.0))
+    process.kill()
+    return process.wait(60)
+
+
+@pytest.mark.parametrize(
+    ("points", "times"),
+    [
+        pytest.param(4, 1, id="few"),
+        pytest.param(1000, 20, id="thousand", marks=pytest.mark.full),
+    ],
+)
+def test_a_sweep_survives_being_killed(tmp_path, points, times):
+    chance = random.Random(SEED)
+    varies = f"[grid]\nfriction = {{ from = 0.2, to = 1.2, count = {points} }}\n"
+    file = write_sweep(tmp_path, varies)
+    out, ledger = tmp_path / "killed", tmp_path / "killed" / "ledger.jsonl"
+    words = ("sweep", file, "--out", out, "--workers", 2, "--resume")
+    done, codes = [0], []
+    for _ in range(times):
+        codes.append(killed(words, ledger, chance, points // times))
+        done.append(lines(ledger))
+    assert done == sorted(done)
+    assert -signal.SIGKILL in codes
+    assert set(codes) <= {0, -signal.SIGKILL}
+    last = stratawalk(*words, timeout=7200)
+    assert last.returncode == 0, last.stderr
+    plain = ("sweep", file, "--out", tmp_path / "plain", "--workers", 2)
+    once = stratawalk(*plain, timeout=7200)
+    assert once.returncode == 0, once.stderr
+    folders = (tmp_path / "plain", tmp_path / "killed")
+    first, second = ((folder / "table.parquet").read_bytes() for folder in folders)
+    assert first == second
