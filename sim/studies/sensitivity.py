@@ -15,7 +15,8 @@ import numpy as np
 from planner import Array
 
 FEW = 12  # values, of which each is a group of its own
-BINS = 8  # groups of neighbouring values otherwise
+BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
+EACH = 12  # points that a group should have
 
 
 def explained(values: Sequence[Any], results: Array) -> float | None:
@@ -54,7 +55,8 @@ def group(values: Sequence[Any]) -> Array:
     ranks = np.array([place[_comparable(value)] for value in values], dtype=int)
     if len(distinct) <= FEW:
         return ranks
-    return ranks * BINS // len(distinct)
+    bins = int(np.clip(len(ranks) // EACH, *BINS))
+    return ranks * bins // len(distinct)
 
 
 def _comparable(value: Any) -> tuple[str, Any]:

@@ -63,6 +63,7 @@ def killed(words, ledger, chance, more):
     ("points", "times"),
     [
         pytest.param(4, 1, id="few"),
+        pytest.param(100, 20, id="hundred", marks=pytest.mark.full),
         pytest.param(1000, 20, id="thousand", marks=pytest.mark.full),
     ],
 )
