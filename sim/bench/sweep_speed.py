@@ -1,0 +1,138 @@
+"""Sweeps: throughput against a bare batch, workers against one another, memory."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import asdict, replace
+from itertools import cycle
+from pathlib import Path
+
+import numpy as np
+from mujoco import batch
+
+from sim.bench.row import Row, paired, seconds
+from sim.physics.engine import STRETCH
+from sim.preparation.shared import Shared
+from sim.scenarios.file import load_scenario, to_table
+from sim.scenarios.scenario import Scenario
+from sim.simulation import simulate
+from sim.sweeps.crew import Task, hired
+from sim.sweeps.folder import Shard, SweepFolder
+from sim.sweeps.ledger import OK, Outcome
+from sim.sweeps.worker import numbers
+
+FRICTIONS = (0.5, 0.8)
+SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
+TINY = SHORT | {"segments": 1, "path.goal": [0.004, 0.004, 0.0], "timestep": 0.001}
+WITHOUT = ("identified", "creep_floor")
+TASKS = 12  # for every number of workers
+MANY = 10_000  # points
+
+
+def measure() -> Iterator[Row]:
+    """All measurements of sweeps, one after another."""
+    yield from throughput(load_scenario("line", SHORT))
+    yield from workers(load_scenario("line", TINY))
+    yield memory()
+
+
+def throughput(scenario: Scenario) -> Iterator[Row]:
+    """Points with their evaluation against the same commands on the same models.
+
+    Args:
+        scenario: What to walk, at two frictions in turn.
+    """
+    shared = Shared()
+    points = [replace(scenario, friction=friction) for friction in FRICTIONS]
+    done = [simulate(point, without=WITHOUT, shared=shared) for point in points]
+    played = [
+        (walk.setup.model, np.concatenate(list(walk.commands())))
+        for walk in (one.walk for one in done)
+    ]
+    ours_next, bare_next = cycle(points), cycle(played)
+
+    def ours() -> None:
+        fresh = replace(next(ours_next), name="again")
+        _ = simulate(fresh, without=WITHOUT, shared=shared).summary
+
+    def bare() -> None:
+        model, ctrl = next(bare_next)
+        engine = batch.Batch(model, nsim=1, nthread=1)
+        engine.reset(keyframe=model.key("start").id)
+        for rows in np.split(ctrl, range(STRETCH, len(ctrl), STRETCH)):
+            engine.rollout(len(rows), control=rows[None])
+
+    ratio, took = paired(bare, ours)
+    yield Row(
+        "points of a sweep, evaluation included, over a bare batch",
+        ratio,
+        "",
+        ">= 0.85",
+    )
+    yield Row(f"points of {len(played[0][1])} steps in a second", 1 / took, "1/s")
+
+
+def workers(scenario: Scenario) -> Iterator[Row]:
+    """Two worker processes against one, started and warm.
+
+    Args:
+        scenario: What to walk, at as many frictions as there are tasks.
+    """
+    took = {count: _time_of(scenario, count) for count in (1, 2)}
+    ratio = took[1] / took[2]
+    yield Row("two workers of a sweep over one", ratio, "", ">= 1.8, if idle")
+    yield Row("short points in a second, by two workers", TASKS / took[2], "1/s")
+
+
+def _time_of(scenario: Scenario, count: int) -> float:
+    def tasks(start: float, number: int) -> list[Task]:
+        points = (replace(scenario, friction=start + 0.01 * n) for n in range(number))
+        tables = [to_table(point) for point in points]
+        return [Task(str(t["friction"]), t, WITHOUT) for t in tables]
+
+    with hired(count, None) as crew:
+        list(crew.carry_out(tasks(0.5, 2 * count)))
+        return seconds(lambda: list(crew.carry_out(tasks(0.7, TASKS))))
+
+
+def memory() -> Row:
+    """Memory of the process that keeps the books of many points."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = (
+            f"from sim.bench.sweep_speed import keep_books; keep_books({folder!r})"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", program], check=True, stdout=subprocess.PIPE
+        )
+    return Row(
+        f"memory of the books of {MANY} points", float(done.stdout), "MB", "< 2000"
+    )
+
+
+def keep_books(folder: str) -> None:
+    """Read a ledger of many points, write their table, and print the memory it took.
+
+    Args:
+        folder: Where they go.
+    """
+    from sim.sweeps.file import Sweep
+    from sim.sweeps.sweeping import Labour, carry_on, points_of
+
+    scenario = load_scenario("line", TINY)
+    summary = simulate(scenario, without=WITHOUT).summary
+    given = dict(numbers(summary))
+    values = [(0.5 + 1e-5 * n,) for n in range(MANY)]
+    sweep = Sweep(
+        "many", to_table(scenario), {}, ((("friction",), values),), WITHOUT, (), False
+    )
+    points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
+    with home.ledger.open("w") as ledger:
+        for code in points.digests.values():
+            ledger.write(json.dumps(asdict(Outcome(code, OK, given))) + "\n")
+    carry_on(points, home, Labour())
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
