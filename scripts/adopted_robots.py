@@ -30,13 +30,16 @@ PAGE = f"""# Adopted robots
 
 These robots were drawn as others draw them, without a card, and adopted by
 `stratawalk adopt FILE` alone; nothing was corrected by hand. Each walks from (0, 0, 0)
-to (s, s, 0) in {SEGMENTS} segments, where s is {FAR} of the mean distance of its feet
-from the middle. The last but one column is the distance between where it ended and
-where the quasi-static prediction has it, as a share of the path. The table is written
-by `python -m scripts.adopted_robots`; `scripts/adoptees.py` draws the robots.
+to (s, s, 0) in {SEGMENTS} segments at a timestep of {1e3 * TIMESTEP:g} ms, where s is
+{FAR} of the mean distance of its feet from the middle. The servos are the robot's own
+where it has any, and those that `adopt` drafted otherwise. The last but one column is
+the distance between where it ended and where the quasi-static prediction has it, as a
+share of the path. The table is written by `python -m scripts.adopted_robots`;
+`scripts/adoptees.py` draws the robots.
 
-| robot | file | legs | joints a leg | s [m] | verdict | off the goal | off | bounces |
-|---|---|---|---|---|---|---|---|---|
+| robot | file | legs | joints a leg | servos [N m/rad] | s [m] | verdict \
+| off the goal | off | bounces |
+|---|---|---|---|---|---|---|---|---|---|
 """
 
 
@@ -68,6 +71,7 @@ def row_of(adoptee: Adoptee, folder: Path) -> str:
         "URDF" if adoptee.urdf else "MJCF",
         len(adoptee.hips),
         adoptee.joints,
+        f"{summary['servo']['stiffness']:.0f}",
         f"{far:.3f}",
         summary["verdict"],
         f"{1e3 * error['goal']['position']:.2f} mm",
@@ -80,14 +84,17 @@ def row_of(adoptee: Adoptee, folder: Path) -> str:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--out", type=Path, required=True, help="page to write")
+    parser.add_argument("--out", type=Path, help="page to write")
+    parser.add_argument("--only", nargs="+", help="robots to print the rows of")
     options = parser.parse_args(arguments)
+    chosen = [a for a in ADOPTEES if options.only is None or a.name in options.only]
     rows = []
-    for adoptee in ADOPTEES:
+    for adoptee in chosen:
         with TemporaryDirectory() as folder:
             rows.append(row_of(adoptee, Path(folder)))
         print(rows[-1], flush=True)
-    options.out.write_text(PAGE + "\n".join([*rows, ""]))
+    if options.out is not None and options.only is None:
+        options.out.write_text(PAGE + "\n".join([*rows, ""]))
 
 
 if __name__ == "__main__":

@@ -123,9 +123,11 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
     """
     free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
     if len(free) != 1:
+        owners = [model.body(int(model.jnt_bodyid[j])).name for j in free]
+        of = f", of bodies {', '.join(map(repr, owners))}" if owners else ""
         raise ModelError(
-            f"{len(free)} free joints: {path}; a walking robot has exactly one, "
-            "on its body (<freejoint/>)"
+            f"{len(free)} free joints{of}: {path}; a walking robot has exactly one, "
+            "on its body (<freejoint/>); leave other loose things out"
         )
     return int(model.jnt_bodyid[free[0]])
 

@@ -7,7 +7,7 @@ degree comes first, then few contact switches, then distance from linear depende
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -27,6 +27,7 @@ from planner.systems.rounding import WeighedValues
 from planner.systems.strata import StratifiedSystem
 
 LEAST_ANGLE = 0.05  # sine of the angle between a new element and the span
+ALIKE = 9  # digits to which two elements count as equally far from dependence
 
 
 @dataclass(frozen=True)
@@ -55,13 +56,21 @@ class _Candidate:
         name: Its name.
         degree: Number of fields in it.
         switches: Contact switches of its word, from the bottom stratum and back.
-        columns: Its directions at the configurations, unit vectors of shape (k, n).
+        values: Its values at the configurations, shape (k, n).
+        columns: The same as unit vectors, in units that suit all coordinates.
     """
 
     name: str
     degree: int
     switches: int
+    values: Array
     columns: Array
+
+    def measured(self, units: Array) -> _Candidate:
+        """The same element in given units of the coordinates, shape (n,)."""
+        scaled = self.values / units
+        lengths = np.linalg.norm(scaled, axis=-1, keepdims=True)
+        return replace(self, columns=scaled / np.where(lengths > 0, lengths, 1.0))
 
     def beyond(self, spans: Sequence[Array]) -> Array:
         """The component orthogonal to each span, shape (k, n)."""
@@ -94,7 +103,7 @@ def choose_elements(
     if max_degree < 1:
         raise ValueError(f"max_degree is {max_degree}; fields themselves have degree 1")
     usable = _usable_fields(system)
-    fields = _candidates(system, list(usable), list(usable.values()), x)
+    fields = _even(_candidates(system, list(usable), list(usable.values()), x))
     few = _enlarged([], fields, system, x)
     independent = involutive_closure(usable, system.state, x[0], max_depth=1).names
     spanning = [field for field in fields if field.name in independent]
@@ -103,12 +112,15 @@ def choose_elements(
         hall = hall_fields(system, generators, degree)
         count = len(generators)
         brackets = _candidates(system, hall.names[count:], hall.fields[count:], x)
-        chosen = _enlarged(first, brackets, system, x)
+        even = _even([*fields, *brackets])
+        begun = [c for f in first for c in even if c.name == f.name]
+        chosen = _enlarged(begun, even[len(fields) :], system, x)
         ranks = [Q.shape[1] for Q in _spans(chosen, x)]
         if min(ranks) == system.bottom_dimension:
             return _explained(system, chosen, x)
     worst = int(np.argmin(ranks))
-    missing = system.missing(_spans(chosen, x)[worst], x[worst])
+    plain = [candidate.measured(np.ones(x.shape[1])) for candidate in chosen]
+    missing = system.missing(_spans(plain, x)[worst], x[worst])
     raise RankError(x[worst], system.bottom_dimension, missing)
 
 
@@ -137,12 +149,28 @@ def _candidates(
         column = evaluation(field)
         if not (sound := np.isfinite(column).all(axis=1)).all():
             raise SingularConfigurationError(name, x[~sound][0])
-        lengths = np.linalg.norm(column, axis=-1, keepdims=True)
-        directions = column / np.where(lengths > 0, lengths, 1.0)
-        tree = parse_names(name)
-        return _Candidate(name, len(leaves(tree)), _switches(system, tree), directions)
+        tree, switches = parse_names(name), _switches(system, parse_names(name))
+        return _Candidate(name, len(leaves(tree)), switches, column, column)
 
     return [candidate(*named) for named in zip(names, fields, strict=True)]
+
+
+def _even(candidates: Sequence[_Candidate]) -> list[_Candidate]:
+    """The candidates in units in which all coordinates and elements are of equal size.
+
+    Other units of the state or of the fields then change nothing. The logarithms of the
+    units are those that leave the least squares of the logarithms of all values.
+    """
+    if not candidates:
+        return []
+    sizes = np.max([np.abs(c.values) for c in candidates], axis=1).T  # (n, candidates)
+    row, column = np.nonzero(sizes)
+    unknown = np.zeros((len(row), sum(sizes.shape)))
+    unknown[np.arange(len(row)), row] = 1.0
+    unknown[np.arange(len(row)), len(sizes) + column] = 1.0
+    logarithms, *_ = np.linalg.lstsq(unknown, np.log(sizes[row, column]), rcond=None)
+    units = np.exp(logarithms[: len(sizes)])
+    return [candidate.measured(units) for candidate in candidates]
 
 
 def _switches(system: StratifiedSystem, tree: Tree) -> int:
@@ -182,12 +210,11 @@ def _enlarged(
         gains = {
             c.name: np.linalg.norm(c.beyond(spans), axis=1)[lacking] for c in candidates
         }
+        means = {name: round(float(gain.mean()), ALIKE) for name, gain in gains.items()}
         useful = [c for c in candidates if gains[c.name].max(initial=0) > LEAST_ANGLE]
         if not useful:
             return chosen
-        chosen.append(
-            min(useful, key=lambda c: (c.degree, c.switches, -gains[c.name].mean()))
-        )
+        chosen.append(min(useful, key=lambda c: (c.degree, c.switches, -means[c.name])))
 
 
 def _explained(
@@ -198,7 +225,8 @@ def _explained(
         f"switches, adds {_addition(candidate.beyond(_spans(chosen[:k], x)), system)}"
         for k, candidate in enumerate(chosen)
     ]
-    matrices = np.stack([candidate.columns for candidate in chosen], axis=-1)
+    plain = [candidate.measured(np.ones(x.shape[1])) for candidate in chosen]
+    matrices = np.stack([candidate.columns for candidate in plain], axis=-1)
     singular = np.linalg.svd(matrices, compute_uv=False)
     condition = (singular[:, 0] / singular[:, system.bottom_dimension - 1]).max()
     names = tuple(candidate.name for candidate in chosen)

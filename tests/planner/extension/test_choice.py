@@ -34,6 +34,37 @@ def test_brackets_are_of_the_lowest_degree_that_spans():
     )  # fmt: skip
 
 
+def in_units(system, units, gains):
+    """The system with its coordinates in other units, and with stronger fields."""
+    places = dict(zip(system.state, units, strict=True))
+    longer = {symbol: unit * symbol for symbol, unit in places.items()}
+    strata = {
+        stratum: {
+            name: [
+                gains.get(name, 1) * entry.subs(longer) / unit
+                for entry, unit in zip(field, units, strict=True)
+            ]
+            for name, field in fields.items()
+        }
+        for stratum, fields in system.strata.items()
+    }
+    bounds = {
+        stratum: tuple(function.subs(longer) for function in functions)
+        for stratum, functions in system.level_sets.items()
+    }
+    return StratifiedSystem(system.state, strata, system.bottom, bounds)
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e-3, 1e3, 1e5])
+@pytest.mark.parametrize("coordinates", [[0, 1], [2], [3]], ids=str)
+def test_choice_does_not_depend_on_units(factor, coordinates):
+    robot = hexapod(**METRES, heights=True)
+    units = [factor if i in coordinates else 1 for i in range(7)]
+    assert choose_elements(in_units(robot, units, {}), HOME).elements == PAPER
+    gains = {"g12_1": factor}
+    assert choose_elements(in_units(robot, [1] * 7, gains), HOME).elements == PAPER
+
+
 def test_field_that_adds_nothing_here_may_be_needed_in_brackets():
     choice = choose_elements(flat_power(2), [0, 0])
     assert choice.elements == ("g1", "g2", "[g1,[g1,g2]]")
