@@ -210,11 +210,17 @@ def _enlarged(
         gains = {
             c.name: np.linalg.norm(c.beyond(spans), axis=1)[lacking] for c in candidates
         }
-        means = {name: round(float(gain.mean()), ALIKE) for name, gain in gains.items()}
         useful = [c for c in candidates if gains[c.name].max(initial=0) > LEAST_ANGLE]
         if not useful:
             return chosen
-        chosen.append(min(useful, key=lambda c: (c.degree, c.switches, -means[c.name])))
+        chosen.append(
+            min(useful, key=lambda c: (c.degree, c.switches, -_rounded(gains[c.name])))
+        )
+
+
+def _rounded(gain: Array) -> float:
+    """Mean gain of an element, without the digits that rounding decides."""
+    return round(float(gain.mean()), ALIKE)
 
 
 def _explained(
