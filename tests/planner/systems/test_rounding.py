@@ -26,7 +26,8 @@ def settled(formula, at):
         (1e-20 * (sp.exp(X + Y) - sp.exp(X) * sp.exp(Y)), (0.7, 0.4)),
         (1e9 * (X - Y) * sp.cos(X), (0.1 + 0.2, 0.3)),
         (sp.atan2(sp.sin(X), Y), (np.pi, 1)),
-        (sp.Max(X - sp.Float(0.1) - sp.Float(0.2), 0), (0.1 + 0.2, 0)),
+        (sp.sin(1000 * X), (np.pi, 0)),
+        (sp.Max(X - sp.Float(0.3), 0), (np.nextafter(0.3, 1), 0)),
     ],
 )
 def test_what_cancelling_terms_leave_is_zero(formula, at):
@@ -64,12 +65,11 @@ def test_noise_of_differences_is_rounding_and_brackets_are_not():
     assert vanishing(brackets, STATE) == (True, False)
 
 
-def test_functions_are_judged_by_their_own_weight():
-    """What is below 1e-9 of the terms that a function adds up is their rounding."""
-    field = NumericField(lambda x: [3.0, 0.9e-9], terms=lambda x: 1.0)
-    assert WeighedValues(STATE, POINTS)(field).tolist() == [[3.0, 0.0]] * len(POINTS)
-    louder = NumericField(lambda x: [3.0, 1.1e-9], terms=lambda x: 1.0)
-    assert WeighedValues(STATE, POINTS)(louder).all()
+@pytest.mark.parametrize(("size", "value"), [(0.9e-7, 0.0), (1.1e-7, 1.1e-7)])
+def test_functions_are_judged_by_the_largest_terms_that_they_add_up(size, value):
+    field = NumericField(lambda x: [3.0, size], terms=lambda x: 100 * x[0])
+    points = np.array([[1.0, 0.0], [0.01, 0.0]])
+    assert WeighedValues(STATE, points)(field).tolist() == [[3.0, value]] * 2
 
 
 def test_fields_that_are_tiny_or_start_far_away_do_not_vanish():
