@@ -1,6 +1,6 @@
 """Marks on the floor: outline, footprints, paths, support polygon, weight and goal.
 
-A walk is turned into coloured ink, frame by frame; `pictures.stage` draws it.
+A walk is turned into coloured ink, frame by frame; `pictures.studio` draws it.
 """
 
 from __future__ import annotations

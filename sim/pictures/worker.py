@@ -19,8 +19,8 @@ from sim.pictures.crew import Piece
 from sim.pictures.file import encoding
 from sim.pictures.floor import grid
 from sim.pictures.marks import marks
-from sim.pictures.stage import Stage
 from sim.pictures.story import read_walk
+from sim.pictures.studio import Studio
 from sim.pictures.style import LOOKS
 from sim.pictures.views import view_of
 
@@ -33,13 +33,13 @@ def draw(piece: Piece) -> None:
     captions = Captions(walk, film_clock, view)
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
     with (
-        Stage(walk, drawn, view, LOOKS[piece.look]) as stage,
+        Studio(walk, drawn, view, LOOKS[piece.look]) as studio,
         encoding(piece.path) as writer,
     ):
         for frame in frames:
             if frame == frames[0] or not _is_held(film_clock, view, frame):
                 row = int(film_clock.rows[frame])
-                picture = stage.picture(frame, row)
+                picture = studio.picture(frame, row)
                 captions.write(picture, row)
             writer.append_data(picture)
             os.write(sys.stdout.fileno(), b".")

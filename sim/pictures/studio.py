@@ -26,7 +26,7 @@ SUN_DISTANCE = 5.0  # [reach of the robot]
 ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
 
 
-class Stage:
+class Studio:
     """Draws one walk; holds a GL context until it is closed."""
 
     def __init__(
