@@ -17,7 +17,7 @@ from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH
 from sim.preparation.resolve import resolved
 from sim.preparation.setup import Setup
-from sim.progress import Progress, silent
+from sim.progress import Progress, silent, stage
 from sim.scenarios.file import dumps
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
@@ -126,12 +126,12 @@ def run(
         simulation = simulate(scenario, robot=robot, progress=progress, witness=writer)
     except SimulationError as error:
         raise _replayable(error, folder) from error
-    writer.evaluated(simulation.evaluation)
-    simulation.timing["render"] = 0.0
-    writer.summarised(simulation.summary)
-    progress("report", 0.0)
-    writer.reported(warn)
-    progress("report", 1.0)
+    with stage(progress, "writing"):
+        writer.evaluated(simulation.evaluation)
+        simulation.timing["render"] = 0.0
+        writer.summarised(simulation.summary)
+    with stage(progress, "report"):
+        writer.reported(warn)
     if look is not None:
         from sim.pictures.direction import film_folder
 

@@ -26,7 +26,7 @@ from sim.preparation.effort import check_effort
 from sim.preparation.reach import explained
 from sim.preparation.setup import Setup, prepare
 from sim.preparation.shared import Shared
-from sim.progress import Progress, silent
+from sim.progress import Progress, silent, stage
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
 from sim.walking.walker import Walker, carry_out, expected_steps
@@ -129,7 +129,7 @@ def simulate(
     """
     timing: dict[str, float] = {}
     aside: Aside = (0.0, 0.0, 0.0)
-    with _timed(timing, "compile"):
+    with _timed(timing, "compile"), stage(progress, "compiling"):
         setup = prepare(scenario, robot, shared)
     with (
         _timed(timing, "plan"),
@@ -157,9 +157,11 @@ def simulate(
         timing["simulate"] += walk.seconds["simulate"]
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
-        evaluation = evaluate(walk, without, shared)
-        stand = "creep_floor" not in without
-        floor = creep_floor(prepared.setup, walk.duration) if stand else None
+        with stage(progress, "comparing"):
+            evaluation = evaluate(walk, without, shared)
+        with stage(progress, "standing still for as long"):
+            stand = "creep_floor" not in without
+            floor = creep_floor(prepared.setup, walk.duration) if stand else None
     return Simulation(prepared, evaluation, floor, timing)
 
 

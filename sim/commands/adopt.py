@@ -26,6 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
     from models import draft_card, source_of
+    from sim.progress import bar, stage
 
     source = source_of(options.robot, options.allow_external)
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
@@ -34,13 +35,17 @@ def execute(options: argparse.Namespace) -> None:
             raise UsageError(
                 "already exists", str(path), "move it away: adopt overwrites no file"
             )
-    draft = draft_card(source)
+    with bar(quiet=options.json) as progress, stage(progress, "finding the legs"):
+        draft = draft_card(source)
     try:
         if source.text is not None:
             source.path.write_text(source.text)
         card.write_text(draft.card)
-        setup = _tried(source, options.allow_external)
-        _draw(setup, draft, picture)
+        with bar(quiet=options.json) as progress:
+            with stage(progress, "trying to stand"):
+                setup = _tried(source, options.allow_external)
+            with stage(progress, "drawing it from above"):
+                _draw(setup, draft, picture)
     except BaseException:
         for path in (card, picture, *([] if source.text is None else [source.path])):
             path.unlink(missing_ok=True)

@@ -52,12 +52,18 @@ def execute(options: argparse.Namespace) -> None:
     from models import configuration
     from planner import MAX_DEPTH, gait_controllability
     from sim.commands.problems import coordinates, refused
+    from sim.progress import bar, stage
 
-    subject = _subject(options)
+    with bar(quiet=options.json) as progress, stage(progress, "reading the fields"):
+        subject = _subject(options)
     system, gait, start = subject.system, subject.gait, subject.start
     if options.gait:
         gait = _gait(system, options.gait)
-    with refused(options.system):
+    with (
+        bar(quiet=options.json) as progress,
+        stage(progress, "testing the gait"),
+        refused(options.system),
+    ):
         at = coordinates(options.at or (), "--at")
         report = gait_controllability(
             system,
@@ -65,7 +71,8 @@ def execute(options: argparse.Namespace) -> None:
             configuration(system, "--at", at, start).tolist(),
             MAX_DEPTH if options.depth is None else options.depth,
         )
-    costs = _costs(subject, report) if report.controllable else ()
+    with bar(quiet=options.json) as progress, stage(progress, "finding the strokes"):
+        costs = _costs(subject, report) if report.controllable else ()
     theory = [cost.direction for cost in costs if cost.in_theory_only]
     if options.json:
         facts = asdict(report) | {

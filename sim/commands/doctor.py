@@ -7,10 +7,13 @@ import json
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from sim.errors import ExitCode, RenderError, one_line
 
-HELP = "say what works here: physics, pictures, films and figures"
+HELP = "say what works here: physics, pictures, films, figures and reports"
+PICTURES = 3  # of a film to try
 STEPS = 2000  # of the default robot, a tenth of a second or less
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
@@ -31,13 +34,28 @@ class Finding:
     repair: str | None = None
 
 
+@dataclass(frozen=True)
+class Check:
+    """One part of stratawalk that is tried.
+
+    Attributes:
+        look: Tries it, and says what it uses.
+        code: Exit code if it does not work.
+        package: What to install anew if nothing better is known.
+    """
+
+    look: Callable[[], str]
+    code: ExitCode
+    package: str
+
+
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command; there are none of its own."""
 
 
 def execute(options: argparse.Namespace) -> int:
     """Check every part; ends with 0 if all work, else with the code of the first."""
-    findings = {name: _examined(check) for name, (check, _) in CHECKS.items()}
+    findings = {name: _examined(check) for name, check in CHECKS.items()}
     if options.json:
         print(json.dumps({name: asdict(found) for name, found in findings.items()}))
     else:
@@ -45,7 +63,7 @@ def execute(options: argparse.Namespace) -> int:
             print(_line(name, "works" if found.works else "fails", found.detail))
             if found.repair:
                 print(_line("", "repair", found.repair))
-    codes = (code for name, (_, code) in CHECKS.items() if not findings[name].works)
+    codes = (check.code for name, check in CHECKS.items() if not findings[name].works)
     return next(codes, ExitCode.OK)
 
 
@@ -53,17 +71,17 @@ def _line(name: str, verdict: str, detail: str) -> str:
     return f"{name:11}{verdict:8}{detail}"
 
 
-def _examined(check: Callable[[], str]) -> Finding:
+def _examined(check: Check) -> Finding:
     """A check's finding, whatever it stumbles over."""
     try:
-        return Finding(True, check())
+        return Finding(True, check.look())
     except RenderError as error:
         return Finding(False, f"{error.what}: {error.where}", error.remedy)
     except ImportError as error:
         package = str(error.name or "").partition(".")[0] or "stratawalk"
         return Finding(False, str(error), f"{REINSTALL} {package}")
     except Exception as error:  # whatever it is, the doctor goes on to the next part
-        return Finding(False, one_line(error), f"{REINSTALL} {MUJOCO}")
+        return Finding(False, one_line(error), f"{REINSTALL} {check.package}")
 
 
 def _physics() -> str:
@@ -92,11 +110,25 @@ def _rendering() -> str:
 
 
 def _film() -> str:
+    import numpy as np
     from imageio_ffmpeg import get_ffmpeg_version
 
-    from sim.pictures.file import CODEC, check_encoder
+    from sim.pictures.file import (
+        CODEC,
+        INSTALL,
+        check_encoder,
+        count_pictures,
+        encoding,
+    )
 
     check_encoder()
+    with TemporaryDirectory() as scratch:
+        film = Path(scratch) / "film.mp4"
+        with encoding(film) as writer:
+            for _ in range(PICTURES):
+                writer.append_data(np.zeros((64, 64, 3), np.uint8))
+        if (found := count_pictures(film)) != PICTURES:
+            raise RenderError(f"{found} of {PICTURES} pictures", CODEC, INSTALL)
     return f"ffmpeg {get_ffmpeg_version()} with {CODEC}"
 
 
@@ -112,9 +144,20 @@ def _figures() -> str:
     return f"Matplotlib {mpl.__version__}"
 
 
+def _report() -> str:
+    import jinja2
+
+    from sim.reports.page import NAME
+    from sim.reports.templates import template
+
+    template(NAME)
+    return f"Jinja2 {jinja2.__version__}, {NAME} of every run"
+
+
 CHECKS = {
-    "physics": (_physics, ExitCode.SIMULATION),
-    "rendering": (_rendering, ExitCode.RENDER),
-    "film": (_film, ExitCode.RENDER),
-    "figures": (_figures, ExitCode.RENDER),
+    "physics": Check(_physics, ExitCode.SIMULATION, MUJOCO),
+    "rendering": Check(_rendering, ExitCode.RENDER, "pyopengl"),
+    "film": Check(_film, ExitCode.RENDER, "imageio-ffmpeg"),
+    "figures": Check(_figures, ExitCode.RENDER, "matplotlib"),
+    "report": Check(_report, ExitCode.RENDER, "jinja2"),
 }

@@ -52,10 +52,12 @@ def execute(options: argparse.Namespace) -> None:
     from sim.planning.routes import routed
     from sim.preparation.reach import explained
     from sim.preparation.setup import prepare
-    from sim.progress import bar
+    from sim.progress import bar, stage
 
     began = time.perf_counter()
-    setup = prepare(scenario, robot_of(options, scenario.robot))
+    robot = robot_of(options, scenario.robot)
+    with bar(quiet=options.json) as progress, stage(progress, "compiling"):
+        setup = prepare(scenario, robot)
     compiled = time.perf_counter()
     with (
         bar(quiet=options.json) as progress,
@@ -65,7 +67,7 @@ def execute(options: argparse.Namespace) -> None:
             setup = within_bounds(routed(setup))
         system, flows = _planned(setup, progress)
         planning = time.perf_counter() - compiled
-        with limited(scenario.plan_time):
+        with limited(scenario.plan_time), stage(progress, "measuring the accuracy"):
             extended, path = setup.extended, setup.nominal()
             accuracy = convergence(extended, path, setup.coordinates)
             steps = step_lengths(extended, path, setup.scenario.segments)

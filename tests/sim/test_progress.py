@@ -1,4 +1,4 @@
-"""Bars are for terminals that may draw them; pipes and plain terminals have none."""
+"""Bars are for terminals that may draw them; others get a plain line now and then."""
 
 import os
 import pty
@@ -6,6 +6,8 @@ import subprocess
 import sys
 
 import pytest
+
+from sim.progress import PATIENCE, Lines, bar, silent, stage
 
 PROGRAM = (
     "from sim.progress import bar\n"
@@ -44,3 +46,47 @@ def test_a_terminal_shows_a_bar():
 @pytest.mark.parametrize("plain", [{"NO_COLOR": "1"}, {"TERM": "dumb"}], ids=str)
 def test_a_terminal_that_wants_plain_text_shows_none(plain):
     assert drawn(**{"TERM": "xterm", **plain}) == b""
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now = 0.0
+
+    def __call__(self):
+        return self.now
+
+
+def test_a_pipe_is_told_now_and_then_how_far_it_is_and_how_long_it_will_take(capsys):
+    clock = Clock()
+    tell = Lines(clock)
+    tell("planning", 0.0)
+    for second in range(1, 41):
+        clock.now = float(second)
+        tell("walking", second / 100)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["walking  15%, about 79 s left", "walking  30%, about 68 s left"]
+
+
+def test_a_stage_that_ends_soon_is_not_worth_a_line(capsys):
+    clock = Clock()
+    tell = Lines(clock)
+    tell("report", 0.0)
+    clock.now = PATIENCE + 1
+    tell("report", 1.0)
+    tell("filming", 0.01)
+    assert capsys.readouterr().err == "filming   1%\n"
+
+
+def test_a_pipe_gets_lines_without_colours_and_json_gets_nothing(capsys):
+    with bar() as show:
+        assert isinstance(show, Lines)
+    with bar(quiet=True) as show:
+        assert show is silent
+
+
+def test_a_stage_has_a_beginning_and_an_end():
+    told = []
+    with stage(lambda *words: told.append(words), "writing"):
+        assert told == [("writing", 0.0)]
+    assert told == [("writing", 0.0), ("writing", 1.0)]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
+    from jinja2 import Environment, Template
 
 
 def render(name: str, **values: Any) -> str:
@@ -19,7 +19,16 @@ def render(name: str, **values: Any) -> str:
         name: Of its file in this folder.
         values: By the names that the template has for them.
     """
-    return _environment().get_template(name).render(**values)
+    return template(name).render(**values)
+
+
+def template(name: str) -> Template:
+    """A template and all that it includes, compiled.
+
+    Args:
+        name: Of its file in this folder.
+    """
+    return _environment().get_template(name)
 
 
 @cache

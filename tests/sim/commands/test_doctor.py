@@ -63,6 +63,33 @@ def test_a_missing_package_is_to_be_installed(examined, monkeypatch):
     assert findings["figures"]["repair"].endswith("--force-reinstall matplotlib")
 
 
+@pytest.mark.physics
+def test_a_report_that_cannot_be_drawn_is_repaired_by_its_own_package(
+    examined, monkeypatch
+):
+    import sim.reports.templates as templates
+
+    def broken(name):
+        raise TypeError("no such filter")
+
+    monkeypatch.setattr(templates, "template", broken)
+    monkeypatch.setenv(gl.WISH, "off")
+    code, findings = examined()
+    assert code == 5
+    assert findings["report"]["repair"].endswith("--force-reinstall jinja2")
+    assert findings["film"]["works"]
+
+
+@pytest.mark.physics
+def test_a_film_is_really_made(examined, monkeypatch):
+    from sim.pictures import file
+
+    monkeypatch.setattr(file, "count_pictures", lambda film: 0)
+    monkeypatch.setenv(gl.WISH, "off")
+    _, findings = examined()
+    assert "0 of 3 pictures" in findings["film"]["detail"]
+
+
 def test_the_engine_to_install_is_the_one_required():
     project = tomllib.loads(PROJECT.read_text())["project"]
     assert MUJOCO in project["dependencies"]
