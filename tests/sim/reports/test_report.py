@@ -13,6 +13,7 @@ from sim.errors import UsageError
 from sim.evaluation.verdict import FAILURES
 from sim.folder import RunFolder
 from sim.pictures.direction import film_folder
+from sim.pictures.style import FRAME_RATE
 from sim.reports.page import NAME, write_report
 from sim.run_folder import run
 from tests.browser import ask
@@ -131,8 +132,8 @@ def test_the_cursor_moves_all_drawings_and_the_film(driver, report, tmp_path):
     found = ask(page, CLICK, tmp_path)
     assert found["time"] == pytest.approx(found["middle"], abs=0.01)
     assert len(found["cursors"]) == 6
-    # The film shows that moment; a picture of it is a thirtieth of a second.
-    assert 60 * found["film"] == pytest.approx(found["time"], abs=60 / 30)
+    # The film shows that moment; a picture of it is a 25th of a second.
+    assert 60 * found["film"] == pytest.approx(found["time"], abs=60 / FRAME_RATE)
 
 
 def test_show_draws_the_report_again_and_prints_its_path(folder, capsys):
