@@ -24,7 +24,8 @@ def silent(stage: str, fraction: float) -> None:
     """Show nothing."""
 
 
-def _may_draw() -> bool:
+def may_draw() -> bool:
+    """Whether standard error is a terminal that may show bars."""
     plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
     return sys.stderr.isatty() and not plain
 
@@ -66,7 +67,7 @@ def bar(quiet: bool = False) -> Iterator[Progress]:
     if quiet:
         yield silent
         return
-    if not _may_draw():
+    if not may_draw():
         yield Lines()
         return
     from rich.console import Console
