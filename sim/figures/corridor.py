@@ -17,14 +17,15 @@ from sim.figures.sheet import Cell, Sheet, Table, words
 from sim.figures.style import (
     IDEAL,
     MM,
-    NEAR_WALL,
     NOMINAL,
     PATHS,
     PHYSICS,
     SWEPT,
     WALL,
     as_map,
+    band,
     draw_walk,
+    extremes,
     letter,
     sheet_of,
 )
@@ -32,6 +33,7 @@ from sim.obstacles.clearance import Surroundings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 SWEEPS = 1600  # outlines that make up what is swept
@@ -40,23 +42,24 @@ SHARE = np.linspace(0, 1, 301)
 
 PAPER_CAPTION = """
 Body centre and outline on eqs. (16) to (18), l = 1, through an L-shaped passage,
-turning uniformly by a quarter. Dark: walls. Grey: where the centre is so close to a
-wall that some heading would hit it. Blue: floor that body and legs sweep over.
-Outlines: at the start, at the end, and (broad) where they are closest to a wall.
+turning uniformly by a quarter. Outlines of the body: at the start, at the end, and
+(broad) where it is closest to a wall.
 (a) {coarse} segments hit the walls and overlap them by {hit:.2f} l. (b) Only the
 segments whose tube is too wide are cut further, {fine} in all, until the swept outline
-stays {least:.3f} l clear. (c), (d) Clearance along the way; the nominal path, legs at
-rest, allows what the tube then takes away. The paper gives no dimensions: passage, path
+stays {least:.3f} l clear. (c), (d) Clearance along the way, from the least to the
+largest within each segment; the nominal path, legs at rest, allows what the tube then
+takes away. The paper gives no dimensions: passage, path
 and outline are those of the scenario `corridor` and the robot `hexapod`, measured in
 the distance of its pivots (l = 67.5 mm).
 """
 METRES_CAPTION = """
 The scenario `corridor` in the physics, open loop: a passage 0.46 m wide, where
-`hexapod` needs 0.485 m to turn on the spot. Blue: floor that body and legs swept over;
-outlines at the start, at the end, and (broad) where they came closest. (a) The {coarse}
+`hexapod` needs 0.485 m to turn on the spot. Outlines of the body: at the start, at the
+end, and (broad) where it came closest to a wall. (a) The {coarse}
 segments of the scenario uncut, not aimed, since that would leave the joint range:
 {contacts} wall contacts. (b) {fine} segments, steered on the quasi-static prediction.
-(c), (d) Clearance of the outline, predicted and achieved. In (a) the physics stops at
+(c), (d) Clearance of the outline, from the least to the largest within each segment,
+predicted and achieved. In (a) the physics stops at
 the walls that the prediction goes through. In (b) the plan keeps {least:.1f} mm along
 the prediction; {achieved:.1f} mm were achieved.
 """
@@ -71,7 +74,7 @@ def paper() -> Sheet:
     made = passage()
     cuts = {"coarse": made.coarse, "fine": made.fine}
     walks = {name: made.through(divided) for name, divided in cuts.items()}
-    figure, axes = sheet_of("ab\ncd", 5.2, height_ratios=[2.4, 1])
+    figure, axes = sheet_of("ab\ncd", 5.6, height_ratios=[2.4, 1])
     overlap = 0.0
     for (above, below), (name, walked) in zip(PANELS, walks.items(), strict=True):
         pose, phi = walked.states[:, :3], walked.states[:, 3:]
@@ -80,14 +83,21 @@ def paper() -> Sheet:
         least, _ = made.clearance(pose, phi)
         overlap = min(overlap, float(least.min()))
         draw_place(axes[above], made.around, made.qpos(pose, phi), least, 1 / PIVOT)
-        axes[above].plot(*nominal[:, :2].T, "--", color=NOMINAL)
-        axes[above].plot(*pose[:, :2].T, color=IDEAL, linewidth=0.7)
-        as_map(axes[above], "$l$", "box")
-        axes[below].plot(
-            SHARE, standing, "--", color=NOMINAL, label="nominal path, standing"
+        axes[above].plot(*nominal[:, :2].T, "--", color=NOMINAL, label="nominal path")
+        axes[above].plot(
+            *pose[:, :2].T, color=IDEAL, linewidth=0.7, label="body centre, walked"
         )
-        axes[below].plot(walked.share, least, color=IDEAL, linewidth=0.6, label="walk")
-        finish_clearance(axes[below], "$l$", "part of the segments", (-0.4, 1.1))
+        as_map(axes[above], "$l$", "box")
+        count = len(walked.plan.segment_ends)
+        segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
+        spread = extremes(least, segment, count)
+        axes[below].plot(
+            0.5 + count * SHARE, standing, "--", color=NOMINAL,
+            label="nominal path, legs at rest",
+        )  # fmt: skip
+        band(axes[below], *spread, color=IDEAL, alpha=0.5, label="walk")
+        finish_clearance(axes[below], "$l$", count, (-0.4, 1.1))
+    key_below(figure, axes["a"])
     counts = {name: len(w.plan.segment_ends) for name, w in walks.items()}
     label(axes, tuple(counts.values()))
     return Sheet(
@@ -102,7 +112,8 @@ def paper() -> Sheet:
 def label(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
     """Titles of the two maps and of the two plots of clearance below them."""
     coarse, fine = segments
-    first, second = f"{coarse} segments, hits", f"{fine} segments, clear"
+    first = f"{coarse} segments, hits the walls"
+    second = f"{fine} segments, stays clear of them"
     below = ("clearance of (a)", "clearance of (b)")
     letter(axes, dict(zip("abcd", (first, second, *below), strict=True)))
 
@@ -110,18 +121,21 @@ def label(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
 def draw_place(
     axes: Axes, around: Surroundings, qpos: Array, clearance: Array, scale: float
 ) -> None:
-    """Walls, where the robot's centre is too close to them, and what it sweeps."""
+    """Walls, what the robot sweeps, and its outline at three places."""
     outline = around.outline
-    rest = outline.configurations(*(np.zeros((1, n)) for n in (3, 2, 2)))[0]
-    near = shapely.buffer(around.area, outline.radius(rest))
     closest = int(clearance.argmin())
     rows = np.linspace(0, len(qpos) - 1, SWEEPS).astype(int)
     swept = outline.solids.swept(qpos[np.append(rows, closest)])
-    for area, colour in ((near, NEAR_WALL), (swept, SWEPT), (around.area, WALL)):
-        _fill(axes, area, scale, facecolor=colour, edgecolor="none", zorder=0)
-    for row, colour, width in (
-        (0, WALL, 0.5), (-1, WALL, 0.5), (closest, PHYSICS, 1.2),
+    for area, colour, name in (
+        (swept, SWEPT, "floor that it sweeps over"), (around.area, WALL, "walls"),
     ):  # fmt: skip
+        _fill(axes, area, scale, facecolor=colour, edgecolor="none", zorder=0)
+        axes.fill([], [], facecolor=colour, label=name)
+    for row, colour, width, name in (
+        (0, WALL, 0.5, "_"), (-1, WALL, 0.5, "robot at the start and at the end"),
+        (closest, PHYSICS, 1.2, "robot where it is closest to a wall"),
+    ):  # fmt: skip
+        axes.plot([], [], color=colour, linewidth=width, label=name)
         _fill(
             axes, outline.solids.swept(qpos[[row]]), scale, facecolor="none", zorder=3,
             edgecolor=colour, linewidth=width,
@@ -143,12 +157,19 @@ def _fill(axes: Axes, area: shapely.Geometry, scale: float, **style: object) -> 
 
 
 def finish_clearance(
-    axes: Axes, unit: str, along: str, limits: tuple[float, float]
+    axes: Axes, unit: str, count: int, limits: tuple[float, float]
 ) -> None:
     """Scales of a plot of clearance, with the surface of the walls marked."""
     axes.axhline(0, color=WALL, linewidth=0.8)
-    axes.set(xlabel=along, ylabel=f"clearance  [{unit}]", xlim=(0, 1), ylim=limits)
+    axes.set(xlabel="segment", ylabel=f"clearance  [{unit}]", ylim=limits)
+    axes.set_xlim(0.5, count + 0.5)
     axes.legend(loc="upper center", ncols=2)
+
+
+def key_below(figure: Figure, axes: Axes) -> None:
+    """The key of a map below all panels."""
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3)
 
 
 def _paper_table(made: Passage, walks: Mapping[str, PaperWalk]) -> Table:
@@ -171,7 +192,7 @@ def _paper_table(made: Passage, walks: Mapping[str, PaperWalk]) -> Table:
         header=(
             "segments",
             "least clearance [l]",
-            "at this part of the segments",
+            "after this share of the segments",
             "no less between samples than [l]",
             "nominal path's, standing [l]",
             "shortest segment, of the path",
@@ -185,16 +206,14 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
     """The scenario as shipped, and with its initial number of segments."""
     around = passage().around
     coarse, fine = made = [walks[name] for name in WALKS]
-    figure, axes = sheet_of("ab\ncd", 5.2, height_ratios=[2.4, 1])
+    figure, axes = sheet_of("ab\ncd", 5.6, height_ratios=[2.4, 1])
     for (above, below), walked in zip(PANELS, made, strict=True):
         achieved = walked.clearance["achieved"]
         draw_place(axes[above], around, walked.qpos, achieved, MM)
         draw_walk(axes[above], walked)
         as_map(axes[above], "mm", "box")
-        share = np.linspace(0, 1, len(achieved))
-        for name in ("achieved", "quasi_static"):
-            axes[below].plot(share, MM * walked.clearance[name], **PATHS[name])
-        finish_clearance(axes[below], "mm", "part of the time", (-15, 75))
+        _draw_clearance(axes[below], walked)
+    key_below(figure, axes["a"])
     label(axes, [walked.segments for walked in made])
     return Sheet(
         name="fig9-corridor-metres",
@@ -210,6 +229,21 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
         figure=figure,
         table=_metres_table(made),
     )
+
+
+def _draw_clearance(axes: Axes, walked: Walked) -> None:
+    """Physics as a band, and the rims of the prediction's."""
+    spread = {
+        name: extremes(MM * walked.clearance[name], walked.segment, walked.segments)
+        for name in ("achieved", "quasi_static")
+    }
+    colour = PATHS["achieved"]["color"]
+    band(axes, *spread["achieved"], color=colour, alpha=0.8, label="physics")
+    segment = np.arange(1, walked.segments + 1)
+    for rim in spread["quasi_static"]:
+        axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
+    axes.lines[-1].set_label("_")
+    finish_clearance(axes, "mm", walked.segments, (-15, 75))
 
 
 def _metres_table(made: Sequence[Walked]) -> Table:

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 GOAL = (4.0, 4.0, math.pi / 2)
 SEGMENTS = 12
+COUNTED = "footprints of each leg so far"
 MARKERS = {"1": "^", "2": "v"}
 PAPER_CAPTION = """
 Footprints on eqs. (17) and (18), l = 1, from (0, 0, 0) to (4, 4, pi/2) in {segments}
@@ -43,8 +44,9 @@ and no foot would leave one print. The body walks the same way with either.
 METRES_CAPTION = """
 Footprints of `hexapod` from (0, 0, 0) to (0.15 m, 0.15 m, pi/2) in 30 segments, open
 loop with lifted fields: {count} stays of six feet on the ground, each shown by the
-place of the foot in the middle of its stay. Planned: on the ideal prediction, at the
-commanded angles of the legs. Found: measured contact points. A foot of two joints
+place of the foot in the middle of its stay. Numbers: legs, at their first footprint.
+Planned: on the ideal prediction, at the commanded angles of the legs. Found: measured
+contact points. A foot of two joints
 cannot turn exactly about its tripod's pivot, so it slides while it stands; as sweeps
 are centred it slides back again, and little is left at the end of its stay (c).
 """
@@ -86,7 +88,7 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
     _draw_slides(axes["c"], planned, found)
     handles, labels = axes["a"].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower left", ncols=len(labels))
-    titles = ("footprints", "found off planned", "slide by the end of a stay")
+    titles = ("footprints", "found off planned", "slide while a foot stands")
     letter(axes, dict(zip("abc", titles, strict=True)))
     return Sheet(
         name="fig8-diagonal-metres",
@@ -123,7 +125,19 @@ def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:
             *(MM * found.place[of].T), ".", color=colour, markersize=2,
             label=f"tripod {tripod}, found",
         )  # fmt: skip
+        for leg in legs:
+            first = planned.place[planned.foot == leg - 1][0]
+            _number(axes, leg, MM * first, colour)
     as_map(axes, "mm")
+
+
+def _number(axes: Axes, leg: int, place: Array, colour: str) -> None:
+    """The number of a leg beside its first footprint."""
+    x, y = place
+    axes.annotate(
+        str(leg), (x, y), (-4, -4), textcoords="offset points", ha="right", va="top",
+        color=colour, fontsize=8, fontweight="bold",
+    )  # fmt: skip
 
 
 def _draw_apart(axes: Axes, planned: Footprints, apart: Array) -> None:
@@ -133,28 +147,30 @@ def _draw_apart(axes: Axes, planned: Footprints, apart: Array) -> None:
         axes.plot(
             np.arange(of.sum()) / len(legs), MM * apart[of][order], MARKERS[tripod],
             color=TRIPODS[tripod], markersize=2.5, markeredgewidth=0,
+            label=f"tripod {tripod}",
         )  # fmt: skip
-    axes.set(xlabel="stay on the ground", ylabel="distance  [mm]")
-    axes.set_ylim(bottom=0)
+    axes.set(xlabel=COUNTED, ylabel="distance  [mm]")
+    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])  # room for the key
+    axes.legend(loc="upper right", ncols=2, markerscale=2)
 
 
 def _draw_slides(axes: Axes, planned: Footprints, found: Footprints) -> None:
-    ideal = dict.fromkeys(LEGS, "_") | {"1": "on the ideal prediction"}
+    ideal = dict.fromkeys(LEGS, "_") | {"1": "both, ideal prediction"}
     for tripod, legs in LEGS.items():
         of = np.isin(planned.foot, np.array(legs) - 1)
         order = np.argsort(planned.begin[of])
         stays = np.arange(of.sum()) / len(legs)
         axes.plot(
             stays, MM * found.slid[of][order], MARKERS[tripod], color=TRIPODS[tripod],
-            markersize=2.5, markeredgewidth=0,
+            markersize=2.5, markeredgewidth=0, label=f"tripod {tripod}, physics",
         )  # fmt: skip
         axes.plot(
             stays, MM * planned.slid[of][order], ".", color=WEIGHT, markersize=1.5,
             markeredgewidth=0, label=ideal[tripod],
         )  # fmt: skip
-    axes.set(xlabel="stay on the ground", ylabel="slide  [mm]")
-    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])
-    axes.legend(loc="upper right", markerscale=3)
+    axes.set(xlabel=COUNTED, ylabel="slide  [mm]")
+    axes.set_ylim(0, 1.6 * axes.get_ylim()[1])  # room for the key
+    axes.legend(loc="upper right", ncols=2, markerscale=2)
 
 
 def _metres_table(planned: Footprints, found: Footprints, apart: Array) -> Table:
@@ -207,10 +223,7 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
         for leg in legs:
             places = prints.place[prints.foot == leg - 1]
             axes.plot(*places.T, color=TRIPODS[tripod], linewidth=0.3, alpha=0.5)
-            axes.annotate(
-                str(leg), places[0], (-3, -3), textcoords="offset points", ha="right",
-                va="top", color=TRIPODS[tripod], fontsize=7,
-            )  # fmt: skip
+            _number(axes, leg, places[0], TRIPODS[tripod])
         of = np.isin(prints.foot, np.array(legs) - 1)
         axes.plot(
             *prints.place[of].T,

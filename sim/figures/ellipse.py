@@ -19,7 +19,9 @@ from sim.figures.style import (
     QUASI_STATIC,
     WEIGHT,
     as_map,
+    band,
     draw_walk,
+    extremes,
     letter,
     sheet_of,
 )
@@ -39,9 +41,10 @@ end.
 METRES_CAPTION = """
 Body centre of `hexapod` once around an ellipse of semi-axes 0.10 m and 0.06 m in 60
 segments at constant heading, open loop with lifted fields. Loaded sweeps are centred,
-so each swings to both sides of its nominal heading. The paper says that the stability
-criteria are satisfied along this path without drawing it: (c) shows the least margin
-within each segment, predicted and from measured contacts.
+so each swings to both sides of its nominal heading. (b) How far the physics is off each
+prediction, from the least to the largest distance within each segment. The paper says
+that the stability criteria are satisfied along this path without drawing it: (c) shows
+the least margin within each segment, predicted and from measured contacts.
 """
 
 SEGMENTS = 60
@@ -58,13 +61,18 @@ def paper() -> Sheet:
     figure, axes = sheet_of("ab\nac", 3.2, width_ratios=[1.4, 1])
     _draw_map(axes["a"], walked, nominal)
     segment = np.arange(1, SEGMENTS + 1)
-    axes["b"].step(segment, widths, where="mid", color=IDEAL)
+    axes["b"].step(segment, widths, where="mid", color=IDEAL, label="walked")
+    axes["b"].set_ylim(0, 1.35 * widths.max())  # room for the key
+    axes["b"].legend(loc="upper left")
     axes["b"].set(xlabel="segment", ylabel="half width  [$l$]")
     turns = _turns(walked)
-    axes["c"].vlines(segment, *turns, color=IDEAL, linewidth=1.2)
-    axes["c"].axhline(0, color=NOMINAL, linestyle="--")
-    axes["c"].set(xlabel="segment", ylabel="heading  [rad]")
-    letter(axes, {"a": "body centre", "b": "tube", "c": "heading within a segment"})
+    label = "least to largest"
+    band(axes["c"], *turns, color=IDEAL, alpha=0.45, label=label)
+    axes["c"].axhline(0, color=NOMINAL, linestyle="--", label="nominal")
+    axes["c"].set(xlabel="segment", ylabel="heading  [rad]", ylim=(-0.45, 0.75))
+    axes["c"].legend(loc="upper left", ncols=2)
+    titles = ("body centre", "half width of the tube", "heading within each segment")
+    letter(axes, dict(zip("abc", titles, strict=True)))
     return Sheet(
         name="fig7-ellipse-paper",
         title="Fig. 7, ellipse at constant heading, in the paper's units",
@@ -86,7 +94,7 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
     axes["a"].legend(loc="center")
     _draw_departure(axes["b"], walked)
     _draw_margin(axes["c"], walked)
-    titles = ("body centre", "physics off predictions", "least margin of a segment")
+    titles = ("body centre", "physics off its predictions", "least stability margin")
     letter(axes, dict(zip("abc", titles, strict=True)))
     return Sheet(
         name="fig7-ellipse-metres",
@@ -105,17 +113,17 @@ def _departure(walked: Walked, name: str) -> Array:
 
 def _least_margin(walked: Walked, name: str) -> Array:
     """Least margin within each segment, shape (segments,) [m]."""
-    least = np.full(walked.segments, np.inf)
-    np.minimum.at(least, walked.segment, walked.margin[name])
-    return least
+    return extremes(walked.margin[name], walked.segment, walked.segments)[0]
 
 
 def _draw_departure(axes: Axes, walked: Walked) -> None:
-    share = np.linspace(0, walked.segments, len(walked.segment))
+    """From the least to the largest distance within each segment."""
     for name, colour in (("ideal", IDEAL), ("quasi_static", QUASI_STATIC)):
+        least, most = extremes(
+            _departure(walked, name), walked.segment, walked.segments
+        )
         label = f"off {name.replace('_', '-')}"
-        off = MM * _departure(walked, name)
-        axes.plot(share, off, color=colour, linewidth=0.6, label=label)
+        band(axes, MM * least, MM * most, color=colour, alpha=0.55, label=label)
     axes.set(xlabel="segment", ylabel="distance  [mm]")
     axes.set_ylim(0, 1.5 * axes.get_ylim()[1])  # room for the legend
     axes.legend(loc="upper left", ncols=2)

@@ -73,7 +73,7 @@ STANDS = "#CFE3F1"
 
 def paper() -> Sheet:
     """In leg lengths, the weight in the middle of the body."""
-    figure, axes = sheet_of("abc", 2.6, width_ratios=[0.9, 1, 1])
+    figure, axes = sheet_of("abc", 3.2, width_ratios=[0.9, 1, 1])
     signs = sign_map(STANCE)
     crossed = [crossings(STANCE, tripod, FEW) for tripod in (1, 2)]
     apart = np.abs(np.subtract(crossed, STANCE.bounds(FEW))).max()
@@ -198,9 +198,21 @@ def _draw_stance(axes: Axes) -> None:
         axes.plot(*feet.T, "o", markersize=3.5, color=colour, alpha=alpha)
     triangle = STANCE.feet(1, SHOWN)
     axes.fill(*triangle.T, color=TRIPODS["1"], alpha=0.15, linewidth=0)
-    axes.plot(0, 0, "P", color=WEIGHT, markersize=5)
+    axes.plot(0, 0, "P", color=WEIGHT, markersize=5, label="centre of mass")
     low, high = STANCE.bounds(SHOWN)
-    axes.plot(front - np.array([low, high]), [0, 0], "|", color=IDEAL, markersize=9)
+    axes.plot(
+        front - np.array([low, high]), [0, 0], "|", color=IDEAL, markersize=9,
+        label="bounds for $b$",
+    )  # fmt: skip
+    for name, standing, faint in (
+        ("1", "on the ground", 1.0),
+        ("2", "in the air", 0.35),
+    ):
+        axes.plot(
+            [], [], "o-", color=TRIPODS[name], alpha=faint, markersize=3.5,
+            label=f"tripod {name}, {standing}",
+        )  # fmt: skip
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22))
     axes.annotate(
         "", (0, -0.72), (front, -0.72), arrowprops={"arrowstyle": "<->", "lw": 0.6}
     )

@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
+from planner import Array
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -34,7 +38,6 @@ PATHS: Mapping[str, Mapping[str, Any]] = {  # of a walk, the broad ones below
     },
 }
 WALL = "#4D4D4D"
-NEAR_WALL = "#E9E9E9"
 SWEPT = "#A9CBE3"
 TRIPODS: Mapping[str, str] = {"1": "#0072B2", "2": "#CC3311"}
 
@@ -112,6 +115,35 @@ def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
     axes.plot(*(scale * walked.nominal.T), "--", color=NOMINAL, label="nominal")
     for name, style in PATHS.items():
         axes.plot(*(scale * walked.pose[name][:, :2].T), **style)
+
+
+def extremes(values: Array, segment: Array, count: int) -> tuple[Array, Array]:
+    """Least and largest value within each segment, shape (count,) each.
+
+    Args:
+        values: Of each row, shape (T,).
+        segment: Number of each row's segment, from 0, shape (T,).
+        count: Number of segments.
+    """
+    least, most = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(least, segment, values)
+    np.maximum.at(most, segment, values)
+    return least, most
+
+
+def band(axes: Axes, low: Array, high: Array, **style: Any) -> None:
+    """Fill between the least and the largest value within each segment.
+
+    A line through all values of many segments would be a solid comb.
+
+    Args:
+        axes: Where to draw.
+        low: Least value of each segment, shape (segments,).
+        high: Largest value, same shape.
+        style: For the area.
+    """
+    segment = np.arange(1, len(low) + 1)
+    axes.fill_between(segment, low, high, step="mid", linewidth=0.4, **style)
 
 
 def letter(axes: Mapping[str, Axes], titles: Mapping[str, str]) -> None:

@@ -82,6 +82,29 @@ def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
     )
 
 
+def envelope(points: Array, ends: Array, start: Array, goal: Array) -> Array:
+    """The farthest points of each segment to the right and to the left of a line.
+
+    Args:
+        points: Positions walked through, shape (N, 2).
+        ends: Index of the point that closes each segment, ascending, shape (segments,).
+        start: A point of the line, shape (2,).
+        goal: Another one ahead of it, shape (2,).
+
+    Returns:
+        Shape (2, segments, 2): points to the right, then points to the left.
+    """
+    along = np.asarray(goal, dtype=float) - start
+    left = (points - start) @ np.array([-along[1], along[0]])
+    starts = np.concatenate([[0], ends[:-1]])
+    spans = [slice(a, b + 1) for a, b in zip(starts, ends, strict=True)]
+    extremes = [
+        [span.start + choose(left[span]) for span in spans]
+        for choose in (np.argmin, np.argmax)
+    ]
+    return points[np.array(extremes)]
+
+
 def exponent(lengths: Array, widths: Array) -> float:
     """Power by which widths grow with lengths: the slope through their logarithms."""
     return float(np.polyfit(np.log(lengths), np.log(widths), 1)[0])

@@ -9,16 +9,17 @@ from matplotlib import rc_context
 from PIL import Image
 
 from planner.planning.paths import ellipse, line
-from sim.figures import diagonal, stability
+from sim.figures import corridor, diagonal, ellipse as fig7, line as fig6, stability
 from sim.figures.footprints import footprints
 from sim.figures.line import GOAL
 from sim.figures.paper import configuration, feet, standing, walk
 from sim.figures.sheet import Table, page, save
 from sim.figures.signs import sign_map
-from sim.figures.style import STYLE
-from sim.figures.tube import exponent, swing_out, tube
+from sim.figures.style import STYLE, extremes
+from sim.figures.tube import envelope, exponent, swing_out, tube
 
 ROUNDING = 1e-12
+ALL = {"line": fig6, "ellipse": fig7, "diagonal": diagonal, "corridor": corridor}
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +120,58 @@ def test_the_page_shows_every_sheet_with_caption_and_numbers(sheet):
 def test_a_row_has_one_cell_a_column():
     with pytest.raises(ValueError, match="row 1 has 1 cells for 2 columns"):
         Table(("a", "b"), ((1, 2), (3,)))
+
+
+def test_an_envelope_joins_the_farthest_points_of_each_segment():
+    points = np.array([(0, 0), (1, 0.5), (2, 0), (3, -2), (3.5, 1), (4, 0)], float)
+    ends = np.array([2, 5])
+    right, left = envelope(points, ends, points[0], points[-1])
+    assert right.tolist() == [[0, 0], [3, -2]]
+    assert left.tolist() == [[1, 0.5], [3.5, 1]]
+
+
+def test_a_band_lies_between_the_extremes_of_each_segment():
+    values, segment = np.array([3.0, 1.0, 2.0, 7.0, 5.0]), np.array([0, 0, 0, 1, 1])
+    least, most = extremes(values, segment, 2)
+    assert (least.tolist(), most.tolist()) == ([1, 5], [3, 7])
+
+
+@pytest.fixture(scope="module")
+def papers():
+    with rc_context(STYLE):
+        return {name: figure.paper() for name, figure in ALL.items()}
+
+
+def test_panels_are_in_reading_order(papers):
+    """From left to right, then down: (a), (b), (c), ..."""
+    figure = papers["line"].figure
+    figure.canvas.draw()
+    places = {a.get_title(loc="left")[1]: a.get_position() for a in figure.axes}
+    for row in ("abc", "def"):
+        assert sorted(row, key=lambda name: places[name].x0) == list(row)
+    assert all(places[up].y0 > places[down].y1 for up in "abc" for down in "def")
+
+
+def test_many_segments_are_drawn_as_areas_and_not_as_combs(papers):
+    """No curve of Fig. 6 (d) or Fig. 7 (c) goes to and fro in every segment."""
+    for name, letter in (("line", "d"), ("ellipse", "c"), ("corridor", "d")):
+        panel = {a.get_title(loc="left")[1]: a for a in papers[name].figure.axes}[
+            letter
+        ]
+        assert panel.patches or panel.collections
+        for curve in panel.lines:
+            heights = np.asarray(curve.get_ydata(), dtype=float)
+            assert (np.diff(np.sign(np.diff(heights))) != 0).sum() < 12
+
+
+def test_every_leg_is_numbered_among_its_footprints(papers):
+    written = {t.get_text() for t in papers["diagonal"].figure.axes[0].texts}
+    assert {"1", "2", "3", "4", "5", "6"} <= written
+
+
+def test_a_sheet_is_saved_under_its_title(papers, tmp_path):
+    sheet = papers["ellipse"]
+    save(sheet, tmp_path)
+    assert sheet.figure.get_suptitle() == sheet.title
+    keys = [*sheet.figure.legends, *(a.get_legend() for a in sheet.figure.axes)]
+    assert any(keys)
