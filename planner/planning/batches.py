@@ -90,8 +90,11 @@ def _block(
     for level in order:
         rates = np.empty((len(flows), NODES, len(level)))
         for name, on in rows.items():
-            velocity = system.compiled(name).velocity(states[on])
-            rates[on] = velocity[..., level]
+            field = system.compiled(name)
+            if any(i in level for i, _ in field.varying):
+                rates[on] = field.velocity(states[on])[..., level]
+            else:
+                rates[on] = field.constant[level, 0]
         tails = np.abs(rule.coefficients[-2:] @ rates) * np.abs(durations)
         ways = durations * (rule.integral @ rates)
         ends = start[level] + np.cumsum(ways[:, -1], axis=0)

@@ -15,7 +15,6 @@ from functools import cached_property
 
 import numpy as np
 import sympy as sp
-from scipy.sparse.csgraph import dijkstra
 
 from planner.errors import StratumError, point, unknown
 from planner.numerics.arrays import Array
@@ -190,11 +189,14 @@ class StratifiedSystem:
         or broken once.
         """
         place = {name: i for i, name in enumerate(self.strata)}
-        graph = np.zeros((len(place), len(place)))
+        fewest = np.full((len(place), len(place)), np.inf)
+        np.fill_diagonal(fewest, 0.0)
         for low, high in self.edges:
             broken = self.contacts[low] - self.contacts[high]
-            graph[place[low], place[high]] = len(broken)
-        fewest = dijkstra(graph, directed=False)
+            i, j = place[low], place[high]
+            fewest[i, j] = fewest[j, i] = len(broken)
+        for by in range(len(place)):  # Floyd and Warshall; scipy's takes 0.3 s to load
+            fewest = np.minimum(fewest, fewest[:, by, None] + fewest[by])
         return {
             (a, b): int(fewest[i, j])
             for a, i in place.items()

@@ -48,7 +48,8 @@ place of the foot in the middle of its stay. Numbers: legs, at their first footp
 Planned: on the ideal prediction, at the commanded angles of the legs. Found: measured
 contact points. A foot of two joints
 cannot turn exactly about its tripod's pivot, so it slides while it stands; as sweeps
-are centred it slides back again, and little is left at the end of its stay (c).
+are centred it slides back again, and little is left when it is lifted (c). Triangles:
+the physics; dots in (c): the ideal prediction.
 """
 LEGS: Mapping[str, Sequence[int]] = {"1": (1, 4, 5), "2": (2, 3, 6)}
 
@@ -136,7 +137,8 @@ def _number(axes: Axes, leg: int, place: Array, colour: str) -> None:
     x, y = place
     axes.annotate(
         str(leg), (x, y), (-4, -4), textcoords="offset points", ha="right", va="top",
-        color=colour, fontsize=8, fontweight="bold",
+        color=colour, fontsize=8, fontweight="bold", zorder=4,
+        bbox={"boxstyle": "circle,pad=0.1", "fc": "white", "ec": "none", "alpha": 0.8},
     )  # fmt: skip
 
 
@@ -155,22 +157,22 @@ def _draw_apart(axes: Axes, planned: Footprints, apart: Array) -> None:
 
 
 def _draw_slides(axes: Axes, planned: Footprints, found: Footprints) -> None:
-    ideal = dict.fromkeys(LEGS, "_") | {"1": "both, ideal prediction"}
+    ideal = dict.fromkeys(LEGS, "_") | {"1": "ideal"}
     for tripod, legs in LEGS.items():
         of = np.isin(planned.foot, np.array(legs) - 1)
         order = np.argsort(planned.begin[of])
         stays = np.arange(of.sum()) / len(legs)
         axes.plot(
             stays, MM * found.slid[of][order], MARKERS[tripod], color=TRIPODS[tripod],
-            markersize=2.5, markeredgewidth=0, label=f"tripod {tripod}, physics",
+            markersize=2.5, markeredgewidth=0, label=f"tripod {tripod}",
         )  # fmt: skip
         axes.plot(
             stays, MM * planned.slid[of][order], ".", color=WEIGHT, markersize=1.5,
             markeredgewidth=0, label=ideal[tripod],
         )  # fmt: skip
     axes.set(xlabel=COUNTED, ylabel="slide  [mm]")
-    axes.set_ylim(0, 1.6 * axes.get_ylim()[1])  # room for the key
-    axes.legend(loc="upper right", ncols=2, markerscale=2)
+    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])  # room for the key
+    axes.legend(loc="upper right", ncols=3, markerscale=2, columnspacing=1)
 
 
 def _metres_table(planned: Footprints, found: Footprints, apart: Array) -> Table:

@@ -85,9 +85,9 @@ def ellipse(semi_axes: Sequence[float]) -> NominalPath:
     minor, major = sorted(axes)
     if minor <= 0:
         raise _refusal("path.semi_axes", semi_axes, AXES)
-    from scipy.special import ellipe  # slow to import, and for ellipses alone
+    from sympy import elliptic_e  # loaded anyway, unlike scipy's special functions
 
-    length = float(4 * major * ellipe(1 - (minor / major) ** 2))
+    length = 4 * major * float(elliptic_e(1 - (minor / major) ** 2))
     return NominalPath("ellipse", axes, START, length, planner.ellipse(START, (a, b)))
 
 
