@@ -141,6 +141,7 @@ from .planning.nominal import (
 from .planning.paths import (
     Path as Path,
     ellipse as ellipse,
+    ellipse_perimeter as ellipse_perimeter,
     grid as grid,
     line as line,
     recut as recut,

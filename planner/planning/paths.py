@@ -36,6 +36,18 @@ def line(start: ArrayLike, goal: ArrayLike) -> Path:
     return waypoints([start, goal])
 
 
+def ellipse_perimeter(semi_axes: Sequence[float]) -> float:
+    """Length of an ellipse once around, in the unit of its semi-axes.
+
+    Args:
+        semi_axes: Both, above 0.
+    """
+    from sympy import elliptic_e  # scipy's special functions take longer to load
+
+    minor, major = sorted(semi_axes)
+    return 4 * major * float(elliptic_e(1 - (minor / major) ** 2))
+
+
 def waypoints(points: Sequence[ArrayLike]) -> Path:
     """Straight lines from each configuration to the next, s proportional to length.
 

@@ -46,10 +46,9 @@ Footprints of `hexapod` from (0, 0, 0) to (0.15 m, 0.15 m, pi/2) in 30 segments,
 loop with lifted fields: {count} stays of six feet on the ground, each shown by the
 place of the foot in the middle of its stay. Numbers: legs, at their first footprint.
 Planned: on the ideal prediction, at the commanded angles of the legs. Found: measured
-contact points. A foot of two joints
-cannot turn exactly about its tripod's pivot, so it slides while it stands; as sweeps
-are centred it slides back again, and little is left when it is lifted (c). Triangles:
-the physics; dots in (c): the ideal prediction.
+contact points. A foot of two joints cannot turn exactly about its tripod's pivot, so it
+slides while it stands; as strokes are centred it slides back again, and little is left
+when it is lifted (c).
 """
 LEGS: Mapping[str, Sequence[int]] = {"1": (1, 4, 5), "2": (2, 3, 6)}
 

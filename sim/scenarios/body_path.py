@@ -82,12 +82,9 @@ def ellipse(semi_axes: Sequence[float]) -> NominalPath:
         UsageError: If they are not two lengths above 0.
     """
     a, b = axes = _numbers("path.semi_axes", semi_axes, 2, AXES)
-    minor, major = sorted(axes)
-    if minor <= 0:
+    if min(axes) <= 0:
         raise _refusal("path.semi_axes", semi_axes, AXES)
-    from sympy import elliptic_e  # loaded anyway, unlike scipy's special functions
-
-    length = 4 * major * float(elliptic_e(1 - (minor / major) ** 2))
+    length = planner.ellipse_perimeter(axes)
     return NominalPath("ellipse", axes, START, length, planner.ellipse(START, (a, b)))
 
 

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from planner.planning.paths import as_path, ellipse, grid, line, waypoints
+from planner.planning.paths import (
+    as_path,
+    ellipse,
+    ellipse_perimeter,
+    grid,
+    line,
+    waypoints,
+)
 
 
 def test_line_is_straight_and_meets_both_ends():
@@ -87,3 +94,14 @@ def test_function_is_called_once_a_parameter():
 def test_unsound_paths_are_refused(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_the_perimeter_of_an_ellipse_is_the_length_of_its_path():
+    """Gauss's quadrature of the speed; a circle's is known."""
+    assert ellipse_perimeter((0.5, 0.5)) == pytest.approx(np.pi, rel=1e-15)
+    angles, weights = np.polynomial.legendre.leggauss(60)
+    angles = np.pi / 4 * (angles + 1)
+    speed = np.hypot(0.1 * np.sin(angles), 0.06 * np.cos(angles))
+    around = 4 * np.pi / 4 * weights @ speed
+    assert ellipse_perimeter((0.1, 0.06)) == pytest.approx(around, rel=1e-14)
+    assert ellipse_perimeter((0.06, 0.1)) == ellipse_perimeter((0.1, 0.06))
