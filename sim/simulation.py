@@ -22,7 +22,7 @@ from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
 from sim.planning.sharing import is_shareable, keeper, shared_plan
 from sim.planning.soundness import require_sound
-from sim.preparation.effort import check_effort
+from sim.preparation.effort import check_distance, check_effort
 from sim.preparation.reach import explained
 from sim.preparation.setup import Setup, prepare
 from sim.preparation.shared import Shared
@@ -135,6 +135,7 @@ def simulate(
         _timed(timing, "plan"),
         limited(scenario.plan_time, lambda done: progress("planning", done)),
     ):
+        check_distance(setup)
         setup = routed(setup)
         scenario = setup.scenario
         planned = PlannedWalk(within_bounds(setup), progress)

@@ -6,6 +6,7 @@ file of this machine as a mesh or texture, and a run copies the files of its mod
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,9 @@ from typing import Any
 import mujoco
 
 from models.errors import ModelError
+
+NAMED = re.compile(r"""\bfile\w*\s*=\s*["']([^"']{1,200})["']""")
+LONGEST_TEXT = 10**7  # bytes that are searched for names of files
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +34,7 @@ def included(path: Path) -> list[Path]:
     Raises:
         ModelError: If it cannot be read, or names what is not a file.
     """
+    _refuse_pipes(path, set())
     try:
         named = mujoco.mju_getXMLDependencies(str(path))
     except mujoco.FatalError as error:
@@ -39,6 +44,24 @@ def included(path: Path) -> list[Path]:
         if other.exists() and not other.is_file():  # a pipe would be waited for
             raise ModelError(f"not a file: {other}, which {path} names; correct it")
     return [Path(name) for name in named if Path(name).is_file()]
+
+
+def _refuse_pipes(path: Path, seen: set[Path]) -> None:
+    """Refuse what a file, and those that it names, would be waited for.
+
+    Names that are spelt otherwise are not found here, and waited for until time is up.
+    """
+    seen.add(path)
+    if not path.exists() or path.stat().st_size > LONGEST_TEXT:
+        return
+    for name in NAMED.findall(path.read_text(errors="replace")):
+        other = path.parent / name
+        if other in seen or "\0" in name or not other.exists():
+            continue
+        if not (other.is_file() or other.is_dir()):
+            raise ModelError(f"not a file: {other}, which {path} names; correct it")
+        if other.is_file():
+            _refuse_pipes(other, seen)
 
 
 def elements_with_files(

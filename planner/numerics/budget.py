@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from planner.errors import BudgetError
 from planner.numerics.interruption import reraise
 
+SELDOM = 0.1  # [s] between two reports at least
+
 
 @dataclass(eq=False)
 class _Budget:
@@ -23,6 +25,7 @@ class _Budget:
     began: float
     report: Callable[[float], None]
     best: str = ""
+    next_report: float = 0.0  # [s] after it began
 
 
 _current: ContextVar[_Budget | None] = ContextVar("budget", default=None)
@@ -78,4 +81,6 @@ def tick(best: str = "") -> None:
     spent = time.monotonic() - budget.began
     if spent > budget.seconds:
         raise BudgetError(budget.seconds, budget.best)
-    budget.report(spent / budget.seconds)
+    if spent >= budget.next_report:
+        budget.next_report = spent + SELDOM
+        budget.report(spent / budget.seconds)

@@ -15,6 +15,7 @@ from numpy.polynomial import chebyshev
 
 from planner.errors import ConvergenceError, point
 from planner.numerics.arrays import Array
+from planner.numerics.budget import tick
 
 NODES = 24  # of a step; the tail of its Chebyshev series shows whether they suffice
 ITERATIONS = 40  # of Picard; a triangular field needs as many as it has levels
@@ -105,6 +106,7 @@ def _follow(
     steady: Array,
     halvings: int,
 ) -> Array | None:
+    tick()
     end = _picard(field, x, duration, steady)
     if end is not None or halvings == 0:
         return end

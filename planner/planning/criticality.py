@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import PlannerError
+from planner.errors import BudgetError, PlannerError
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
@@ -73,6 +73,8 @@ def _longest(
         target = start + factor * step
         try:
             end = shot_towards(extended, start, target, execution).end
+        except BudgetError:
+            raise
         except PlannerError:
             return False
         return bool(np.linalg.norm(target - end) <= np.linalg.norm(factor * step) / 2)

@@ -50,6 +50,7 @@ def execute(options: argparse.Namespace) -> None:
     from planner import limited
     from sim.planning.bounds import within_bounds
     from sim.planning.routes import routed
+    from sim.preparation.effort import check_distance
     from sim.preparation.reach import explained
     from sim.preparation.setup import prepare
     from sim.progress import bar, stage
@@ -64,14 +65,13 @@ def execute(options: argparse.Namespace) -> None:
         explained(setup.robot, setup.equations),
     ):
         with limited(scenario.plan_time, lambda done: progress("planning", done)):
+            check_distance(setup)
             setup = within_bounds(routed(setup))
         system, flows = _planned(setup, progress)
         planning = time.perf_counter() - compiled
-        with limited(scenario.plan_time), stage(progress, "measuring the accuracy"):
-            extended, path = setup.extended, setup.nominal()
-            accuracy = convergence(extended, path, setup.coordinates)
-            steps = step_lengths(extended, path, setup.scenario.segments)
-    facts = summarise(setup, system, flows) | {"accuracy": accuracy, "steps": steps}
+        with stage(progress, "measuring the accuracy"):
+            outlook = _outlook(setup)
+    facts = summarise(setup, system, flows) | outlook
     facts["helps"] = _helps(setup, facts)
     facts["timing"] = {"compile": compiled - began, "plan": planning}
     if options.json:
@@ -106,6 +106,20 @@ def _planned(
             raise
         helps = tried(offers(setup), math.inf, seconds)
         raise PlannerError(f"{error}; tried: {helps}") from error
+
+
+def _outlook(setup: Setup) -> dict[str, Any]:
+    """What finer plans would bring; nothing where that takes too long to find out."""
+    from planner import BudgetError, limited
+
+    extended, path = setup.extended, setup.nominal()
+    try:
+        with limited(setup.scenario.plan_time):
+            accuracy = convergence(extended, path, setup.coordinates)
+            steps = step_lengths(extended, path, setup.scenario.segments)
+    except BudgetError:
+        return {}
+    return {"accuracy": accuracy, "steps": steps}
 
 
 def _helps(setup: Setup, facts: Mapping[str, Any]) -> str:

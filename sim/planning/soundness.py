@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 import mujoco
 import numpy as np
 
-from planner import Array, Flow, Plan
+from planner import Array, Flow, Plan, tick
 from sim.errors import SimulationError
 from sim.motion.sampling import inspections
 from sim.motion.schedule import LegState, Schedule, Scheduler
@@ -105,6 +105,7 @@ class Collisions:
         return {pair: d for pair, d in found.items() if pair not in self._always}
 
     def _overlaps(self, swing: Array, lift: Array) -> Pairs:
+        tick()
         robot, model, data = self._setup.robot, self._model, self._data
         data.qpos[:] = self._start
         for joint, angle in robot.leg_angles(swing, lift).items():

@@ -12,6 +12,7 @@ from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario, settings
 
 MOST_STEPS = 1_000_000_000  # eight hours at 35,000 a second
+MOST_TRAVEL = 250_000  # [rad] in so many steps, with the settings of the shipped walks
 COPIES = 2  # of each row during evaluation and writing; 1.8 were measured
 
 
@@ -39,6 +40,28 @@ def check_effort(setup: Setup, steps: int) -> None:
         f"most {MOST_STEPS:,} steps are made",
         f"scenario {scenario.name!r}",
         remedy,
+    )
+
+
+def check_distance(setup: Setup) -> None:
+    """Refuse a path that no walk could follow to its end, before a plan is looked for.
+
+    Args:
+        setup: What is to be planned.
+
+    Raises:
+        UsageError: Saying how far legs would swing at least.
+    """
+    scenario, equations = setup.scenario, setup.equations
+    farthest = max(map(equations.stride, equations.swings), default=0.0)  # [m/rad]
+    travel = scenario.path.length / farthest if farthest else 0.0
+    if travel <= MOST_TRAVEL:
+        return
+    raise UsageError(
+        f"a path of {scenario.path.length:g} m takes {travel:.2g} rad of strokes or "
+        f"more, and at most {MOST_TRAVEL:,} are planned",
+        f"scenario {scenario.name!r}",
+        "bring the goal nearer",
     )
 
 

@@ -1,9 +1,11 @@
 """Searches end in time, and say how far they came."""
 
+import numpy as np
 import pytest
 
 from planner.errors import BudgetError
 from planner.numerics.budget import limited, tick
+from planner.numerics.collocation import follow
 
 
 def search(seconds, *found):
@@ -33,3 +35,9 @@ def test_the_share_of_the_time_is_reported():
     with limited(1e6, told.append):
         tick()
     assert 0 <= told[0] < 1e-3
+
+
+def test_a_flow_that_is_halved_again_and_again_keeps_the_time():
+    """Each half asks for the time, and a flow without end has very many of them."""
+    with pytest.raises(BudgetError), limited(0.0):
+        follow(lambda x: x * x, np.array([1.0]), 1.0)

@@ -106,7 +106,7 @@ def test_a_full_disk_under_the_output_is_a_fault_of_files(stratawalk, words):
 
 def test_a_full_disk_under_standard_error_leaves_the_code(stratawalk):
     with open("/dev/full", "w") as full:
-        done = stratawalk("plan", "gone", stderr=full)
+        done = stratawalk("plan", "gone", stderr=full, PYTHONUNBUFFERED="")
     assert (done.returncode, done.stdout) == (2, "")
 
 

@@ -6,9 +6,10 @@ from sim.errors import UsageError
 from sim.folder import RunFolder
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation import effort
-from sim.preparation.effort import MOST_STEPS, check_effort
+from sim.preparation.effort import MOST_STEPS, check_distance, check_effort
 from sim.preparation.setup import prepare
 from sim.run_folder import run
+from sim.scenarios.body_path import line
 from sim.walking.walker import Walker, carry_out, expected_steps
 
 
@@ -56,3 +57,10 @@ def test_rows_that_no_memory_holds_are_refused(scenario, monkeypatch):
 
 def test_a_long_walk_of_few_rows_is_walked(scenario):
     check_effort(prepare(scenario(sample_every=100_000)), MOST_STEPS)
+
+
+def test_a_path_that_no_walk_follows_is_refused_before_planning(scenario, tmp_path):
+    far = scenario(segments=100_000, path=line((1e6, 0.0, 0.0)), plan_time=1e-6)
+    with pytest.raises(UsageError, match=r"path of 1e\+06 m takes .* rad of strokes"):
+        run(far, RunFolder(tmp_path))
+    check_distance(prepare(scenario(path=line((100.0, 0.0, 0.0)))))

@@ -1,0 +1,30 @@
+"""Films from any thread, and many of them: each is drawn by processes of its own."""
+
+import resource
+from threading import Thread
+
+import pytest
+
+from sim.pictures.direction import film_folder
+from sim.pictures.file import count_pictures
+
+SHORT = (0.0, 5.0)  # [s] of the walk
+
+
+@pytest.mark.render
+def test_a_film_may_be_drawn_from_any_thread(folder, driver):
+    films = []
+    thread = Thread(target=lambda: films.append(film_folder(folder, stretch=SHORT)))
+    thread.start()
+    thread.join()
+    assert count_pictures(films[0]) > 0
+
+
+@pytest.mark.full
+@pytest.mark.render
+def test_films_one_after_another_take_no_more_memory(folder, driver):
+    used = []
+    for _ in range(4):
+        film_folder(folder, stretch=SHORT)
+        used.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+    assert used[-1] - used[0] < 20  # MB; a renderer that is left open takes 25

@@ -1,0 +1,45 @@
+"""Walks do not depend on what is around the command."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim.cli import main
+
+WALK = "--no-video --segments 1 --set path.goal=[0.005,0,0]"
+ELSEWHERE = {
+    "LC_ALL": "de_DE.UTF-8",
+    "TZ": "Asia/Tokyo",
+    "PYTHONHASHSEED": "7",
+    "OMP_NUM_THREADS": "1",
+    "COLUMNS": "40",
+    "TERM": "dumb",
+}
+
+
+@pytest.mark.physics
+def test_bytes_do_not_depend_on_surroundings(tmp_path):
+    here = {k: v for k, v in os.environ.items() if k != "HOME"}
+    for name, more in (("a", os.environ), ("b", here | ELSEWHERE)):
+        done = subprocess.run(
+            [sys.executable, "-m", "sim.cli", "run", "line", *WALK.split()]
+            + ["--out", str(tmp_path / name)],
+            cwd=tmp_path,
+            env={**more, "PYTHONPATH": os.getcwd()},
+            capture_output=True,
+        )
+        assert (done.returncode, done.stderr) == (0, b"")
+    for file in ("commands.npz", "trajectory.npz", "flows.csv", "model.xml"):
+        first, second = (Path(tmp_path, name, file).read_bytes() for name in "ab")
+        assert first == second
+
+
+@pytest.mark.physics
+def test_a_floor_without_friction_is_walked_on(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    words = ["run", "line", *WALK.split(), "--set", "friction=0"]
+    assert main(words) in (0, 4)  # feet slide, and the walk may be judged a fall
+    assert "diverged" not in capsys.readouterr().err
