@@ -8,7 +8,7 @@ so they are taken to be critically damped, whatever inertia they move.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, isfinite, pi, radians
 from typing import Literal
 
@@ -55,6 +55,25 @@ class ServoKind:
     def stiffness(self) -> float:
         """Torque an error near zero [N m/rad]."""
         return self.stall_torque / self.full_error
+
+    def at_rate(self, rate: float) -> ServoKind:
+        """The servo given so many commands a second.
+
+        Pulses are counted in parts of a frame, so their counts are as many times finer
+        as frames are shorter. On a bus counts stay.
+
+        Args:
+            rate: Commands a second; 0 for one a physics step, which leaves counts.
+        """
+        if self.bus != "pwm" or not (rate and self.command_rate):
+            return replace(self, command_rate=rate)
+        finer = rate / self.command_rate
+        return replace(
+            self,
+            command_rate=rate,
+            resolution=self.resolution / finer,
+            center=round(self.center * finer),
+        )
 
     @property
     def lost_torque(self) -> float:

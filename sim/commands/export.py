@@ -152,8 +152,11 @@ def _written(
     from sim.export.ros_table import read_ros_table
 
     given = read_ros_table(Path(options.servo_table)) if options.servo_table else None
-    table = servos(source, options.format, given, microseconds=options.microseconds)
-    commands = source.commands(options.rate or RATE)
+    rate = options.rate or RATE
+    table = servos(
+        source, options.format, given, microseconds=options.microseconds, rate=rate
+    )
+    commands = source.commands(rate)
     write(out, options.format, source, commands, table)
     return commands, read(out, options.format, table)
 

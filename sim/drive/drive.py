@@ -35,6 +35,7 @@ class Drive:
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = _zero_offsets(setup, len(self._joints))
         self._held: Array | None = None
+        self._late: Array | None = None  # commands on their way to the servos
         self._lifts = _lift_places(setup)
         self._footing = Footing(setup.as_planned, self.leads)
 
@@ -42,8 +43,14 @@ class Drive:
     def plain(self) -> bool:
         """Whether servos are told the intended angles and nothing else."""
         servo = self._servo
-        bent = self.leads or bool(self._offset.any())
+        bent = self.leads or bool(self._offset.any()) or self._delay > 0
         return not (servo.rate or servo.resolution or bent)
+
+    @property
+    def _delay(self) -> int:
+        """Steps from a command to its effect."""
+        scenario = self._setup.scenario
+        return round(scenario.command_delay / scenario.timestep)
 
     @property
     def leads(self) -> bool:
@@ -123,7 +130,15 @@ class Drive:
         count = schedule.stop - schedule.start if steps is None else steps
         for begin in range(0, count, STRETCH):
             rows = np.arange(begin, min(begin + STRETCH, count))
-            yield self._held_commands(schedule, lead, rows)
+            yield self._delayed(self._held_commands(schedule, lead, rows))
+
+    def _delayed(self, told: Array) -> Array:
+        """Rows as they reach the servos; the first one is there from the start."""
+        if self._late is None:
+            self._late = np.repeat(told[:1], self._delay, axis=0)
+        both = np.concatenate([self._late, told])
+        self._late = both[len(told) :]
+        return both[: len(told)]
 
     def _held_commands(
         self, schedule: Schedule, lead: Lead | None, rows: Array

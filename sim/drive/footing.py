@@ -8,7 +8,8 @@ change theirs in that very command, while the load goes over.
 
 What loads bend is known from statics. Where between two counts it lies is a matter of
 the height that the body stands at, which nothing depends on: the height is chosen such
-that all standing legs are as near to whole counts as can be.
+that counts change least from one set of standing feet to another, since what changes
+pushes the body aside.
 """
 
 from __future__ import annotations
@@ -69,20 +70,36 @@ class Footing:
     def height(self) -> Array:
         """Part of a count to add to each lift joint while its leg stands, shape (F,).
 
-        Between the remainders of all standing legs is a largest gap; there, as far from
-        all of them as can be, it puts the middle between two counts.
+        The middle between two counts is put into a gap between the remainders of all
+        standing legs: where counts change least from stratum to stratum, and of such
+        gaps into the widest.
         """
-        robot, found = self.setup.robot, list[Array]()
+        loads = self._loads  # (S, F)
+        remainders = np.unique(loads[np.isfinite(loads)] % 1)
+        gaps = np.diff(remainders, append=remainders[0] + 1)
+        shifts = (1 - remainders - gaps / 2) % 1 - 0.5
+
+        def cost(place: int) -> tuple[float, float]:
+            counts = np.round(loads + shifts[place])
+            changes = np.nanmax(counts, axis=0) - np.nanmin(counts, axis=0)
+            return float(changes.sum()), -float(gaps[place])
+
+        best = min(range(len(gaps)), key=cost)
+        shift: Array = self.setup.robot.raise_sign * shifts[best]
+        return shift
+
+    @property
+    def _loads(self) -> Array:
+        """Raising counts of all legs on the strata of the gait, (S, F); NaN in the air.
+
+        Every leg stands on one of them at least.
+        """
+        robot, rows = self.setup.robot, list[Array]()
         for stratum in sorted(set(robot.card.gait)):
             down = np.array([group in stratum for group in robot.groups])
-            standing = robot.raise_sign * (self._standing + self._bent(down))
-            found.append(standing[down[robot.group_of_leg]] % 1)
-        remainders = np.sort(np.concatenate(found))
-        gaps = np.diff(remainders, append=remainders[0] + 1)
-        widest = int(gaps.argmax())
-        middle = remainders[widest] + gaps[widest] / 2
-        shift: Array = robot.raise_sign * ((0.5 - middle + 0.5) % 1 - 0.5)
-        return shift
+            counts = robot.raise_sign * (self._standing + self._bent(down))
+            rows.append(np.where(down[robot.group_of_leg], counts, np.nan))
+        return np.stack(rows)
 
     def _bent(self, down: Array) -> Array:
         """Counts by which loads bend each lift joint, while some groups stand, (F,)."""

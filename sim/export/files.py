@@ -25,6 +25,7 @@ def servos(
     given: Mapping[str, JointServo] | None = None,
     *,
     microseconds: bool = False,
+    rate: float = 0.0,
 ) -> ServoTable:
     """The servos that a walk is exported for.
 
@@ -33,6 +34,7 @@ def servos(
         form: Format of the file.
         given: A table that replaces the card's.
         microseconds: Whether pulses are given in microseconds instead of counts.
+        rate: Commands a second of a walk that has no rate of its own.
 
     Raises:
         UsageError: If a joint is missing in the table, or shares a channel.
@@ -44,7 +46,14 @@ def servos(
             "--servo-table",
             "give each of the robot's joints a servo of its name",
         )
-    table = servo_table(source.card, source.joints, source.kind, PWM[form], given)
+    table = servo_table(
+        source.card,
+        source.joints,
+        source.kind,
+        PWM[form],
+        given,
+        source.rate or rate,
+    )
     return table.in_microseconds() if microseconds else table
 
 

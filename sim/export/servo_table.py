@@ -14,6 +14,7 @@ from sim.errors import UsageError
 from sim.export.servo_commands import ServoCommands
 
 FRAME = 4096  # counts of a PCA9685 from one pulse to the next
+FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
 TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is said
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
 PWM = SERVO_KINDS["mg90"]  # where no servo is named
@@ -139,6 +140,7 @@ def servo_table(
     kind: str,
     pwm: bool | None,
     given: Mapping[str, JointServo] | None = None,
+    rate: float = 0.0,
 ) -> ServoTable:
     """The servos of a robot.
 
@@ -150,6 +152,8 @@ def servo_table(
         pwm: Whether they are told pulses (True) or ticks on a bus (False); None asks
             for their range alone, and servos of no make have none.
         given: A table that replaces the card's.
+        rate: Commands a second, which are the frames of a PCA9685 and decide how long
+            its counts are; those of the make if it is 0, or no rate of a PCA9685.
 
     Raises:
         UsageError: If two joints are on the same channel.
@@ -157,6 +161,8 @@ def servo_table(
     made = SERVO_KINDS.get(kind)
     if pwm is not None and (made is None or (made.bus == "pwm") != pwm):
         made = PWM if pwm else None
+    if made and pwm and FRAMES[0] <= rate <= FRAMES[1]:
+        made = made.at_rate(rate)
     said = card.joint_servos if given is None else given
     servos = [
         _channel(joint, number, said.get(joint, JointServo()), made, pwm)

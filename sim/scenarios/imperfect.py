@@ -15,6 +15,8 @@ from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
 NONE: Mapping[str, Any] = {
+    "command_delay": 0.0,
+    "dead_band": 0.0,
     "zero_offset": 0.0,
     "play": 0.0,
     "payload": None,

@@ -118,6 +118,12 @@ class Scenario:
     feed_forward: bool | None = setting(
         Flag(), "commands lead by what the load bends; of itself for soft servos", None
     )
+    command_delay: float = setting(
+        Number(0, 0.5), "from a command to the servo's motion [s]", 0.0
+    )
+    dead_band: float = setting(
+        Number(0, 0.2), "range of error in which a servo gives no torque [rad]", 0.0
+    )
     zero_offset: float = setting(
         Number(0, 0.2), "by which zeros of servos are off, drawn up to this [rad]", 0.0
     )

@@ -1,7 +1,8 @@
 """Imperfections of robot and floor: loads, slopes, soft floors, slippery feet, play.
 
 The predictions know nothing of them; the comparison with the physics shows their
-effect.
+effect. A servo with a dead band is a spring behind play as wide: either gives no torque
+within it, and beyond it what the stiffness gives for the rest of the error.
 """
 
 from __future__ import annotations
@@ -18,6 +19,10 @@ from sim.scenarios.scenario import Scenario
 PLAY = "play_"  # before the name of the joint whose gears have it
 LOOSE = 1e-6  # [kg m^2]; inertia of what moves within the play
 RUBBED = 1e-3  # [N m s/rad]; damping of it
+# Stops as MuJoCo has them by default give way like a spring of 0.6 N m/rad behind a leg
+# as light as ours; these like one of some 10,000.
+STOP = (0.002, 1.0)  # solref: time [s] and damping ratio
+HARD = (0.9999, 0.9999, 0.001, 0.5, 2.0)  # solimp
 
 
 def add_imperfections(
@@ -42,8 +47,8 @@ def add_imperfections(
         _soften(spec.geom(floor), scenario.floor_stiffness)
     if scenario.foot_friction is not None:
         _set_foot_friction(spec, robot, scenario)
-    if scenario.play:
-        _loosen(spec, robot, scenario.play)
+    if slack := scenario.play + scenario.dead_band:
+        _loosen(spec, robot, slack)
 
 
 def _load(root: mujoco.MjsBody, mass: float, x: float, y: float, z: float) -> None:
@@ -103,4 +108,6 @@ def _loosen(spec: mujoco.MjSpec, robot: Robot, play: float) -> None:
                 range=[-play / 2, play / 2],
                 armature=LOOSE,
                 damping=RUBBED,
+                solref_limit=STOP,
+                solimp_limit=HARD,
             )

@@ -90,6 +90,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
 def _made(name: str, scenario: Scenario) -> dict[str, float]:
     """The numbers of a make."""
     kind = _kind(name, scenario)
+    if scenario.command_rate is not None:
+        kind = kind.at_rate(scenario.command_rate)
     numbers = {item.name: getattr(kind, item.name) for item in fields(kind)}
     return numbers | {"stiffness": kind.stiffness}
 

@@ -195,3 +195,14 @@ def test_nobody_knows_the_imperfections_when_torques_are_rehearsed(scenario):
     schedule = swung(plain)
     leads = [Rehearsal(setup).lead(schedule).torque for setup in (plain, laden)]
     assert (leads[0] == leads[1]).all()
+
+
+def test_a_delay_shifts_all_commands_by_as_much(scenario):
+    late, told = (
+        prepare(scenario(command_delay=seconds, **SOFT)) for seconds in (0.0125, 0.0)
+    )
+    schedule = swung(told)
+    on_time, delayed = (rows(Drive(setup), schedule) for setup in (told, late))
+    assert (delayed[25:] == on_time[:-25]).all()
+    assert (delayed[:25] == on_time[0]).all()
+    assert (on_time[25] != on_time[-1]).any()

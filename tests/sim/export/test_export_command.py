@@ -42,15 +42,15 @@ def test_what_servos_take_as_it_is_leads_where_the_run_led(
     told = exported(capsys, folder, "--format", form, "--out", out)
     played, achieved = told["exported"], summary["achieved"]
     # the run's commands are on counts already; what is left is rounding of angles,
-    # 5e-10 rad in YAML, and what contacts make of it; 1e-6 m was measured
-    assert played["pose"] == pytest.approx(achieved["pose"], abs=2e-5)
-    assert played["min_margin"] == pytest.approx(achieved["min_margin"], abs=2e-5)
-    assert played["slip"] == pytest.approx(achieved["slip"], rel=0.01)
+    # 5e-10 rad in YAML, and what contacts make of it; 4e-11 m and rad were measured
+    assert played["pose"] == pytest.approx(achieved["pose"], abs=1e-8)
+    assert played["min_margin"] == pytest.approx(achieved["min_margin"], abs=1e-8)
+    assert played["slip"] == pytest.approx(achieved["slip"], rel=1e-6)
     assert told["rate"] == 60
     steps = len(np.load(folder / "commands.npz")["time"])
     assert told["commands"] == 1 + int((steps - 1) * 0.0005 * 60 + 1e-6)
     off = summary["error"]["quasi_static"]["position"]
-    assert played["error"]["quasi_static"]["position"] == pytest.approx(off, abs=2e-5)
+    assert played["error"]["quasi_static"]["position"] == pytest.approx(off, abs=1e-8)
 
 
 def test_angles_are_the_commands_of_the_run_at_their_instants(walked, tmp_path, capsys):

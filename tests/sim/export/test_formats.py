@@ -173,3 +173,19 @@ def test_two_joints_on_one_channel_are_refused():
 def test_what_is_no_table_is_refused(text):
     with pytest.raises(ValueError, match="."):
         read_angles(text)
+
+
+def test_frames_come_as_often_as_commands_and_counts_are_parts_of_a_frame(commands):
+    slower = ServoCommands(JOINTS, 50.0, commands.angles)
+    servos = servo_table(CARD, JOINTS, "mg90", True, rate=50.0)
+    text = write_header(slower, servos, **TITLE)
+    assert "#define WALK_LINE_FRAME_RATE 50.0" in text
+    # the same pulses: 365 counts of 1/60 s at the middle, 350 for half a turn
+    pulses = servos.counts(slower) / 50.0
+    wanted = (365 + commands.angles * 350 / np.pi) / 60.0
+    assert np.abs(pulses - wanted).max() <= 1.0 / 50  # half a count, and of the middle
+    assert np.abs(in_order(read_header(text, servos)) - commands.angles).max() < 0.006
+
+
+def test_a_rate_that_no_pulses_have_leaves_those_of_the_make(commands):
+    assert servo_table(CARD, JOINTS, "mg90", True, rate=2000.0).frame_rate == 60

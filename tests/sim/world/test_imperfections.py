@@ -135,3 +135,20 @@ def test_feet_on_bumps_carry_the_weight_and_the_walk_strays(scenario):
     assert off[0] > 2 * off[1]
     assert summary["achieved"]["min_margin"] > 0.02  # so contacts are seen
     assert summary["verdict"] in ("arrived", "drifted", "slipped")
+
+
+@pytest.mark.parametrize("kind", ["dead_band", "play"])
+def test_standing_legs_give_way_by_half_the_slack_and_what_loads_bend(standing, kind):
+    width, stiffness = 0.02, 50.0
+    model = standing(**{kind: width}, servo_stiffness=stiffness).model
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    for leg in range(1, 7):
+        bent = abs(float(data.actuator(f"lift_{leg}").force[0])) / stiffness
+        joints = f"lift_{leg}", f"{PLAY}lift_{leg}"
+        given = sum(float(data.joint(name).qpos[0]) for name in joints)
+        # the stop gives way by the torque, 0.3 N m, over 10,000 N m/rad
+        assert given == pytest.approx(width / 2 + bent, abs=1e-4)
+        assert bent > 1e-3
