@@ -94,7 +94,7 @@ SERVO_KINDS = {
         resolution=radians(180 / 350),
         center=365,
         reach=radians(90),
-        source="TowerPro MG90S data sheet at 6 V; PCA9685 at 60 Hz",
+        source="TowerPro MG90S data sheet, 6 V; NXP PCA9685 data sheet, 60 Hz",
     ),
     # 1.5 N m and 59 revolutions a minute at 12 V; 1024 counts over 300 degrees; with
     # compliance slope 8 the torque is full eight counts from the goal.
@@ -107,7 +107,7 @@ SERVO_KINDS = {
         center=512,
         reach=radians(150),
         bus="dynamixel",
-        source="ROBOTIS e-Manual, AX-12A at 12 V, compliance slope 8",
+        source="emanual.robotis.com/docs/en/dxl/ax/ax-12a, 12 V, compliance slope 8",
     ),
     # 0.52 N m and 103 revolutions a minute at 5 V; 4096 counts a turn. The controller
     # gives gain / 128 of its 885 steps of voltage a count: all at 14 counts of error
@@ -121,7 +121,7 @@ SERVO_KINDS = {
         center=2048,
         reach=radians(180),
         bus="dynamixel",
-        source="ROBOTIS e-Manual, XL330-M288-T at 5 V, position P gain 8000",
+        source="emanual.robotis.com/docs/en/dxl/x/xl330-m288, 5 V, P gain 8000",
     ),
 }
 """Servos by name."""
