@@ -76,7 +76,8 @@ def plan_towards(
     Raises:
         PlannerError: If the target cannot be approached from there.
     """
-    execution = setup.execution(finish=segment == setup.scenario.segments - 1)
+    last = segment == setup.scenario.segments - 1
+    execution = setup.execution(finish=last or setup.learns)
     here, there = setup.state(pose, swing), setup.state(target)
     return plan_step(setup.extended, here, there, execution)
 

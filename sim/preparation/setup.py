@@ -75,6 +75,12 @@ class Setup:
         return replace(self, scenario=scenario, world=world, model=model)
 
     @property
+    def learns(self) -> bool:
+        """Whether replanning allows for what segments missed before."""
+        asked, scenario = self.scenario.learn, self.scenario
+        return scenario.replan and (is_imperfect(scenario) if asked is None else asked)
+
+    @property
     def stance(self) -> StanceRule:
         """The stance of the scenario, or the one that suits the robot's equations."""
         asked, own = self.scenario.stance, self.equations.stance

@@ -2,7 +2,8 @@
 
 A robot that is not as it should be misses every segment by much the same: its feet are
 not where they should be, its floor leans. Planning from the pose makes good what was
-missed, one segment late. What is likely to be missed can be allowed for beforehand.
+missed, one segment late. What is likely to be missed can be allowed for beforehand; for
+that, all segments bring the legs back to angle 0, as otherwise only the last one does.
 """
 
 from __future__ import annotations
@@ -20,7 +21,6 @@ from sim.planning.aiming import segment_ends
 from sim.planning.open_loop import plan_segment
 from sim.planning.soundness import require_sound_flows
 from sim.preparation.setup import Setup
-from sim.scenarios.imperfect import is_imperfect
 
 if TYPE_CHECKING:
     from sim.walking.walker import Walker
@@ -43,7 +43,7 @@ def replanned(walker: Walker) -> int:
         UsageError: If the walk takes more steps or memory than there can be.
     """
     setup, saturated = walker.setup, 0
-    missing = np.zeros(3) if learns(setup) else None
+    missing = np.zeros(3) if setup.learns else None
     for segment in range(setup.scenario.segments):
         began, pose, swing = time.perf_counter(), walker.pose, walker.swing
         step = plan_segment(setup, segment, pose, swing, missing)
@@ -56,12 +56,6 @@ def replanned(walker: Walker) -> int:
             missed = _missed(setup, step, swing, seen_from(pose, walker.pose))
             missing = missing + LEARNED * (missed - missing)
     return saturated
-
-
-def learns(setup: Setup) -> bool:
-    """Whether replanning allows for what segments missed before."""
-    asked = setup.scenario.learn
-    return is_imperfect(setup.scenario) if asked is None else asked
 
 
 def _missed(setup: Setup, step: Step, swing: tuple[float, ...], walked: Array) -> Array:
