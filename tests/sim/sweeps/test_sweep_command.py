@@ -2,6 +2,9 @@
 
 import json
 import shutil
+import signal
+import subprocess
+import time
 
 import duckdb
 import pandas
@@ -11,7 +14,7 @@ import pytest
 from sim.simulation import simulate
 from sim.sweeps.file import read_sweep
 from sim.sweeps.worker import numbers
-from tests.sweeps import stratawalk, write_sweep
+from tests.sweeps import ENV, command, stratawalk, write_sweep
 
 pytestmark = pytest.mark.physics
 VARIES = '[grid]\nfriction = [0.4, 1.0]\nstance = ["centred", "paper"]\n'
@@ -186,3 +189,23 @@ def test_an_unknown_number_of_a_shape_is_refused_before_anything_is_made(tmp_pat
     assert done.returncode == 2
     assert "did you mean 'kappa'" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.full
+def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_path):
+    varies = "[grid]\nfriction = { from = 0.2, to = 1.0, count = 40 }\n"
+    file, ledger = write_sweep(tmp_path, varies), tmp_path / "out" / "ledger.jsonl"
+    process = subprocess.Popen(
+        command("sweep", file, "--out", tmp_path / "out", "--workers", 1),
+        env=ENV,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while process.poll() is None and not (ledger.exists() and ledger.stat().st_size):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert len(said.splitlines()) == 1
+    assert "of 40 points are done, go on with --resume" in said
