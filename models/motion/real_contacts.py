@@ -26,7 +26,7 @@ from planner import Array, StratifiedSystem
 
 NODES = 13  # along the stroke; the twist is smooth there but for where feet let go
 ACROSS = 5  # along the angle of the other group, which matters through its weight alone
-DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out
+DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out if not said
 WHOLE = 2  # groups up to which every combination of angles is covered
 
 
@@ -102,6 +102,7 @@ def contact_fields(
     groups: Sequence[str],
     twists: TwistModel,
     names: Sequence[str] | None = None,
+    dropped: float = DROPPED,
 ) -> dict[str, ContactField]:
     """Fit the twist of every stroke over the joint range.
 
@@ -110,6 +111,7 @@ def contact_fields(
         groups: Names of the groups of legs, in the order of the angles.
         twists: What to fit, such as the quasi-static twists.
         names: Fields to fit; all if not given.
+        dropped: Coefficients that are smaller are left out [m/rad], [rad/rad].
 
     Returns:
         A polynomial for every one of them that swings a group in contact, by its name.
@@ -121,7 +123,7 @@ def contact_fields(
         moving = [g for g, share in zip(groups, direction, strict=True) if share]
         if any(group in stratum for group in moving):
             spans = np.array([described.limits[f"phi_{group}"] for group in groups])
-            found[name] = _fit(stratum, direction, spans, twists)
+            found[name] = _fit(stratum, direction, spans, twists, dropped)
     return found
 
 
@@ -158,7 +160,11 @@ def contact_equations(
 
 
 def _fit(
-    stratum: str, direction: tuple[float, ...], spans: Array, twists: TwistModel
+    stratum: str,
+    direction: tuple[float, ...],
+    spans: Array,
+    twists: TwistModel,
+    dropped: float,
 ) -> ContactField:
     along = np.array(direction)
     axes, ranges = _axes(along, spans)
@@ -179,7 +185,7 @@ def _fit(
         inverse = np.linalg.inv(chebyshev.chebvander(u, len(u) - 1))
         product = np.tensordot(inverse, coefficients, (1, axis))
         coefficients = np.moveaxis(product, 0, axis)
-    small = np.abs(coefficients) < DROPPED
+    small = np.abs(coefficients) < dropped
     coefficients = _cropped(np.where(small, 0.0, coefficients))
     field = ContactField(stratum, direction, axes, ranges, coefficients, (0.0,) * 3)
     return replace(field, error=_error(field, twists, lift))

@@ -48,8 +48,8 @@ def stage_function(task: Task, stage: Stage, start: Array) -> Any:
     return ca.Function("stage", [x, d, a], [ca.horzcat(*steps)])
 
 
-def curve_function(path: Path, moved: list[int]) -> tuple[Callable[[Any], Any], bool]:
-    """A path as a function of s, and whether it is straight and run evenly.
+def curve_function(path: Path, moved: list[int]) -> Callable[[Any], Any]:
+    """A path as a function of s.
 
     Args:
         path: Configurations.
@@ -61,9 +61,9 @@ def curve_function(path: Path, moved: list[int]) -> tuple[Callable[[Any], Any], 
     begin, way = values[0], values[-1] - values[0]
     off = np.abs(values - begin - grid[:, None] * way).max()
     if off <= STRAIGHT * (1.0 + np.abs(values).max()):
-        return lambda s: ca.DM(begin) + ca.DM(way) * s, True
+        return lambda s: ca.DM(begin) + ca.DM(way) * s
     spline = ca.interpolant("path", "bspline", [grid], values.ravel())
-    return lambda s: spline(s), False
+    return lambda s: spline(s)
 
 
 def _recovered(task: Task, stage: Stage, amounts: Any) -> Any:

@@ -4,6 +4,10 @@ The unknowns are the strokes and recoveries of every stage, the states between s
 and the place on the path that the motion has reached at the end of each stage. Within a
 stage the state is integrated in a few steps. After each of them the motion must lie
 within its tolerances of the place on the path that belongs to that moment.
+
+The width of the corridor is an unknown too, at a high cost. A solver that begins far
+from the path can thus always go on, and where no plan keeps the tolerances it ends with
+the width that the corridor would need.
 """
 
 from __future__ import annotations
@@ -15,9 +19,10 @@ from typing import Any
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.dynamics import STEPS, curve_function, stage_function
+from planner.optimisation.dynamics import STEPS, stage_function
+from planner.optimisation.ipopt import WARM, Ipopt
 from planner.optimisation.requirements import Requirements
-from planner.optimisation.solver import QUIET, WARM, interruptible, solver
+from planner.optimisation.solver import solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.unknowns import Unknowns
@@ -25,6 +30,7 @@ from planner.planning.paths import Path
 
 TIGHTER = 0.98  # part of the tolerances kept at the steps, for what lies in between
 PARALLEL = 1e-2  # cost of what happens alongside, so that nothing moves in vain
+DEAR = 1000.0  # cost of one more tolerance of width, in units of the dearest field
 
 
 class Program:
@@ -47,8 +53,10 @@ class Program:
             for stage in dict.fromkeys(self.unknowns.stages)
         }
         self._requirements = Requirements()
-        self._program, self._options = self._built()
-        self._solver = self._compiled({})
+        dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
+        self._dear = DEAR * dearest
+        self._program = self._built()
+        self._solver = Ipopt(self._program)
 
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
@@ -71,7 +79,7 @@ class Program:
         whole[:, moved] = np.array(states)
         along = np.linspace(*places, len(states))
         first = self.unknowns.first
-        return Solution(first, strokes, recoveries, whole, along, np.inf)
+        return Solution(first, strokes, recoveries, whole, along, np.inf, np.inf)
 
     def solve(
         self,
@@ -83,6 +91,8 @@ class Program:
     ) -> Solution | None:
         """The local optimum that a guess leads to; None if it leads to none.
 
+        Where the tolerances are not kept, its `width` says what would be.
+
         Args:
             guess: Where to begin, its first state the start.
             places: Where on the path the motion begins and ends.
@@ -91,34 +101,30 @@ class Program:
             near: Whether to stay near the guess, which nearly solves the program.
         """
         start = guess.states[0]
-        lowest, highest = self.unknowns.bounds(start, places, goal)
-        least, most = self._requirements.bounds(tighter)
+        lowest, highest = self.unknowns.bounds(start, places, goal, tighter)
+        least, most = self._requirements.bounds()
         compiled = self._near if near else self._solver
-        with interruptible():
-            found = compiled(
-                x0=self.unknowns.packed(guess),
-                lbx=lowest,
-                ubx=highest,
-                lbg=least,
-                ubg=most,
-            )
-        if not compiled.stats()["success"]:
+        found = compiled(
+            x0=self.unknowns.packed(guess),
+            lbx=lowest,
+            ubx=highest,
+            lbg=least,
+            ubg=most,
+        )
+        if found is None:
             return None
         values = np.array(found["x"])[:, 0]
-        return self.unknowns.unpacked(values, float(found["f"]), start)
+        cost = float(found["f"]) - self._dear * values[-1]
+        return self.unknowns.unpacked(values, cost, start)
 
     @cached_property
-    def _near(self) -> Any:
-        return self._compiled(WARM)
+    def _near(self) -> Ipopt:
+        return Ipopt(self._program, WARM)
 
-    def _compiled(self, options: dict[str, Any]) -> Any:
-        every = QUIET | self._options | options
-        return solver().nlpsol("plan", "ipopt", self._program, every)
-
-    def _built(self) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _built(self) -> dict[str, Any]:
         ca, task, asked = solver(), self.task, self._requirements
         unknown = self.unknowns.symbols()
-        X, S, forward, backward, up, down, times = unknown
+        X, S, forward, backward, up, down, times, width = unknown
         D, A = forward - backward, up - down
         states, places = list[Any](), list[Any]()
         for stage in self._stages:
@@ -133,20 +139,18 @@ class Program:
                 states.append(X[:, after] if last else steps[:, j::STEPS])
                 places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STEPS))
             asked.margins(task, stage, self._start, X[:, k], X[:, after])
-        asked.corridor(task, self.path, states, places)
+        asked.corridor(task, self.path, states, places, width)
         asked.add(S[1:] - S[:-1], 0.0, np.inf)
         lengths = forward + backward, up + down
         cost = self._cost(self.unknowns.stages, *lengths)
         if task.together:
             asked.times(task, self.unknowns.stages, times, *lengths)
             cost = ca.sum2(times) + PARALLEL * cost
-        program = {
+        return {
             "x": ca.vertcat(*map(ca.vec, unknown)),
-            "f": cost,
+            "f": cost + self._dear * width,
             "g": ca.vertcat(*asked.rows),
         }
-        _, straight = curve_function(self.path, task.moved)
-        return program, {"expand": straight}
 
     def _cost(self, stages: Sequence[Stage], D: Any, A: Any) -> Any:
         """Cost of all strokes and recoveries, one after another."""

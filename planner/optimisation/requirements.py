@@ -18,61 +18,62 @@ TINY = 1e-12  # keeps apart from zero what is divided by
 
 
 class Requirements:
-    """Rows with their lowest and highest values.
-
-    Some of them are tolerances, by whose part that is kept their bounds are scaled: by
-    its square where the row is a squared distance.
-    """
+    """Rows with their lowest and highest values."""
 
     def __init__(self) -> None:
         self.rows: list[Any] = []
         self._bounds: list[Array] = []
-        self._powers: list[Array] = []
 
-    def add(self, rows: Any, low: float, high: float, power: int = 0) -> None:
-        """Ask for rows between two values; `power` scales them as a tolerance."""
+    def add(self, rows: Any, low: float, high: float) -> None:
+        """Ask for rows between two values."""
         flat = solver().vec(rows)
         self.rows.append(flat)
         self._bounds.append(np.tile([[low], [high]], flat.numel()))
-        self._powers.append(np.full(flat.numel(), power))
 
-    def bounds(self, tighter: float) -> tuple[Array, Array]:
-        """Lowest and highest values where a part of the tolerances is kept."""
+    def bounds(self) -> tuple[Array, Array]:
+        """Lowest and highest values of all rows."""
         low, high = np.concatenate(self._bounds, axis=1)
-        scale = tighter ** np.concatenate(self._powers)
-        return low * scale, high * scale
+        return low, high
 
     def corridor(
-        self, task: Task, path: Path, states: Sequence[Any], places: Sequence[Any]
+        self,
+        task: Task,
+        path: Path,
+        states: Sequence[Any],
+        places: Sequence[Any],
+        width: Any,
     ) -> None:
         """Keep states within the tolerances of the path's points that go along.
 
-        What is not position is compared where the position is nearest: along the
-        path's tangent from the point that goes along.
+        The corridor is so many tolerances wide. What is not position is compared where
+        the position is nearest: along the path's tangent from the point that goes
+        along.
         """
         ca = solver()
         x, s = ca.MX.sym("x", len(task.moved)), ca.MX.sym("s")
-        curve, _ = curve_function(path, task.moved)
-        parts, powers, nearest = list[Any](), list[int](), s
+        curve = curve_function(path, task.moved)
+        parts, nearest = list[Any](), s
+        wide = ca.MX.sym("wide")
         for number, tolerance in enumerate(task.tolerances):
             index = [
                 task.moved.index(i) for i in tolerance.coordinates if i in task.moved
             ]
             if index and np.isfinite(tolerance.most):
                 off = (x - curve(nearest))[index] / tolerance.most
-                powers.append(1 if len(index) == 1 else 2)
-                parts.append(off if len(index) == 1 else ca.sumsqr(off))
+                if len(index) == 1:
+                    parts += [off - wide, -off - wide]
+                else:
+                    parts.append(ca.sumsqr(off) - wide**2)
             if index and number == 0:
                 along = ca.jacobian(curve(s)[index], s)
                 ahead = ca.dot((x - curve(s))[index], along)
                 nearest = s + ahead / (ca.sumsqr(along) + TINY)
         if not parts:
             return
-        within = ca.Function("within", [x, s], [ca.vertcat(*parts)])
+        within = ca.Function("within", [x, s, wide], [ca.vertcat(*parts)])
         every, where = ca.horzcat(*states), ca.horzcat(*places)
-        rows = ca.vertsplit(within.map(where.numel())(every, where))
-        for row, power in zip(rows, powers, strict=True):
-            self.add(row, -1.0 if power == 1 else -np.inf, 1.0, power)
+        everywhere = ca.repmat(width, 1, where.numel())
+        self.add(within.map(where.numel())(every, where, everywhere), -np.inf, 0.0)
 
     def margins(
         self, task: Task, stage: Stage, start: Array, begins: Any, ends: Any

@@ -16,7 +16,7 @@ from itertools import islice
 
 import numpy as np
 
-from planner.errors import BoundError
+from planner.errors import BoundError, BudgetError
 from planner.numerics.arrays import Array
 from planner.numerics.budget import tick
 from planner.numerics.interruption import answer
@@ -25,17 +25,20 @@ from planner.optimisation.program import Program
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 
-FEWEST = 3  # stages that the search begins with
-MOST = 48  # stages of a window
-LONGEST = 12.0  # window at first, in units that a stroke moves by
+FEWEST = 3  # stages that the search begins with, at least
+BEGIN = 6.0  # stages that it begins with, for each unit that a stroke moves by
+MOST = 96  # stages of a window
+LONGEST = 15.0  # window at first, in units that a stroke moves by
 SHORTEST = 0.05  # window at last, likewise
 BOTH = 20  # stages up to which the first may be any of the cycle's
 ROUGHLY = 2  # guesses that decide whether a number of stages will do
 CLOSELY = 5  # guesses at numbers of stages near the fewest
 STRIDE = 1.1  # from one number of stages that is tried to the next
 WORSE = 2  # numbers of stages without progress, after which the search ends
-WIDER = 1.25  # tolerances are widened by, when the nearest feasible ones are sought
-WIDEST = 100.0
+KEPT = 1.0 + 1e-6  # width, in tolerances, that counts as keeping them
+STEEPNESS = 0.8  # growth of the stages for each tolerance that is lacking
+NARROWER = 16.0  # largest part of a window that is given up at once
+WORKED = 0.97  # share of a window's work that is left after each solution, as reported
 
 Score = Callable[[Solution], float]
 Report = Callable[[float], None]
@@ -73,28 +76,33 @@ class Search:
     hurried: bool = False
     _programs: dict[tuple[int, int], Program] = field(default_factory=dict)
     _best: Solution | None = None
+    _tried: set[tuple[int, int, int]] = field(default_factory=set)
+    _left: float = 1.0
 
     def run(self) -> list[Solution]:
         """Solutions that follow each other from the path's start to its goal.
 
-        Ctrl-C ends the search for anything better than what has been found by then;
-        before a plan is found it is passed on.
+        Ctrl-C, or the end of the time to plan in, ends the search for anything better
+        than what has been found by then; before a plan is found it is passed on.
 
         Raises:
             BoundError: If no plan keeps the tolerances; it says which would be kept.
+            BudgetError: If the time is over before a plan is found.
         """
         here, place, first = self.path(0.0), 0.0, 0
-        length, done, count = self._length(), list[Solution](), FEWEST
+        length, done = self._length(), list[Solution]()
         width = min(1.0, LONGEST / length)
+        count = int(np.clip(BEGIN * width * length, FEWEST, MOST))
         while place < 1.0:
             last = place + 1.01 * width >= 1.0
             ends = (place, 1.0 if last else place + width)
             window = _Window(here, ends, self.path(1.0) if last else None, first)
             found = self._solved(window, count)
-            if found is None:
-                width, count = width / 2, MOST // 2
+            if found is None or found.width > KEPT:
+                lacking = found.width**2 if found else 2.0
+                width /= np.clip(lacking, 2.0, NARROWER)
                 if width * length < SHORTEST:
-                    raise self._refusal(window)
+                    raise self._refusal(window, found)
                 continue
             count = len(found.strokes)
             done.append(found if last else found.until(float(np.mean(ends))))
@@ -116,62 +124,85 @@ class Search:
         return program.solve(solution, ends, goal, tighter, near=True)
 
     def _solved(self, window: _Window, count: int) -> Solution | None:
-        self._best = None
+        """The best that keeps the tolerances, or else the nearest to that."""
+        self._best, self._left = None, 1.0
+        self._tried.clear()
         try:
             self._explore(window, count)
-        except KeyboardInterrupt as stop:
-            if self._best is None or type(stop) is not KeyboardInterrupt:
-                raise  # nothing is found, or there is no time to go on
-            answer(stop)
+        except (KeyboardInterrupt, BudgetError) as stop:
+            if self._best is None or self._best.width > KEPT:
+                raise  # nothing is found
+            if isinstance(stop, BudgetError) and window.ends[1] < 1.0:
+                raise
+            if isinstance(stop, KeyboardInterrupt):
+                if type(stop) is not KeyboardInterrupt:
+                    raise  # there is no time to go on
+                answer(stop)
             self.hurried = True
         return self._best
 
     def _explore(self, window: _Window, count: int) -> None:
         """Find the fewest stages that do, and try more until they do no better."""
         few = 0 if window.first == 0 else round(count / STRIDE**2)
-        while not self._feasible(window, count, ROUGHLY):
+        while (width := self._width(window, count, ROUGHLY)) > KEPT:
             if count >= MOST:
                 return
-            few, count = count, min(2 * count, MOST)
+            growth = np.clip(1 + STEEPNESS * (width - 1), STRIDE, 2.0)
+            few, count = count, min(max(count + 1, round(count * growth)), MOST)
         while count - few > max(1, count * (STRIDE - 1)) and not self.hurried:
             middle = (few + count) // 2
-            if self._feasible(window, middle, ROUGHLY):
+            if self._width(window, middle, ROUGHLY) <= KEPT:
                 count = middle
             else:
                 few = middle
         worse = 0
         while worse < WORSE and not self.hurried:
             before = self._best
-            self._feasible(window, count, CLOSELY)
+            self._width(window, count, CLOSELY)
             worse = worse + 1 if self._best is before else 0
             count = max(count + 1, round(count * STRIDE))
 
-    def _feasible(self, window: _Window, count: int, attempts: int) -> bool:
-        """Whether a number of stages does; keeps the best solution found."""
+    def _width(self, window: _Window, count: int, attempts: int) -> float:
+        """Least width found for a number of stages; keeps the best solution."""
         any_first = window.first == 0 and count <= BOTH
         turns = len(self.task.stages) if any_first else 1
-        found = False
+        least = np.inf
         for first in range(window.first, window.first + turns):
             program = self._program(count, first)
             cycle = [self.task.stage(first + k) for k in range(len(self.task.stages))]
             starts = guesses(cycle, count, window.ends, self.coarse)
-            for strokes in islice(starts, attempts):
+            for number, strokes in enumerate(islice(starts, attempts)):
+                if (count, first, number) in self._tried:
+                    continue
+                self._tried.add((count, first, number))
                 guess = program.guess(strokes, window.start, window.ends)
                 tick()
                 here = program.solve(guess, window.ends, window.goal)
-                found |= here is not None
                 self._keep(here)
-                if found and self.hurried:
-                    return True
-        return found
+                self._worked(window)
+                least = min(least, here.width if here else np.inf)
+                if least <= KEPT and self.hurried:
+                    return least
+        return float(least)
 
     def _keep(self, found: Solution | None) -> None:
-        if found is None:
-            return
-        if self._best is None or self.score(found) < self.score(self._best):
-            self._best = found
+        """Remember a solution that is better, or nearer where none is good."""
+        best = self._best
+        if found is None or best is None:
+            self._best = best or found
+        elif best.width > KEPT:
+            self._best = min(best, found, key=lambda solution: solution.width)
+        elif found.width <= KEPT:
+            self._best = min(best, found, key=self.score)
+        if found is self._best is not None and found.width <= KEPT:
             stages, begin = len(found.strokes), float(found.places[0])
             tick(f"{stages} stages from {begin:.0%} of the path on")
+
+    def _worked(self, window: _Window) -> None:
+        """Report what is done, of an amount of work that nobody knows beforehand."""
+        self._left *= WORKED
+        begin, end = window.ends
+        self.report(begin + (end - begin) / 2 * (1.0 - self._left))
 
     def _program(self, count: int, first: int) -> Program:
         key = count, first % len(self.task.stages)
@@ -185,27 +216,16 @@ class Search:
         steps = np.abs(np.diff(points, axis=0)) / self.task.sizes(self.path(0.0))
         return max(float(steps.max(axis=1).sum()), 1e-9)
 
-    def _refusal(self, window: _Window) -> BoundError:
-        """Says which tolerances the most stages keep on a short piece of the path."""
-        program = self._program(MOST, window.first)
-        cycle = [
-            self.task.stage(window.first + k) for k in range(len(self.task.stages))
-        ]
-        (strokes,) = islice(guesses(cycle, MOST, window.ends, self.coarse), 1)
-        guess = program.guess(strokes, window.start, window.ends)
-        wider = WIDER
-        while wider < WIDEST:
-            if program.solve(guess, window.ends, window.goal, wider) is not None:
-                kept = " and ".join(
-                    f"{wider * t.most:.3g}" for t in self.task.tolerances
-                )
-                asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
-                return BoundError(
-                    f"no plan was found within {asked} of the path at "
-                    f"{window.ends[0]:.0%} of it; the nearest found there keeps {kept}"
-                )
-            wider *= WIDER
+    def _refusal(self, window: _Window, found: Solution | None) -> BoundError:
+        """Says which tolerances were kept, at most stages on the shortest window."""
+        if found is None:
+            return BoundError(
+                f"no plan was found along the path, whatever its tolerances, at "
+                f"{window.ends[0]:.0%} of it; take a path that the joint ranges allow"
+            )
+        kept = " and ".join(f"{found.width * t.most:.3g}" for t in self.task.tolerances)
+        asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
         return BoundError(
-            f"no plan was found along the path, whatever its tolerances, at "
-            f"{window.ends[0]:.0%} of it; take a path that the joint ranges allow"
+            f"no plan was found within {asked} of the path at {window.ends[0]:.0%} of "
+            f"it; the nearest found there keeps {kept}"
         )

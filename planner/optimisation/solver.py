@@ -2,37 +2,12 @@
 
 from __future__ import annotations
 
-import io
-import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, redirect_stderr
-from typing import Any, TextIO
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import sympy as sp
 
 from planner.errors import PlannerError
-from planner.numerics.interruption import reraise, unanswered_interruption
-
-QUIET: dict[str, Any] = {
-    "ipopt.print_level": 0,
-    "ipopt.sb": "yes",
-    "print_time": False,
-    "ipopt.max_iter": 250,
-    "ipopt.tol": 1e-6,
-    "ipopt.acceptable_iter": 0,
-    "ipopt.mu_strategy": "adaptive",
-}
-
-WARM: dict[str, Any] = {  # close to where a solution is known to be
-    "ipopt.mu_strategy": "monotone",
-    "ipopt.mu_init": 1e-6,
-    "ipopt.warm_start_init_point": "yes",
-    "ipopt.warm_start_bound_push": 1e-8,
-    "ipopt.warm_start_bound_frac": 1e-8,
-    "ipopt.warm_start_slack_bound_push": 1e-8,
-    "ipopt.warm_start_slack_bound_frac": 1e-8,
-    "ipopt.warm_start_mult_bound_push": 1e-8,
-}
 
 
 class MissingSolverError(PlannerError):
@@ -56,27 +31,6 @@ def solver() -> Any:
     except ImportError as error:
         raise MissingSolverError from error
     return casadi
-
-
-@contextmanager
-def interruptible() -> Iterator[None]:
-    """Let Ctrl-C through, which CasADi swallows with a line of its own."""
-    with redirect_stderr(_Filter(sys.stderr)):
-        yield
-    reraise()
-
-
-class _Filter(io.TextIOBase):
-    """A stream without what CasADi says of Ctrl-C."""
-
-    def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
-
-    def write(self, text: str) -> int:
-        return len(text) if unanswered_interruption() else self._stream.write(text)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._stream, name)
 
 
 def casadi_function(

@@ -97,6 +97,7 @@ class Solution:
         states: At both ends of every stage, shape (N + 1, n).
         places: Where on the path they are, from 0 to 1, shape (N + 1,).
         cost: What was minimised.
+        width: Of the corridor that it keeps to, in tolerances; infinite for a guess.
     """
 
     first: int
@@ -105,6 +106,7 @@ class Solution:
     states: Array
     places: Array
     cost: float
+    width: float
 
     def until(self, place: float) -> Solution:
         """The stages up to the first that ends beyond a place on the path."""
@@ -116,4 +118,5 @@ class Solution:
             states=self.states[: count + 1],
             places=self.places[: count + 1],
             cost=self.cost,
+            width=self.width,
         )

@@ -1,8 +1,9 @@
 """The unknowns of a program in one vector: bounds, and access to the parts.
 
 The vector holds, in this order, the states between stages, the places on the path, the
-strokes forward and backward, the recoveries forward and backward, and the durations of
-stages whose parts take place at the same time. A stroke has one unknown for each
+strokes forward and backward, the recoveries forward and backward, the durations of
+stages whose parts take place at the same time, and the width of the corridor in
+tolerances. A stroke has one unknown for each
 direction, because the objective counts its length.
 """
 
@@ -20,6 +21,7 @@ from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 
 UNBOUNDED = 2.0  # longest stroke where nothing limits it, in sizes of the path
+WIDE = 4.0  # width of the corridor, in tolerances, that a guess begins with
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Unknowns:
         return tuple(self.task.stage(self.first + k) for k in range(self.count))
 
     def symbols(self) -> tuple[Any, ...]:
-        """CasADi's symbols: states, places, strokes, recoveries (twice each), times."""
+        """CasADi's symbols in the order of the vector."""
         ca, task, count = solver(), self.task, self.count
         shapes = {
             "states": (len(task.moved), count + 1),
@@ -54,11 +56,12 @@ class Unknowns:
             "up": (task.widest, count),
             "down": (task.widest, count),
             "times": (1, count if task.together else 0),
+            "width": (1, 1),
         }
         return tuple(ca.MX.sym(name, *shape) for name, shape in shapes.items())
 
     def packed(self, solution: Solution) -> Array:
-        """The vector of a solution."""
+        """The vector of a solution; a guess gets a wide corridor."""
         recoveries = np.zeros((self.count, self.task.widest))
         for row, amounts in zip(recoveries, solution.recoveries, strict=True):
             row[: len(amounts)] = amounts
@@ -67,6 +70,7 @@ class Unknowns:
             parts += [np.maximum(amounts, 0.0), np.maximum(-amounts, 0.0)]
         if self.task.together:
             parts.append(np.abs(solution.strokes))
+        parts.append(np.array([min(solution.width, WIDE)]))
         return np.concatenate(parts)
 
     def unpacked(self, values: Array, cost: float, start: Array) -> Solution:
@@ -78,12 +82,15 @@ class Unknowns:
         whole[:, self.task.moved] = states.reshape(count + 1, n)
         recoveries = (signed[2] - signed[3]).reshape(count, wide)
         strokes = signed[0] - signed[1]
-        return Solution(
-            self.first, strokes, self._each(recoveries), whole, places, cost
-        )
+        width, amounts = float(values[-1]), self._each(recoveries)
+        return Solution(self.first, strokes, amounts, whole, places, cost, width)
 
     def bounds(
-        self, start: Array, places: tuple[float, float], goal: Array | None
+        self,
+        start: Array,
+        places: tuple[float, float],
+        goal: Array | None,
+        narrowest: float,
     ) -> tuple[Array, Array]:
         """Lowest and highest values of the vector.
 
@@ -91,6 +98,7 @@ class Unknowns:
             start: State before the first stage, shape (n,).
             places: Where on the path the motion begins and ends.
             goal: State to end in, shape (n,); None for any.
+            narrowest: Width of the corridor where it can be kept, in tolerances.
         """
         count, wide, moved = self.count, self.task.widest, self.task.moved
         spans = [self.task.limits.get(i, (-np.inf, np.inf)) for i in moved]
@@ -104,9 +112,10 @@ class Unknowns:
         free = np.where(np.arange(wide) < np.array(laid)[:, None], np.inf, 0.0)
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
         times = np.full(count if self.task.together else 0, np.inf)
-        high = [states[..., 1].ravel(), along[:, 1], *most, times]
-        low = [states[..., 0].ravel(), along[:, 0], *(0.0 * np.isinf(m) for m in most)]
-        return np.concatenate([*low, 0.0 * np.isinf(times)]), np.concatenate(high)
+        amounts, width = np.concatenate([*most, times]), np.array([narrowest])
+        high = [states[..., 1].ravel(), along[:, 1], amounts, np.array([np.inf])]
+        low = [states[..., 0].ravel(), along[:, 0], np.zeros(len(amounts)), width]
+        return np.concatenate(low), np.concatenate(high)
 
     def centred(self, strokes: Array, start: Array) -> tuple[Array, tuple[Array, ...]]:
         """Strokes within their range, and recoveries that put each around zero."""

@@ -31,6 +31,7 @@ from sim.preparation.setup import Setup
 
 ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
 LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
+ROUGH = 1e-6  # [m/rad], [rad/rad] of fields; the aim makes up for what they leave out
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
 SAMPLES = 8  # of a flow of the stratified plan
 GUARD = 1e-4  # [m] of the margin, for what lies between the ends of strokes
@@ -45,7 +46,8 @@ def real_equations(setup: Setup) -> Equations:
     """
     described = setup.equations
     used = [e for e in described.elements if e in described.swings]
-    fields = contact_fields(described, setup.robot.groups, real_twists(setup), used)
+    groups, twists = setup.robot.groups, real_twists(setup)
+    fields = contact_fields(described, groups, twists, used, ROUGH)
     return contact_equations(described, fields)
 
 
