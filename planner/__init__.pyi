@@ -83,6 +83,7 @@ from .numerics.budget import (
     best_so_far as best_so_far,
     limited as limited,
     tick as tick,
+    unlimited as unlimited,
 )
 from .numerics.interruption import (
     forget_interruption as forget_interruption,

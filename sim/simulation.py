@@ -17,7 +17,7 @@ from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.comparison import describe
 from sim.experiments.creep import creep_floor
 from sim.motion.poses import wrap
-from sim.optimisation.planned import PlannedWalk
+from sim.optimisation.planned import Chosen, PlannedWalk
 from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
 from sim.planning.sharing import is_shareable, keeper, shared_plan
@@ -43,12 +43,14 @@ class Prepared:
         setup: The scenario with everything decided.
         plan: Flows of the whole path; None if segments are planned during the walk.
         steps: Number of physics steps; an estimate if it plans during the walk.
+        fallback: Why the stratified plan stands where a shorter one was asked for.
     """
 
     scenario: Scenario
     setup: Setup
     plan: Plan | None
     steps: int
+    fallback: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +84,8 @@ class Simulation:
     def summary(self) -> Summary:
         """The numbers of summary.json."""
         numbers = summarise(self.evaluation, self.creep_floor)
-        return numbers | {"timing": self.timing}
+        fallback = self.prepared.fallback
+        return numbers | {"fallback": fallback, "timing": self.timing}
 
     def __str__(self) -> str:
         return describe(self.summary)
@@ -171,21 +174,22 @@ def _prepared(
 ) -> Prepared:
     setup = planned.setup.beside(aside)
     with explained(setup.robot, setup.equations):
-        plan = None if scenario.replan else _plan(setup, planned, aside, shared)
+        chosen = None if scenario.replan else _chosen(setup, planned, aside, shared)
+    plan, fallback = (chosen.plan, chosen.fallback) if chosen else (None, None)
     if plan is not None and not scenario.allow_unstable:
         keep = keeper(setup, shared)
         keep("sound", partial(require_sound, setup, plan))
     steps = expected_steps(setup, plan)
     check_effort(setup, steps)
-    return Prepared(scenario, setup, plan, steps)
+    return Prepared(scenario, setup, plan, steps, fallback)
 
 
-def _plan(
+def _chosen(
     setup: Setup, planned: PlannedWalk, aside: Aside, shared: Shared | None
-) -> Plan:
+) -> Chosen:
     if shared is not None and is_shareable(setup):
-        return shared_plan(setup, shared)
-    return planned.plan(aside)
+        return Chosen(shared_plan(setup, shared))
+    return planned.choose(aside)
 
 
 def _further(aside: Aside, scenario: Scenario, reached: Array) -> Aside:

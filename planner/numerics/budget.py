@@ -64,6 +64,16 @@ def best_so_far() -> str:
     return next((budget.best for budget in reversed(_open) if budget.best), "")
 
 
+@contextmanager
+def unlimited() -> Iterator[None]:
+    """Let what is inside end, even if the time to search in is over."""
+    token = _current.set(None)
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
 def tick(best: str = "") -> None:
     """Report that a search is still running.
 

@@ -128,7 +128,7 @@ def _watch() -> Callable[[int, int], Any]:
         def eval(self, arguments: Any) -> list[int]:
             try:
                 tick()
-            except Exception as error:
+            except (Exception, KeyboardInterrupt) as error:
                 self.stopped = error
             return [int(self.stopped is not None or bool(self._noted))]
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from planner.errors import BoundError, BudgetError
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
+from planner.numerics.budget import tick, unlimited
 from planner.numerics.interruption import answer
 from planner.optimisation.guesses import Coarse, guesses
 from planner.optimisation.program import Program
@@ -35,6 +35,7 @@ ROUGHLY = 2  # guesses that decide whether a number of stages will do
 CLOSELY = 5  # guesses at numbers of stages near the fewest
 STRIDE = 1.1  # from one number of stages that is tried to the next
 WORSE = 2  # numbers of stages without progress, after which the search ends
+BETTER = 0.999  # of the least so far, which is progress
 KEPT = 1.0 + 1e-6  # width, in tolerances, that counts as keeping them
 STEEPNESS = 0.8  # growth of the stages for each tolerance that is lacking
 NARROWER = 16.0  # largest part of a window that is given up at once
@@ -121,7 +122,9 @@ class Search:
         """
         program = self._program(len(solution.strokes), solution.first)
         ends = (float(solution.places[0]), 1.0)
-        return program.solve(solution, ends, goal, tighter, near=True)
+        with unlimited():
+            found = program.solve(solution, ends, goal, tighter, near=True)
+        return found if found and found.width <= max(KEPT, KEPT * tighter) else None
 
     def _solved(self, window: _Window, count: int) -> Solution | None:
         """The best that keeps the tolerances, or else the nearest to that."""
@@ -156,10 +159,10 @@ class Search:
             else:
                 few = middle
         worse = 0
-        while worse < WORSE and not self.hurried:
-            before = self._best
+        while worse < WORSE and count <= MOST and not self.hurried:
+            before = self._least()
             self._width(window, count, CLOSELY)
-            worse = worse + 1 if self._best is before else 0
+            worse = 0 if self._least() < BETTER * before else worse + 1
             count = max(count + 1, round(count * STRIDE))
 
     def _width(self, window: _Window, count: int, attempts: int) -> float:
@@ -197,6 +200,9 @@ class Search:
         if found is self._best is not None and found.width <= KEPT:
             stages, begin = len(found.strokes), float(found.places[0])
             tick(f"{stages} stages from {begin:.0%} of the path on")
+
+    def _least(self) -> float:
+        return self.score(self._best) if self._best else np.inf
 
     def _worked(self, window: _Window) -> None:
         """Report what is done, of an amount of work that nobody knows beforehand."""

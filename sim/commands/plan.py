@@ -67,12 +67,13 @@ def execute(options: argparse.Namespace) -> None:
         with limited(scenario.plan_time, lambda done: progress("planning", done)):
             check_distance(setup)
             setup = within_bounds(routed(setup))
-        system, flows = _planned(setup, progress)
+        system, flows, fallback = _planned(setup, progress)
         planning = time.perf_counter() - compiled
         with stage(progress, "measuring the accuracy"):
             outlook = _outlook(setup)
     facts = summarise(setup, system, flows) | outlook
     facts["helps"] = _helps(setup, facts)
+    facts["fallback"] = fallback
     facts["timing"] = {"compile": compiled - began, "plan": planning}
     if options.json:
         print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
@@ -84,8 +85,8 @@ def execute(options: argparse.Namespace) -> None:
 
 def _planned(
     setup: Setup, progress: Progress
-) -> tuple[StratifiedSystem, Sequence[Flow]]:
-    """The flows that the scenario asks for, and the system that they are of."""
+) -> tuple[StratifiedSystem, Sequence[Flow], str | None]:
+    """System and flows of the scenario's plan, and why it is not the shortest."""
     from planner import PlannerError, RangeError, limited
     from sim.optimisation.planned import PlannedWalk
     from sim.planning.remedies import tried
@@ -97,10 +98,10 @@ def _planned(
     try:
         with limited(seconds, lambda done: progress("planning", done)):
             if setup.scenario.replan:
-                return setup.equations.system, replanned(setup)
-            planned = PlannedWalk(setup, progress).plan()
-            require_sound(setup, planned)
-            return planned.system, planned.flows
+                return setup.equations.system, replanned(setup), None
+            chosen = PlannedWalk(setup, progress).choose()
+            require_sound(setup, chosen.plan)
+            return chosen.plan.system, chosen.plan.flows, chosen.fallback
     except RangeError as error:
         if error.segments is not None:
             raise
@@ -203,11 +204,14 @@ def _describe(facts: Mapping[str, Any], gait: Sequence[str]) -> str:
     """The facts in lines for a terminal, with the paper's words explained."""
     x, y, yaw = facts["pose"]
     error, timing = facts["error"], facts["timing"]
+    why = facts["fallback"]
+    fell_back = [f"{'fell back':10}on the stratified plan: {why}"] if why else []
     return "\n".join(
         [
             f"{facts['scenario']}: {facts['robot']}, {facts['fields']} fields, "
             f"{facts['stance']} stance, {facts['segments']} segments, "
             f"{facts['contact_switches']} contact switches",
+            *fell_back,
             f"{'gait':10}{' '.join(gait)}",
             *(f"{'':10}{line}" for line in GAIT),
             f"{'strokes':10}{facts['swing_travel']:.3f} rad in all",

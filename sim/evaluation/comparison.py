@@ -72,6 +72,8 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
         f"{summary['bounces']} bounces, {summary['simulated_time']:.1f} s simulated in "
         f"{summary['timing']['simulate']:.1f} s",
     ]
+    if fallback := summary.get("fallback"):
+        lines.append(f"{'fell back':13}on the stratified plan: {fallback}")
     lines += _strays(summary)
     if summary["saturated_segments"]:
         scaled = "segments scaled down to the joint range"

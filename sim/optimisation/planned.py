@@ -5,15 +5,37 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from planner import BoundError, Optimiser, Plan, PlannerError
+from planner import (
+    BoundError,
+    BudgetError,
+    Optimiser,
+    Plan,
+    PlannerError,
+    unlimited,
+)
 from sim.optimisation.judging import Judge
 from sim.optimisation.wishes import Coarse, straying_of, tolerances, wish_of
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent
 
+NO_SHORTER = "no shorter plan was found"
 ROUNDS = 3  # of asking for what the margin still lacks
 SAME = 1.0 + 1e-9
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """The plan of a walk, and why it is not the optimised one that was asked for.
+
+    Attributes:
+        plan: What is walked.
+        fallback: Why the stratified plan stands instead of an optimised one; None where
+            nothing else was asked for.
+    """
+
+    plan: Plan
+    fallback: str | None = None
 
 
 @dataclass(frozen=True)
@@ -31,8 +53,8 @@ class PlannedWalk:
     setup: Setup
     progress: Progress = silent
 
-    def plan(self, aside: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Plan:
-        """One plan for the whole path.
+    def choose(self, aside: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Chosen:
+        """One plan for the whole path, and whether it is the one that was asked for.
 
         Args:
             aside: Step from the goal to where the plan ends instead, x, y [m] and yaw.
@@ -40,18 +62,27 @@ class PlannedWalk:
         Raises:
             PlannerError: If there is none.
             BoundError: If no plan keeps the tolerances; it says which would be kept.
+            BudgetError: If the time is over before there is one.
         """
         setup = self.setup.beside(aside)
         if setup.scenario.optimise == "none":
-            return plan_open_loop(setup)
+            return Chosen(plan_open_loop(setup))
         if self._stratified is None or not self._stratified_keeps:
-            return self._shortest(setup)
+            return Chosen(self._shortest(setup))
+        with unlimited():
+            other = plan_open_loop(setup) if any(aside) else self._stratified
         try:
             found = self._shortest(setup)
-        except BoundError:
-            return plan_open_loop(setup)
-        other = plan_open_loop(setup) if any(aside) else self._stratified
-        return min(found, other, key=Judge(setup).worth)
+        except (BoundError, BudgetError) as error:
+            return Chosen(other, str(error))
+        worth = Judge(setup).worth
+        return (
+            Chosen(found) if worth(found) < worth(other) else Chosen(other, NO_SHORTER)
+        )
+
+    def plan(self, aside: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Plan:
+        """The plan that `choose` chooses."""
+        return self.choose(aside).plan
 
     @cached_property
     def _stratified(self) -> Plan | None:

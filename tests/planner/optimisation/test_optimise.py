@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from models.systems.catalogue import shipped_system
-from planner.errors import BoundError, StratumError
+from planner.errors import BoundError, BudgetError, StratumError
 from planner.extension.extended import extend
 from planner.optimisation import search
 from planner.optimisation.corridor import Tolerance, deviation
@@ -113,25 +113,39 @@ def test_margins_are_kept_between_stages():
     assert np.abs(states[:, 4]).max() > 0.3
 
 
-def test_ctrl_c_ends_the_search_with_the_best_so_far(monkeypatch):
-    feasible = Search._feasible
+def stopped_by(error, monkeypatch, found):
+    """Searches that are stopped before, or after, they have found a plan."""
+    width = Search._width
 
-    def interrupted(self, window, count, attempts):
-        if self._best is not None:
-            raise KeyboardInterrupt
-        return feasible(self, window, count, attempts)
+    def until(self, window, count, attempts):
+        if not found or self._best is not None:
+            raise error
+        return width(self, window, count, attempts)
 
-    monkeypatch.setattr(Search, "_feasible", interrupted)
+    monkeypatch.setattr(Search, "_width", until)
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), BudgetError(1.0, "")])
+def test_a_search_that_is_stopped_ends_with_the_best_so_far(monkeypatch, error):
+    stopped_by(error, monkeypatch, found=True)
     assert rollout(optimised().plan())[-1] == pytest.approx(STEP(1.0), abs=1e-6)
 
 
-def test_ctrl_c_before_anything_is_found_is_passed_on(monkeypatch):
-    def interrupted(self, window, count, attempts):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(Search, "_feasible", interrupted)
-    with pytest.raises(KeyboardInterrupt):
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), BudgetError(1.0, "")])
+def test_a_stop_before_anything_is_found_is_passed_on(monkeypatch, error):
+    stopped_by(error, monkeypatch, found=False)
+    with pytest.raises(type(error)):
         optimised().plan()
+
+
+def test_work_that_is_done_is_reported_as_it_grows():
+    reported = []
+    optimiser = optimised()
+    optimiser._search.report = reported.append
+    optimiser.plan()
+    assert len(reported) > 5
+    assert reported == sorted(reported)
+    assert reported[-1] == 1.0
 
 
 def test_a_missing_solver_is_told_with_the_way_out(monkeypatch):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.errors import BoundError
+from planner.errors import BoundError, BudgetError
 from sim.errors import UsageError
 from sim.motion.sampling import inspections
 from sim.motion.stability import stability_margin
@@ -40,8 +40,13 @@ def walk(setup):
 
 
 @pytest.fixture(scope="module")
-def found(walk):
-    return walk.plan()
+def chosen(walk):
+    return walk.choose()
+
+
+@pytest.fixture(scope="module")
+def found(chosen):
+    return chosen.plan
 
 
 def test_the_prediction_ends_in_the_goal_with_legs_at_rest(setup, found):
@@ -100,6 +105,31 @@ def test_a_tolerance_that_cannot_be_kept_is_refused(monkeypatch):
     setup = setup_of(path_tolerance=0.0005, yaw_tolerance=0.005)
     with pytest.raises(BoundError, match="nearest found there keeps"):
         PlannedWalk(setup).plan()
+
+
+NEVER = 1e9  # [m], wider than any walk strays
+
+
+@pytest.mark.parametrize(
+    ("error", "reason"),
+    [
+        (BoundError("no plan was found"), "no plan was found"),
+        (BudgetError(1.0, ""), "none within 1 s"),
+    ],
+)
+def test_a_plan_that_falls_back_says_why(monkeypatch, error, reason):
+    def refused(self, goal=None):
+        raise error
+
+    monkeypatch.setattr("planner.optimisation.optimise.Optimiser.plan", refused)
+    setup = setup_of(path_tolerance=NEVER)
+    chosen = PlannedWalk(setup).choose()
+    assert chosen.fallback.startswith(reason)
+    assert chosen.plan.flows == plan_open_loop(setup).flows
+
+
+def test_a_plan_that_was_asked_for_does_not_say_that_it_falls_back(chosen):
+    assert chosen.fallback is None
 
 
 def test_optimising_and_replanning_exclude_each_other():

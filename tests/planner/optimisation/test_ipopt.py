@@ -1,0 +1,55 @@
+"""IPOPT ends early when it is told to, and says so."""
+
+import os
+import signal
+import threading
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from planner.errors import BudgetError
+from planner.numerics.budget import limited
+from planner.optimisation.ipopt import Ipopt
+
+SIZE = 400
+
+
+def rosenbrock():
+    """A valley along which IPOPT takes hundreds of small steps."""
+    x = ca.MX.sym("x", SIZE)
+    valley = sum(100 * (x[i + 1] - x[i] ** 2) ** 2 for i in range(SIZE - 1))
+    return Ipopt({"x": x, "f": valley + ca.sumsqr(1 - x), "g": ca.sumsqr(x)})
+
+
+def solved(ipopt, most=np.inf):
+    return ipopt(x0=-1.2 * np.ones(SIZE), lbg=np.array([-np.inf]), ubg=np.array([most]))
+
+
+def test_ctrl_c_during_a_solution_is_not_lost():
+    ipopt = rosenbrock()
+    arrives = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
+    arrives.start()
+    with pytest.raises(KeyboardInterrupt):
+        any(solved(ipopt) for _ in range(1000))  # until it has arrived
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_the_time_to_plan_in_holds_during_a_solution():
+    with pytest.raises(BudgetError), limited(1e-9):
+        solved(rosenbrock())
+
+
+def test_a_program_without_a_solution_has_none():
+    x = ca.MX.sym("x")
+    ipopt = Ipopt({"x": x, "f": x, "g": x**2})
+    assert ipopt(x0=np.ones(1), lbg=-np.ones(1), ubg=-np.ones(1)) is None
+
+
+def test_an_error_is_not_remembered_by_the_next_solution():
+    x = ca.MX.sym("x")
+    ipopt = Ipopt({"x": x, "f": (x - 2) ** 2, "g": x})
+    bounds = {"x0": np.ones(1), "lbg": np.zeros(1), "ubg": np.ones(1)}
+    with pytest.raises(BudgetError), limited(1e-9):
+        ipopt(**bounds)
+    assert float(ipopt(**bounds)["x"]) == pytest.approx(1.0, abs=1e-6)
