@@ -197,7 +197,7 @@ class Search:
             self._best = min(best, found, key=lambda solution: solution.width)
         elif found.width <= KEPT:
             self._best = min(best, found, key=self.score)
-        if found is self._best is not None and found.width <= KEPT:
+        if found is not None and found is self._best and found.width <= KEPT:
             stages, begin = len(found.strokes), float(found.places[0])
             tick(f"{stages} stages from {begin:.0%} of the path on")
 

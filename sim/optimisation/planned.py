@@ -76,9 +76,9 @@ class PlannedWalk:
         except (BoundError, BudgetError) as error:
             return Chosen(other, str(error))
         worth = Judge(setup).worth
-        return (
-            Chosen(found) if worth(found) < worth(other) else Chosen(other, NO_SHORTER)
-        )
+        if worth(found) < worth(other):
+            return Chosen(found)
+        return Chosen(other, NO_SHORTER)
 
     def plan(self, aside: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Plan:
         """The plan that `choose` chooses."""
