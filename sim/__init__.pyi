@@ -17,10 +17,14 @@ from .evaluation.attribution import error_sources as error_sources
 from .figures.style import (
     IDEAL as IDEAL,
     PHYSICS as PHYSICS,
+    QUASI_STATIC as QUASI_STATIC,
     STYLE as STYLE,
     sheet_of as sheet_of,
 )
 from .filming import film as film
+from .optimisation.judging import Judge as Judge
+from .optimisation.planned import PlannedWalk as PlannedWalk
+from .preparation.setup import prepare as prepare
 from .run_folder import write as write
 from .scenarios.file import (
     load_scenario as load_scenario,

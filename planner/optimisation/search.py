@@ -26,7 +26,7 @@ from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 
 FEWEST = 3  # stages that the search begins with, at least
-BEGIN = 6.0  # stages that it begins with, for each unit that a stroke moves by
+BEGIN = 10.0  # stages that it begins with, for each unit that a stroke moves by
 MOST = 96  # stages of a window
 LONGEST = 15.0  # window at first, in units that a stroke moves by
 SHORTEST = 0.05  # window at last, likewise

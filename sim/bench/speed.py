@@ -15,7 +15,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from sim.bench import planner_speed
+from sim.bench import planner_speed, short_walks
 from sim.bench.row import Row, median, paired, seconds
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import STRETCH, Engine
@@ -32,6 +32,7 @@ STEPS = 20_000  # of physics in each measurement: a third of a second
 def measure() -> Iterator[Row]:
     """All measurements, one after another."""
     yield from planner_speed.measure()
+    yield from short_walks.measure()
     yield from simulation(prepare(load_scenario("line")))
     yield from command()
 

@@ -14,6 +14,7 @@ from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor
 from sim.motion.sampling import inspections
 from sim.motion.schedule import Schedule, Scheduler
+from sim.motion.straying import straying
 from sim.obstacles.clearance import surroundings
 from sim.planning.clearance_bound import ClearanceBound
 from sim.planning.forecast import ForeseenStretch
@@ -79,6 +80,10 @@ class Judge:
             return np.zeros((1, 3))
         rows = inspections(schedule) - 1
         return np.vstack([np.zeros(3), self._predictor(schedule)(rows).pose])
+
+    def strays(self, plan: Plan) -> dict[str, float]:
+        """Farthest from the path [m] and from its yaw [rad], as it is predicted."""
+        return straying(self.setup.scenario.path.curve, self.poses(plan))
 
     def margin_lack(self, plan: Plan) -> float:
         """What the least predicted margin lacks to the scenario's [m]; at least 0."""

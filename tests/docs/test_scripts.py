@@ -2,7 +2,7 @@
 
 import pytest
 
-from scripts import brackets, show_outputs
+from scripts import brackets, short_walks, show_outputs
 
 PAGE = """Before.
 
@@ -46,3 +46,22 @@ def test_pictures_of_brackets_are_drawn(tmp_path):
     picture = tmp_path / "brackets.svg"
     brackets.main([str(picture)])
     assert picture.read_text().count('id="axes_') == 3
+
+
+def test_short_walks_are_drawn_by_how_they_were_planned(tmp_path):
+    ways = ("printed", "shortest", "optimised")
+    studies = {
+        name: [short_walks.Point(name, way, "", 80.0, 0.02, 0.1) for way in ways]
+        for name in short_walks.SCENARIOS
+    }
+    picture = tmp_path / "walks.svg"
+    short_walks.draw(studies, picture)
+    assert picture.read_text().count('id="axes_') == len(studies)
+
+
+def test_a_plan_is_told_by_its_time_and_what_it_strays_by():
+    changes = {"path.goal": [0.02, 0.0, 0.0], "segments": 2}
+    point = short_walks.planned("line", "printed", "2", changes)
+    assert point.seconds > 1.0
+    assert 0.0 < point.position < 0.02
+    assert f"{point.seconds:9.1f}" in str(point)
