@@ -26,7 +26,15 @@ def solved(ipopt, most=np.inf):
     return ipopt(x0=-1.2 * np.ones(SIZE), lbg=np.array([-np.inf]), ubg=np.array([most]))
 
 
-def test_ctrl_c_during_a_solution_is_not_lost():
+@pytest.fixture
+def usual():
+    """Python's own answer to Ctrl-C, which other tests may have changed."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_ctrl_c_during_a_solution_is_not_lost(usual):
     ipopt = rosenbrock()
     arrives = threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGINT))
     arrives.start()
