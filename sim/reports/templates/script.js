@@ -9,6 +9,60 @@
   const first = run.time[0], last = run.time[run.time.length - 1];
   let filmed = false;
 
+  // Curves are scaled within the frame of their axes; numbers on the axis move along.
+  const still = panels.map((drawing) => {
+    const frame = drawing.querySelector("svg").viewBox.baseVal.width;
+    const clipped = [...drawing.querySelectorAll("[clip-path]")].map((curve) => {
+      const window = document.createElementNS("http://www.w3.org/2000/svg", "g");
+      window.setAttribute("clip-path", curve.getAttribute("clip-path"));
+      curve.removeAttribute("clip-path");
+      curve.setAttribute("vector-effect", "non-scaling-stroke");
+      curve.replaceWith(window);
+      window.append(curve);
+      return curve;
+    });
+    const axis = drawing.querySelector("[id^='matplotlib.axis_1']");
+    const marks = [...axis.querySelectorAll("use, text")].map((mark) =>
+      ({mark, x: Number(mark.getAttribute("x")), y: mark.getAttribute("y")}));
+    return {drawing, frame, clipped, marks, whole: drawing.dataset.box.split(" ").map(Number)};
+  });
+  let from = first, to = last, present = first;
+
+  function zoom() {
+    for (const {drawing, frame, clipped, marks, whole} of still) {
+      const [left, top, right, bottom, begin, end, low, high] = whole;
+      const scale = (end - begin) / (to - from);
+      const start = frame * left, wide = frame * (right - left);
+      const shift = start - scale * (start + wide * (from - begin) / (end - begin));
+      for (const curve of clipped)
+        curve.setAttribute("transform", `translate(${shift} 0) scale(${scale} 1)`);
+      for (const {mark, x} of marks) {
+        const at = shift + scale * x;
+        mark.setAttribute("x", at);
+        mark.removeAttribute("transform");
+        mark.style.display = at < start - 1 || at > start + wide + 1 ? "none" : "";
+      }
+      drawing.dataset.box = [left, top, right, bottom, from, to, low, high].join(" ");
+    }
+    const whole = from === first && to === last;
+    document.querySelector("#zoom span").textContent =
+      whole ? "" : `shown: ${from.toFixed(2)} to ${to.toFixed(2)} s`;
+  }
+
+  function look(middle, span) {
+    span = Math.min(span, last - first);
+    from = Math.min(Math.max(middle - span / 2, first), last - span);
+    to = from + span;
+    zoom();
+  }
+
+  for (const button of document.querySelectorAll("#zoom button"))
+    button.addEventListener("click", () => {
+      const by = Number(button.dataset.by);
+      look(present, by ? (to - from) / by : last - first);
+      show(present);
+    });
+
   const box = (drawing) => drawing.dataset.box.split(" ").map(Number);
   const percent = (share) => `${100 * share}%`;
 
@@ -22,7 +76,8 @@
   }
 
   function show(time) {
-    time = Math.min(Math.max(time, first), last);
+    present = time = Math.min(Math.max(time, first), last);
+    if (time < from || time > to) look(time, to - from);
     for (const drawing of panels) {
       const [left, top, right, bottom, from, to] = box(drawing);
       const style = drawing.querySelector(".cursor").style;

@@ -136,6 +136,44 @@ def test_the_cursor_moves_all_drawings_and_the_film(driver, report, tmp_path):
     assert 60 * found["film"] == pytest.approx(found["time"], abs=60 / FRAME_RATE)
 
 
+ZOOM = """
+const drawing = document.querySelector(".time .drawing");
+const box = () => drawing.dataset.box.split(" ").map(Number);
+const whole = box();
+const [, out, all] = document.querySelectorAll("#zoom button");
+const inwards = document.querySelector("#zoom button");
+const curve = [...drawing.querySelectorAll("g[clip-path] > path")].at(-1);
+const wide = () => curve.getBoundingClientRect().width;
+const before = wide();
+inwards.click(); inwards.click();
+const zoomed = box(), stretched = wide() / before;
+const shown = document.querySelector("#zoom span").textContent;
+const numbers = [...drawing.querySelectorAll("[id^='matplotlib.axis_1'] text")]
+  .filter((text) => text.style.display !== "none");
+const at = numbers.map((text) => [
+  Number(text.textContent), Number(text.getAttribute("x")) / 518.4]);
+all.click();
+return {whole, zoomed, stretched, shown, at, back: box(), again: wide() / before};
+"""
+
+
+def test_the_time_axis_can_be_zoomed_in_all_drawings_at_once(report, tmp_path):
+    found = ask(report, ZOOM, tmp_path)
+    begin, end = found["whole"][4:6]
+    start, stop = found["zoomed"][4:6]
+    # The page knows times to a millisecond.
+    assert stop - start == pytest.approx((end - begin) / 4, abs=2e-3)
+    assert found["stretched"] == pytest.approx(4, rel=0.05)
+    assert found["shown"] == f"shown: {start:.2f} to {stop:.2f} s"
+    left, _, right = found["whole"][:3]
+    assert found["at"]  # the numbers on the axis stand at their times
+    for time, share in found["at"]:
+        place = left + (right - left) * (time - start) / (stop - start)
+        assert share == pytest.approx(place, abs=0.004)
+    assert found["back"] == pytest.approx(found["whole"], abs=2e-3)
+    assert found["again"] == pytest.approx(1, abs=0.01)
+
+
 def test_show_draws_the_report_again_and_prints_its_path(folder, capsys):
     (folder / NAME).unlink()
     assert main(["show", str(folder), "--no-browser"]) == 0
