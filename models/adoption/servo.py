@@ -14,8 +14,8 @@ from models.description.compiled import actuators_of
 from models.description.robot import Robot
 
 STIFF = 2500.0  # times the torque that a leg bears, for a radian
-TIMESTEP = 0.0005  # [s] of the physics, unless a scenario sets another
-SETTLING = 4  # physics steps in which an error falls to a third, at least
+FASTEST = 1000.0  # [rad/s] of a servo's own frequency, that the physics step follows
+SOFTEST = 100.0  # times the same torque, however light the joints are
 
 
 def servo_for(robot: Robot) -> Servo:
@@ -41,9 +41,9 @@ def drafted_servo(
 ) -> tuple[float, float]:
     """Stiffness [N m/rad] and damping [N m s/rad] of a servo for some joints.
 
-    Half of the legs are to bear the weight with little sag. The damping is critical, or
-    larger where the inertia of the joints alone is too small for the physics step to
-    follow such a stiffness.
+    Half of the legs are to bear the weight with little sag, but the servo is no stiffer
+    than the physics step can follow: joints of little inertia, as URDF often has them,
+    get soft ones. The damping is critical.
 
     Args:
         pose: The model as it stands.
@@ -57,9 +57,10 @@ def drafted_servo(
     mujoco.mj_fullM(model, pose.data, inertia)
     own = np.diag(inertia)[[int(model.joint(name).dofadr[0]) for name in joints]]
     weight = 9.81 * float(model.body_subtreemass[pose.root])
-    stiffness = STIFF * weight * arm / (legs / 2)
-    critical = 2 * float(np.sqrt(stiffness * np.median(own)))
-    return stiffness, max(critical, SETTLING * TIMESTEP * stiffness)
+    torque = weight * arm / (legs / 2)
+    followed = float(own.min()) * FASTEST**2
+    stiffness = max(min(STIFF * torque, followed), SOFTEST * torque)
+    return stiffness, 2 * float(np.sqrt(stiffness * np.median(own)))
 
 
 def has_servo(model: mujoco.MjModel, joint: str) -> bool:
