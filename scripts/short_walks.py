@@ -103,8 +103,10 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
                 on = sorted(
                     (1e3 * p.position, p.seconds) for p in points if p.way == way
                 )
-                axes.loglog(*zip(*on, strict=True), style, color=colour, label=way)
+                x, y = zip(*on, strict=True)
+                axes.plot(x, y, style, color=colour, label=way, markersize=3)
             axes.set(title=name, xlabel="farthest from the path [mm]")
+            axes.set(xlim=(0, None), ylim=(0, None))
         panels[0].set_ylabel("time [s]")
         panels[-1].legend()
         figure.savefig(path, dpi=160)

@@ -21,9 +21,8 @@ from sim.scenarios.file import load_scenario
 
 PATIENCE = 600.0  # [s]
 PRINTED = "as near as printed"
-WALKS: Mapping[
-    str, tuple[dict[str, Any], float]
-] = {  # name of the walk: its settings, most seconds
+Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
+WALKS: Mapping[str, Wanted] = {
     PRINTED: ({}, 82.0),
     "together": ({"together": True}, 57.0),
     "10 mm, yaw free, together": (
