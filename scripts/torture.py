@@ -10,6 +10,7 @@ ends with 1.
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -35,8 +36,9 @@ this page.
 """
 WRAPPER = '#!/bin/sh\nexec {python} -m sim.cli "$@"\n'
 PYTHON = "#!/bin/sh\nexec {python} {arguments}\n"
+PROGRESS = re.compile(r"[a-z ]+ +\d+%")  # what long work says of itself
 LONGEST = 260  # characters of what is said
-PATIENCE = 180  # [s] for a row
+PATIENCE = 400  # [s] for a row
 AT_ONCE = 2  # rows
 
 
@@ -86,7 +88,7 @@ def ending(row: Row) -> Ending:
         except subprocess.TimeoutExpired:
             return Ending(-1, "", 0, PATIENCE)
         seconds = time.monotonic() - began
-        lines = done.stderr.splitlines()
+        lines = [x for x in done.stderr.splitlines() if not PROGRESS.match(x)]
         said = lines[0] if lines else _line_with(row.says, done.stdout)
         said = said.removeprefix("stratawalk: error: ")
         for place in (f"{folder}/", f"{scratch}/", f"{ROOT}/"):

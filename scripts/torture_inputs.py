@@ -153,7 +153,8 @@ print(f"{used[3] - used[0]:.0f} MB more after the fourth film than after the fir
 )
 FFMPEG_THAT_DIES = """#!/bin/sh
 case "$*" in *pipe*|*rawvideo*) head -c 100000 >/dev/null; kill -9 $$;; esac
-exec ffmpeg "$@"
+unset IMAGEIO_FFMPEG_EXE
+exec "$(python -c 'import imageio_ffmpeg as f; print(f.get_ffmpeg_exe())')" "$@"
 """
 
 

@@ -7,6 +7,7 @@ telephone, where the drawing is smaller, the text is larger.
 from __future__ import annotations
 
 import io
+import logging
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -81,6 +82,7 @@ def sheet(height: float, width: float = WIDTH) -> Iterator[tuple[Figure, Axes]]:
         height: [in].
         width: [in].
     """
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
