@@ -120,7 +120,7 @@ MODELS = (
              link("h.png", "/etc/hostname"))),
     Row(12, "the same, trusted", "stratawalk robots mine.xml --allow-external", 0,
         OUTSIDE, both(world('<include file="../more.xml"/>'),
-                      file("../more.xml", "<mujoco><worldbody/></mujoco>"))),
+                      file("../more.xml", "<mujoco><worldbody/></mujoco>")), lines=1),
     Row(13, "an include of itself", "stratawalk robots mine.xml", 3,
         "test_strangers.py::test_what_a_stranger_sends_is_refused_in_time",
         world('<include file="mine.xml"/>')),

@@ -1,0 +1,34 @@
+"""The page of inputs and faults: its rows are the script's, and their tests exist."""
+
+import re
+from pathlib import Path
+
+from scripts.torture import HEAD
+from scripts.torture_rows import ROWS
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "faults.md"
+ELSEWHERE = {*range(23, 29), 43, 44}  # faults of sweeps and viewers have other tests
+
+
+def test_every_kind_of_fault_has_a_row():
+    assert {row.number for row in ROWS} | ELSEWHERE == set(range(1, 46))
+
+
+def test_the_page_shows_rows_of_the_script_that_end_as_they_must():
+    text = PAGE.read_text()
+    assert text.startswith(HEAD)
+    must = {(str(row.number), row.fault): str(row.code) for row in ROWS}
+    for line in text.removeprefix(HEAD).splitlines():
+        number, fault, _, code = line.removeprefix("| ").split(" | ")[:4]
+        assert must[number, fault] == code
+
+
+def test_every_row_names_tests_that_exist():
+    for row in ROWS:
+        assert row.tests
+        for name in row.tests:
+            file, _, test = name.partition("::")
+            texts = [path.read_text() for path in (ROOT / "tests").rglob(file)]
+            named = re.compile(rf"^def {test}\(", re.MULTILINE)
+            assert any(named.search(text) for text in texts), name
