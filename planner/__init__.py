@@ -17,25 +17,28 @@ eq. (4)    b_i           extend                               extension/extended
 eq. (5)    v^i           ExtendedSystem.fictitious_inputs     extension/extended
 eq. (6)    B_i           hall_basis                           lie/hall
 eq. (6)    h_i           backward, forward                    lie/coordinates
-eq. (7)    S' = S B v    backward                             lie/coordinates
-eq. (8)    Ad            LieAlgebra.adjoint_action            lie/free_lie
+eq. (7)    S' = S B v    coordinate_rates                     lie/adjoint
+eq. (8)    Ad            adjoint_action                       lie/adjoint
 eq. (9)    h' = A(h) v   backward_matrix, integrate           lie/coordinates
 Def. 1     Phi_i         LevelSet                             systems/level_sets
 Def. 1     S_I           StratifiedSystem                     systems/strata
 eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
 eq. (11)   gait          Gait                                 systems/gait
 Sec. 4     D_i           gait_controllability                 controllability/gaits
+eq. (12)   six flows     rollout                              planning/playback
 eq. (12)   lift, land    contact_switches                     systems/flows
 eq. (13)   [g_11, g_12]  require_decoupled                    extension/decoupling
 eq. (14)   flows on S_B  on_bottom, tangent_field             extension/decoupling
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
-(16)-(18)  the hexapod   models.hexapod, models.equations     models/systems/legged
-eq. (19)   its elements  models.Equations.elements            models/motion
+(16)-(19)  the hexapod   models.hexapod                       models/systems/hexapods
 eq. (20)   u_1 o u_2     word                                 lie/input_words
 Sec. 5.2   algorithm     plan, Plan                           planning/algorithm
 Sec. 5.2   regrouping    regroup                              systems/grouping
 Sec. 5.2   step length   subdivide                            planning/subdivision
 =========  ============  ===================================  ==========================
+
+The same equations for the body of a robot, (16) to (19), are `models.equations`, in
+`models/motion/robot_equations`.
 """
 
 import lazy_loader

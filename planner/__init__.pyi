@@ -53,6 +53,10 @@ from .files import (
     require_space as require_space,
     whole_file as whole_file,
 )
+from .lie.adjoint import (
+    adjoint_action as adjoint_action,
+    coordinate_rates as coordinate_rates,
+)
 from .lie.coordinates import (
     backward as backward,
     backward_from_forward as backward_from_forward,

@@ -7,16 +7,16 @@ from collections.abc import Callable, Mapping
 from typing import Any, get_type_hints
 
 from models.errors import ProblemError
-from models.systems import fingers, legged, smooth
+from models.systems import fingers, hexapods, legged, smooth
 from models.systems.problem import Problem
 from planner import unknown
 
 SYSTEMS: Mapping[str, Callable[..., Problem]] = {
-    "paper-hexapod": legged.hexapod,
+    "paper-hexapod": hexapods.hexapod,
     "biped": legged.biped,
     "quadruped-crawl": legged.quadruped,
     "octopod-pairs": legged.octopod,
-    "hexapod-trailer": legged.hexapod_with_trailer,
+    "hexapod-trailer": hexapods.hexapod_with_trailer,
     "finger-gaiting": fingers.finger_gaiting,
     "unicycle": smooth.unicycle,
     "car": smooth.car,

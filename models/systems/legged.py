@@ -1,4 +1,4 @@
-"""The walkers that the paper draws and names, in units of their own size.
+"""Walkers of few feet beside the hexapod, in units of their own size.
 
 This module gives their strata, their body twists and the elements to steer with;
 `motion.equations_of_motion` makes their equations from these.
@@ -18,48 +18,6 @@ ALTERNATING = ("12", "1", "12", "2", "12")
 AIR_SWINGS = ("g1_2", "g2_1")  # of the group that is up
 Strata = Mapping[str, Mapping[str, Twist | None]]
 Feet = Mapping[str, Sequence[tuple[float, float]]]  # x, y of each group's feet
-
-
-def hexapod(
-    stride: float = 1,
-    yaw_gain: float = 1,
-    stride_2: float | None = None,
-    yaw_gain_2: float | None = None,
-    heights: bool = True,
-) -> Problem:
-    """The minimalist hexapod of Sec. 6, steered with the paper's elements.
-
-    Args:
-        stride: Way forward per radian of tripod 1.
-        yaw_gain: Turn to the left per radian of tripod 1, l in eq. (16).
-        stride_2: Way forward per radian of tripod 2; that of tripod 1 if None.
-        yaw_gain_2: Turn to the right per radian of tripod 2; that of tripod 1 if None.
-        heights: Whether the state holds the tripods' foot heights.
-    """
-    first: Twist = (stride, 0, yaw_gain)
-    second: Twist = (
-        stride if stride_2 is None else stride_2,
-        0,
-        -yaw_gain if yaw_gain_2 is None else -yaw_gain_2,
-    )
-    system = walker(
-        {
-            "12": {"1": first, "2": second},
-            "1": {"1": first},
-            "2": {"2": second},
-            "0": {},
-        },
-        heights=heights,
-    )
-    return Problem(
-        name="paper-hexapod",
-        description="the paper's hexapod in tripods, sideways as in Fig. 6",
-        system=system,
-        gait=ALTERNATING,
-        elements=("g12_1", "g12_2", *AIR_SWINGS, "[g12_1,g12_2]"),
-        goal={"x": 1, "y": 1},
-        segments=16,
-    )
 
 
 def biped(hip: float = 1, heights: bool = True) -> Problem:
@@ -86,32 +44,6 @@ def biped(hip: float = 1, heights: bool = True) -> Problem:
         elements=("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),
         goal={"y": 1},
         segments=16,
-    )
-
-
-def hexapod_with_trailer(length: float = 1, heights: bool = True) -> Problem:
-    """The paper's hexapod with a trailer hitched to its middle; needs degree 3.
-
-    Args:
-        length: Distance from hitch to axle, in the hexapod's units.
-        heights: Whether the state holds the tripods' foot heights.
-    """
-    first: Twist = (1, 0, 1)
-    second: Twist = (1, 0, -1)
-    system = walker(
-        {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}},
-        heights=heights,
-        trailer=length,
-    )
-    sideways = "[g1_1,g2_2]"
-    return Problem(
-        name="hexapod-trailer",
-        description="the paper's hexapod with a trailer; degree 3, needs --replan",
-        system=system,
-        gait=ALTERNATING,
-        elements=("g1_1", "g2_2", *AIR_SWINGS, sideways, f"[g1_1,{sideways}]"),
-        goal={"y": 0.1},
-        segments=4,
     )
 
 

@@ -21,9 +21,8 @@ vanish (`lie.free_lie.LieAlgebra`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import count
-from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -31,6 +30,7 @@ from numpy.typing import ArrayLike
 from sympy.polys.rings import ring
 
 from planner.errors import ConvergenceError
+from planner.lie.adjoint import coordinate_rates
 from planner.lie.free_lie import LieAlgebra, lie_algebra
 from planner.lie.hall import Element
 from planner.numerics.arrays import Array
@@ -42,8 +42,6 @@ SHORTEST = 1e-14  # interval; bounded inputs move nothing within it
 PIECES = 16  # of unit time at first; their nodes are at most 1/300 apart
 EVALUATIONS = 100_000  # of inputs before they are refused; a jump needs 2 000
 
-Terms = dict[int, Any]  # coefficients by index in the basis
-
 
 def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
     """The matrix A(h) of eq. (9) over the symbols h1, ..., hs, polynomials in them."""
@@ -52,7 +50,7 @@ def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
     _, *h = ring([f"h{j + 1}" for j in range(size)], sp.QQ)
     matrix = sp.zeros(size, size)
     for column in range(size):
-        rates = _unwind(algebra, {column: h[0].ring.one}, lambda j, _: h[j])
+        rates = coordinate_rates(algebra, {column: h[0].ring.one}, lambda j, _: h[j])
         for row, rate in rates.items():
             matrix[row, column] = rate.as_expr()
     return matrix
@@ -93,7 +91,7 @@ def integrate(
         return path
 
     driven = {j: v for j, v in enumerate(np.moveaxis(inputs, -1, 0)) if v.any()}
-    _unwind(algebra, driven, advance)
+    coordinate_rates(algebra, driven, advance)
     return h
 
 
@@ -211,43 +209,3 @@ def logarithm(basis: Sequence[Element], h: ArrayLike) -> Array:
 def product(basis: Sequence[Element], first: ArrayLike, then: ArrayLike) -> Array:
     """Backward coordinates of a flow followed by another, shape (..., s)."""
     return exponential(basis, logarithm(basis, then), np.asarray(first))
-
-
-def _unwind(
-    algebra: LieAlgebra, terms: Terms, coordinate: Callable[[int, Any], Any]
-) -> Terms:
-    """Rates h' for which S^-1 S' is the given sum of terms, eqs. (7) to (9).
-
-    S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is the
-    coefficient of B_1. Ad(e^(h_1 B_1)) of the other terms is the same sum without B_1.
-
-    Args:
-        algebra: Lie algebra of the terms.
-        terms: Coefficients by index, of any type that can be added and multiplied.
-        coordinate: Gives h_j from its index and rate, None for zero.
-    """
-    rates = {}
-    for j, structure in enumerate(algebra.structure):
-        rate = terms.pop(j, None)
-        h = coordinate(j, rate)
-        if rate is not None:
-            rates[j] = rate
-        if h is not None:
-            terms = _conjugated(structure, h, terms)
-    return rates
-
-
-def _conjugated(
-    structure: Mapping[int, Mapping[int, int]], h: Any, terms: Terms
-) -> Terms:
-    """Ad(e^(h B)) of a sum of terms, eq. (8), from the structure constants of B."""
-    total, power, n = dict(terms), terms, 0
-    while power:
-        n, before, power = n + 1, power, {}
-        for j in structure.keys() & before.keys():
-            for k, c in structure[j].items():
-                term = before[j] * h * c / n
-                power[k] = power[k] + term if k in power else term
-        for k, term in power.items():
-            total[k] = total[k] + term if k in total else term
-    return total

@@ -1,4 +1,4 @@
-"""The free nilpotent Lie algebra in its Hall basis: brackets, eqs. (3) and (8).
+"""The free nilpotent Lie algebra in its Hall basis: brackets, and products by eq. (3).
 
 Elements are vectors of coefficients over a Hall basis, shape (..., s). Brackets of
 higher degree than the basis has are zero. A basis may also lack elements that span an
@@ -157,14 +157,6 @@ class LieAlgebra:
                 for k, c in terms.items():
                     result[..., k] += c * (a[..., i] * b[..., j])
         return result
-
-    def adjoint_action(self, a: Array, b: Array) -> Array:
-        """Ad of e^a applied to b: e^a b e^-a, as in eq. (8), shape (..., s)."""
-        total = term = b
-        for n in range(1, self.max_degree):
-            term = self.bracket(a, term) / n
-            total = total + term
-        return total
 
     def campbell_baker_hausdorff(self, a: Array, b: Array) -> Array:
         """The element c with e^a e^b = e^c, eq. (3), shape (..., s)."""

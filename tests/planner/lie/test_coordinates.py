@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings, strategies as st
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from planner.errors import ConvergenceError
 from planner.lie import coordinates
@@ -105,10 +106,9 @@ def test_two_generators_have_the_rates_printed_by_lafferriere_and_sussmann():
 def test_matrix_inverts_the_adjoint_maps_of_eq_8(basis):
     algebra = lie_algebra(basis)
     h = np.random.default_rng(1).uniform(-1, 1, len(basis))
-    columns = np.eye(len(basis))
+    columns, unit = np.eye(len(basis)), np.eye(len(basis))
     for j in range(len(basis) - 1, -1, -1):
-        factor = -h[j] * np.eye(len(basis))[j]
-        columns[j + 1 :] = algebra.adjoint_action(factor, columns[j + 1 :])
+        columns[j + 1 :] @= expm(-h[j] * algebra.bracket(unit[j], unit))
     symbols = sp.symbols(f"h1:{len(basis) + 1}")
     A = np.array(backward_matrix(basis).subs(dict(zip(symbols, h, strict=True))), float)
     assert pytest.approx(np.eye(len(basis)), abs=ROUNDING) == A @ columns.T

@@ -112,16 +112,6 @@ def test_logarithm_of_a_word_is_a_lie_element(data):
     assert equal(algebra.expand(algebra.collect(log)), log)
 
 
-@few
-@given(st.data())
-def test_adjoint_action_is_conjugation(data):
-    basis = hall_basis(2, 4)
-    algebra = lie_algebra(basis)
-    a, b = data.draw(numbers(basis)), data.draw(numbers(basis))
-    conjugate = algebra.expand(a).exp() * algebra.expand(b) * algebra.expand(-a).exp()
-    assert equal(algebra.expand(algebra.adjoint_action(a, b)), conjugate)
-
-
 def test_products_are_in_time_order():
     first, then = (
         Tensor(tuple(np.array(level, dtype=float) for level in levels))
@@ -138,7 +128,7 @@ def test_elements_that_vanish_change_nothing_else(data):
     chained = lie_algebra(CHAINED)
     kept = [full.index[e] for e in CHAINED]
     a, b = data.draw(numbers(full.basis)), data.draw(numbers(full.basis))
-    for name in ("bracket", "adjoint_action", "campbell_baker_hausdorff"):
+    for name in ("bracket", "campbell_baker_hausdorff"):
         whole = getattr(full, name)(a, b)[kept]
         assert (getattr(chained, name)(a[kept], b[kept]) == whole).all()
 

@@ -1,0 +1,61 @@
+"""Ad, eq. (8), and with it the rates of Hall coordinates, eq. (7).
+
+A flow S = e^(h_s B_s) ... e^(h_1 B_1) has S^-1 S' = sum_j Ad(...) B_j h_j'. The sums
+here are dictionaries of coefficients by index in the basis, whose numbers may be
+floats, arrays over many segments or polynomials; `coordinates` solves eq. (9) so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from planner.lie.free_lie import LieAlgebra
+
+Terms = dict[int, Any]  # coefficients by index in the basis
+
+
+def coordinate_rates(
+    algebra: LieAlgebra, terms: Terms, coordinate: Callable[[int, Any], Any]
+) -> Terms:
+    """Rates h' for which S^-1 S' is the given sum of terms, eq. (7).
+
+    S^-1 S' = sum_j Ad(e^(-h_1 B_1) ... e^(-h_(j-1) B_(j-1))) B_j h_j', so h_1' is the
+    coefficient of B_1. Ad(e^(h_1 B_1)) of the other terms is the same sum without B_1.
+
+    Args:
+        algebra: Lie algebra of the terms.
+        terms: Coefficients by index, of any type that can be added and multiplied.
+        coordinate: Gives h_j from its index and rate, None for zero.
+    """
+    rates = {}
+    for j, structure in enumerate(algebra.structure):
+        rate = terms.pop(j, None)
+        h = coordinate(j, rate)
+        if rate is not None:
+            rates[j] = rate
+        if h is not None:
+            terms = adjoint_action(structure, h, terms)
+    return rates
+
+
+def adjoint_action(
+    structure: Mapping[int, Mapping[int, int]], h: Any, terms: Terms
+) -> Terms:
+    """Ad(e^(h B)) of a sum of terms, e^(h B) (sum) e^(-h B), eq. (8).
+
+    Args:
+        structure: Structure constants of B: the coefficients of [B, B_j] for each j.
+        h: Coefficient of B.
+        terms: Coefficients by index.
+    """
+    total, power, n = dict(terms), terms, 0
+    while power:
+        n, before, power = n + 1, power, {}
+        for j in structure.keys() & before.keys():
+            for k, c in structure[j].items():
+                term = before[j] * h * c / n
+                power[k] = power[k] + term if k in power else term
+        for k, term in power.items():
+            total[k] = total[k] + term if k in total else term
+    return total
