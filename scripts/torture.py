@@ -31,6 +31,10 @@ guards it. An error is one line on standard error; 0 stands for a command that d
 it was asked. `python -m scripts.torture` runs all rows and writes
 this page.
 
+Rows with the same number in the first column are cases of one kind of fault;
+`python -m scripts.torture 12` runs those of kind 12. Numbers that are left out are
+faults of sweeps and viewers, which have tests of their own.
+
 | # | input or fault | command | code | what it says | test |
 |---|---|---|---|---|---|
 """
