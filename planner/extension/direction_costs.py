@@ -30,7 +30,7 @@ class DirectionCost:
 
     Attributes:
         direction: Name of the coordinate.
-        element: Element that most of the strokes are of.
+        element: Element that most of the motion comes from, the first of equal ones.
         strokes: Number of strokes; infinite where the elements do not give it.
     """
 
@@ -94,8 +94,9 @@ def _cost(
         usable = np.where(degrees <= degree, scaled, 0.0)
         for amounts in _solutions(usable, unit):
             if np.abs(usable @ amounts - unit).max() < MISSED:
-                main = int(np.abs(amounts).argmax())
-                return DirectionCost(name, elements[main], float(np.abs(amounts).sum()))
+                given = np.abs(usable[row] * amounts).round(9)  # parts of the unit
+                main = elements[int(given.argmax())]
+                return DirectionCost(name, main, float(np.abs(amounts).sum()))
     return DirectionCost(name, elements[int(np.abs(amounts).argmax())], inf)
 
 

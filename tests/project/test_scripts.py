@@ -46,7 +46,7 @@ def test_every_requirement_is_pinned_to_a_version_it_allows():
 
 def test_debians_python_can_install_every_pin():
     asked = {
-        canonicalize_name(d.name): SpecifierSet(d.metadata["Requires-Python"] or "")
+        canonicalize_name(d.name): SpecifierSet(d.metadata.get("Requires-Python", ""))
         for d in distributions()
         if d.version == pins().get(canonicalize_name(d.name))
     }

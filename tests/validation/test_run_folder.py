@@ -182,7 +182,7 @@ def test_a_walk_that_diverges_leaves_what_it_is_replayed_from(tmp_path):
 
 
 def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch):
-    monkeypatch.setattr("sim.simulation.evaluate", lambda walk: 1 / 0)
+    monkeypatch.setattr("sim.simulation.evaluate", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         run(load_scenario("line", SHORT), RunFolder(tmp_path))
     with np.load(tmp_path / "commands.npz") as commands:

@@ -100,7 +100,7 @@ def test_a_servo_table_of_ros_gives_channels_and_ticks(classroom, tmp_path, caps
     words = ("--format", "dynamixel", "--servo-table", servos, "--no-play")
     exported(capsys, classroom[0], *words, "--out", tmp_path / "ticks.csv")
     values = np.genfromtxt(tmp_path / "ticks.csv", delimiter=",", names=True)
-    assert values["lift_3"][0] == 512
+    assert values["swing_3"][0] == 512
     assert values["lift_3"].max() > 512
 
 

@@ -41,7 +41,7 @@ def ffmpeg(monkeypatch, tmp_path):
             '  { head -c $((5 * 1280 * 720 * 3)) | "$REAL" "$@"; cat > /dev/null; }\n'
             'else exec "$REAL" "$@"; fi',
             RenderError,
-            "film cut short, 5 of 52 pictures: .*video.mp4; the run itself is kept",
+            "film cut short, 5 of 44 pictures: .*video.mp4; the run itself is kept",
         ),
         (  # writes nothing and reports success
             'if [[ "$*" == *rawvideo* ]]; then cat > /dev/null\n'
