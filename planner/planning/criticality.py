@@ -22,7 +22,7 @@ from planner.planning.paths import line
 from planner.planning.shooting import shot_towards
 from planner.systems.strata import StratifiedSystem
 
-DOUBLINGS = 20  # from the given step to one that counts as infinite
+DOUBLINGS = 20  # from the given step, or from one of length 1, to infinite ones
 HALVINGS = 40  # to one that counts as none
 ACCURACY = 1e-3  # relative, of the step
 
@@ -81,9 +81,10 @@ def _longest(
 
     low, high = (1.0, 2.0) if serves(1.0) else (0.5, 1.0)
     if low == 1.0:
+        unit = 1.0 / float(np.linalg.norm(step))
         while serves(high):
             low, high = high, 2 * high
-            if high > 2.0**DOUBLINGS:
+            if high > 2.0**DOUBLINGS * max(1.0, unit):
                 return float("inf")
     else:
         while not serves(low):

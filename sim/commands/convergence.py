@@ -69,7 +69,7 @@ def describe_steps(steps: Mapping[str, float | None], segments: int) -> str:
     """The number of segments beside the one that the critical step would ask for."""
     first, critical = steps["first"], steps["critical"]
     if first is None or critical is None:
-        return f"{'steps':10}of any length converge"
+        return f"{'steps':10}of any length are halved at least by one plan"
     if critical == 0:
         return f"{'steps':10}of no length converge in this direction"
     of = f"of {first:.3g}, the critical step is {critical:.3g}"

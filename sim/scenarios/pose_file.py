@@ -13,17 +13,26 @@ def read_poses(path: Path) -> list[tuple[float, ...]]:
     """Poses from a CSV file with a column for each of `COLUMNS`, in any order.
 
     Args:
-        path: The file; its first line names the columns.
+        path: The file, in UTF-8; its first line names the columns.
 
     Raises:
-        ValueError: A column is missing, or a value is no finite number.
+        ValueError: A column is missing or named twice, or a value is no number.
         OSError: It cannot be read.
     """
-    with path.open(newline="") as file:
+    try:
+        return _read(path)
+    except UnicodeDecodeError:
+        raise ValueError("is no text in UTF-8; save the table as such") from None
+
+
+def _read(path: Path) -> list[tuple[float, ...]]:
+    with path.open(newline="", encoding="utf-8-sig") as file:  # spreadsheets mark it
         rows = csv.DictReader(file)
         names = [name.strip() for name in rows.fieldnames or ()]
         if missing := [name for name in COLUMNS if name not in names]:
             raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
+        if twice := [name for name in COLUMNS if names.count(name) > 1]:
+            raise ValueError(f"two columns {twice[0]!r}; name one of them otherwise")
         rows.fieldnames = names
         poses = []
         for number, row in enumerate(rows, start=2):

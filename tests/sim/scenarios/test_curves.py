@@ -79,10 +79,22 @@ def test_impossible_curves_are_refused(table, message):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("x,y\n0,0", "no column 'yaw'"), ("x,y,yaw\n0,0,0\n1,a,0", "line 3 holds no")],
+    [
+        (b"x,y\n0,0", "no column 'yaw'"),
+        (b"x,y,yaw,x\n0,0,0,0", "two columns 'x'"),
+        (b"x,y,yaw\n0,0,0\n1,a,0", "line 3 holds no"),
+        (b"x,y,yaw\n0,0,\xff", "is no text in UTF-8"),
+    ],
 )
 def test_impossible_files_are_refused(tmp_path, text, message):
     file = tmp_path / "poses.csv"
-    file.write_text(text)
+    file.write_bytes(text)
     with pytest.raises(UsageError, match=message):
         decode({"kind": "table", "file": str(file)})
+
+
+def test_files_of_spreadsheets_begin_with_a_mark(tmp_path):
+    file = tmp_path / "poses.csv"
+    file.write_text("x,y,yaw\n0,0,0\n1,0,0", encoding="utf-8-sig")
+    path = decode({"kind": "table", "file": str(file)})
+    assert path.goal == (1, 0, 0)
