@@ -26,7 +26,6 @@ eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
 eq. (11)   gait          Gait                                 systems/gait
 Sec. 4     D_i           gait_controllability                 controllability/gaits
 eq. (12)   six flows     rollout                              planning/playback
-eq. (12)   lift, land    contact_switches                     systems/flows
 eq. (13)   [g_11, g_12]  require_decoupled                    extension/decoupling
 eq. (14)   flows on S_B  on_bottom, tangent_field             extension/decoupling
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended

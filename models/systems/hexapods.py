@@ -1,16 +1,18 @@
 """The hexapod of Sec. 6: its equations of motion (16) to (18) and its elements (19).
 
-The state is x, y, theta, phi_1, phi_2, h_1, h_2: the body's pose, and the swing angle
-and the foot height of each tripod. With all feet down, eq. (16), the columns are
+The state is x, y, theta, phi_1, phi_2, height_1, height_2: the body's pose, and the
+swing angle and the foot height of each tripod. With all feet down, eq. (16), the
+columns are
 
     g_{12,1} = (cos theta, sin theta,  l, 1, 0, 0, 0)    tripod 1 swings
     g_{12,2} = (cos theta, sin theta, -l, 0, 1, 0, 0)    tripod 2 swings
 
 With tripod 2 in the air, eq. (17), its swing moves nothing but phi_2, and its lift
-h_2; with tripod 1 in the air, eq. (18), likewise. The elements of eq. (19) are the
+height_2; with tripod 1 in the air, eq. (18), likewise. The elements of eq. (19) are the
 strokes of the bottom stratum, the swings in the air, and the bracket that moves the
-body sideways. `motion.equations_of_motion` makes the fields from the body twists given
-here; a robot in the physics has its own twists, from `motion.robot_equations`.
+body sideways. `legged.walker` makes the fields from the body twists given here, of the
+groups on the ground. A robot in the physics has twists of its own, from
+`motion.robot_equations`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Hall elements as vector fields: the brackets of a system's fields, eq. (19).
+"""Hall elements as vector fields: the brackets of a system's fields.
 
 Brackets that vanish as fields are left out where the algebra allows it. Brackets with a
 field that commutes with all others are not even formed.

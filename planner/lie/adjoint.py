@@ -44,6 +44,9 @@ def adjoint_action(
 ) -> Terms:
     """Ad(e^(h B)) of a sum of terms, e^(h B) (sum) e^(-h B), eq. (8).
 
+    The paper writes a sum by its rates, with -h. Rates are found from a sum by the
+    inverse of that, with +h.
+
     Args:
         structure: Structure constants of B: the coefficients of [B, B_j] for each j.
         h: Coefficient of B.

@@ -1,11 +1,11 @@
-"""Hall coordinates of formal flows: eqs. (6), (7) and (9).
+"""Hall coordinates of formal flows: eqs. (6) and (9); `adjoint` has (7) and (8).
 
 A flow S has backward coordinates h and forward coordinates f,
 
     S = e^(h_s B_s) ... e^(h_1 B_1) = e^(f_1 B_1) ... e^(f_s B_s),    eq. (6)
 
-in time order: B_s runs first on the left, B_1 on the right. Words of generators that
-realise the coordinates are made in `lie.input_words`.
+in time order: B_s runs first on the left, B_1 on the right. S itself is never formed.
+Words of generators that realise the coordinates are made in `lie.input_words`.
 
     integrate(basis, inputs) -> (..., s)    many segments at once, for
         inputs of shape (..., nodes, s) at the nodes of `numerics.collocation`
@@ -168,7 +168,7 @@ def _step(
 
 
 def forward(basis: Sequence[Element], h: ArrayLike) -> Array:
-    """Forward coordinates f of a flow from its backward coordinates h, shape (..., s).
+    """Forward coordinates f from backward ones h, eq. (6), both of shape (..., s).
 
     The backward coordinates of S^-1 = e^(-f_s B_s) ... e^(-f_1 B_1) are -f.
     """

@@ -1,4 +1,4 @@
-"""Words: flows of real inputs that realise Hall coordinates (Sec. 2.1, eq. 20).
+"""Bracket motions u_1 o u_2 o -u_1 o -u_2, eq. (20), as words of real inputs, Sec. 2.1.
 
 A word, as Lafferriere and Sussmann call it, lists generators, counted from 1, and
 signed durations in time order. The flow along a bracket is approximated by the
@@ -164,7 +164,7 @@ def logarithm_of_word(algebra: LieAlgebra, element: Element) -> Array:
 
 @cache
 def _letters(element: Element) -> Letters:
-    """The word of an element: A C A^-1 C^-1 for [A, C], after Sec. 2."""
+    """The word of an element: A C A^-1 C^-1 for [A, C], eq. (20)."""
     if not isinstance(element, Bracket):
         return ((element, 1),)
     left, right = _letters(element.left), _letters(element.right)

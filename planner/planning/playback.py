@@ -31,7 +31,9 @@ def rollout(plan: Plan, samples: int = 1) -> Array:
 def play(
     system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
 ) -> Array:
-    """States along a sequence of flows, as `rollout` gives them.
+    """States along a sequence of flows, composed as in eq. (12).
+
+    The result is as `rollout` gives it.
 
     Args:
         system: System that the flows are of.

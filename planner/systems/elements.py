@@ -1,4 +1,4 @@
-"""Elements of an extended system by name: fields and brackets of fields, eq. (19).
+"""Elements of an extended system by name: fields and brackets of fields.
 
 An element is written as `g1_1` or `[g1_1,g2_2]`. Generators may also be written as
 numbers, `1` and `[1,2]`, which count all fields of the system in order of declaration,

@@ -1,6 +1,7 @@
 """Vector fields on the configuration space: brackets and fast evaluation, eq. (1).
 
-They are the columns g_i of x' = g_1(x) u_1 + ... + g_m(x) u_m, a system without drift.
+They are the columns g_i of x' = g_1(x) u_1 + ... + g_m(x) u_m, a system without drift;
+`strata.StratifiedSystem` is the system itself, with one such sum on each stratum.
 
 A field is a column of sympy expressions in the symbols of the state, or a
 `NumericField` where it is known as a Python function only.

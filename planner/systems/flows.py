@@ -1,7 +1,9 @@
-"""Sequences of flows along the fields of strata, eqs. (2) and (12).
+"""Flows along the fields of strata, eq. (2).
 
 A sequence of flows is in time order. Every flow names the stratum that it runs on, so
-the lift-offs and touchdowns of eq. (12) are implied wherever the stratum changes.
+flows that lift feet and set them down are never listed: they are implied wherever the
+stratum changes. `planning.playback` composes flows as eq. (12) does; the series of
+eq. (2) is `lie.tensor.Tensor.exp`.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ from planner.systems.level_sets import LevelSet
 
 @dataclass(frozen=True, eq=False)
 class StratifiedSystem:
-    """A driftless system on each of several strata, eq. (10).
+    """A driftless system on each of several strata, eq. (10); on one, eq. (1).
 
     Attributes:
         state: Symbols of the configuration, n of them; names are accepted.
