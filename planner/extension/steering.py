@@ -1,7 +1,8 @@
 """From fictitious inputs to Hall coordinates to words of real inputs, eqs. (9), (20).
 
-Brackets outside the selected elements have Hall coordinates too, in degree 2
-h_ij' = h_i v_j. They are realised as well, unless their fields vanish.
+The fictitious inputs, eq. (5), are those of `extended.ExtendedSystem`. Brackets outside
+the selected elements have Hall coordinates too, in degree 2 h_ij' = h_i v_j. They are
+realised as well, unless their fields vanish.
 """
 
 from __future__ import annotations

@@ -31,9 +31,10 @@ def rollout(plan: Plan, samples: int = 1) -> Array:
 def play(
     system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
 ) -> Array:
-    """States along a sequence of flows, composed as in eq. (12).
+    """States along a sequence of flows, as `rollout` gives them.
 
-    The result is as `rollout` gives it.
+    The flows are composed as in eq. (12), without those that lift feet and set them
+    down: by eqs. (13) and (14) these cancel.
 
     Args:
         system: System that the flows are of.
