@@ -2,92 +2,154 @@
 """Run the command on mutated inputs, and check how it ends.
 
 Scenarios, cards, MJCF, systems, saved plans and options are mutated, and the command is
-run on each of them in this process: `python -m scripts.fuzz --seconds 180 --seed 1`. A
-case fails if the command ends with code 70, with an exception, with more than one line
-on standard error, with an unknown code, or not within a minute. Models are compiled
-here and not by a process of their own, so that a case takes some hundredths of a
-second. Failed cases are kept in a folder, each with its files.
+run on each of them: `python -m scripts.fuzz --seconds 180 --seed 1`. A case fails if
+the command ends with code 70, with an exception, with more than one line on standard
+error, with an unknown code, or not within a minute.
+
+The cases run in a process beside this one (`scripts/fuzz_worker.py`), which is ended
+and replaced where it does not answer in time or does not survive. What seems wrong
+there is run once more, by the real command in a process of its own, and that decides.
+Failed cases are kept in a folder, each with its files.
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
-import io
 import json
+import multiprocessing
 import os
 import random
-import re
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
-import warnings
 from collections import Counter
 from collections.abc import Iterator
-from importlib import import_module
+from contextlib import suppress
 from pathlib import Path
-from typing import NoReturn
 
-from models import ModelError
-from scripts.fuzz_inputs import KINDS
+from scripts.fuzz_inputs import KINDS, ROOT
+from scripts.fuzz_worker import judged, limit_memory, serve
 
-CODES = {0, 2, 3, 4, 6}
-PROGRESS = re.compile(r"[a-z ]+ +\d+%")  # what long work says of itself
-LIMIT = 60  # [s] a case may take
-
-
-class Hang(BaseException):
-    """A case that takes too long."""
+LIMIT = 60.0  # [s] a case may take
+START = 100.0  # [s] a process may take to begin
+FRESH = 300  # cases after which libraries have kept enough for another process
 
 
-def fault(words: list[str]) -> str | None:
-    """What is wrong with how the command ends, or None."""
-    cli = import_module("sim.cli")
-    said, printed = io.StringIO(), io.StringIO()
-    signal.setitimer(signal.ITIMER_REAL, LIMIT)
-    began = time.monotonic()
-    try:
-        with (
-            contextlib.redirect_stderr(said),
-            contextlib.redirect_stdout(printed),
-            warnings.catch_warnings(action="ignore"),
-        ):
-            code = cli.main(words)
-    except BaseException as error:
-        if isinstance(error, KeyboardInterrupt):
-            raise
-        return f"raises {type(error).__name__}: {error}"
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-    lines = [x for x in said.getvalue().splitlines() if not PROGRESS.match(x)]
-    if time.monotonic() - began >= LIMIT:
-        return f"takes {LIMIT} s"
-    if code not in CODES:
-        return f"ends with {code}: {' '.join(lines)[:300]}"
-    if len(lines) > 1 or (len(lines) == 1) != (code != 0):
-        return f"says {len(lines)} lines with code {code}: {lines[:2]}"
-    return None
+class Crew:
+    """One process that runs cases, and the next one where it fails."""
+
+    def __init__(self, limit: float = LIMIT) -> None:
+        """Begin without a process.
+
+        Args:
+            limit: Seconds that a case may take.
+        """
+        self._limit = limit
+        self._process: multiprocessing.process.BaseProcess | None = None
+        self._left = 0
+
+    def fault(self, words: list[str], folder: str) -> str | None:
+        """What is wrong with how the command ends, or None.
+
+        Args:
+            words: Of the command line.
+            folder: Where it is run.
+        """
+        seems = self.answer(words, folder)
+        if seems is None:
+            return None
+        wrong = decided(words, folder, self._limit)
+        return wrong and f"{wrong} (first: {seems})"
+
+    def answer(self, words: list[str], folder: str) -> str | None:
+        """What seems wrong where one case is run after another, or None.
+
+        Args:
+            words: Of the command line.
+            folder: Where it is run.
+        """
+        if self._process is None or not self._left:
+            self._begin()
+        self._left -= 1
+        answer: str | None
+        try:
+            self._cases.send((folder, words))
+            if self._cases.poll(self._limit):
+                answer = self._cases.recv()
+                return answer
+            answer = f"does not answer in {self._limit:g} s"
+        except (EOFError, OSError):
+            answer = "does not survive it"
+        self.end()
+        return answer
+
+    def _begin(self) -> None:
+        self.end()
+        spawn = multiprocessing.get_context("spawn")
+        self._cases, theirs = spawn.Pipe()
+        self._process = spawn.Process(
+            target=serve, args=(theirs, self._limit), daemon=True
+        )
+        self._process.start()
+        theirs.close()
+        if not self._cases.poll(START) or not self._cases.recv():
+            raise RuntimeError(f"the process of the cases did not begin in {START} s")
+        self._left = FRESH
+
+    def __enter__(self) -> Crew:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.end()
+
+    def end(self) -> None:
+        """End the process and all that it started."""
+        if self._process is not None:
+            _end(self._process.pid)
+            self._process.kill()
+            self._process.join()
+            self._cases.close()
+        self._process = None
 
 
-def quicken() -> None:
-    """Try models in this process; no door leads to the part that is replaced."""
-    inspection = import_module("models.description.inspection")
-    trial = import_module("models.description.trial")
+def decided(words: list[str], folder: str, limit: float = LIMIT) -> str | None:
+    """What is wrong with how the real command ends, or None.
 
-    def tried(path: Path) -> list[str]:
-        report = trial.report(path)
-        if "files" not in report:
-            raise ModelError(str(report.get("wrong", "too large")))
-        return list(report["files"])
+    Args:
+        words: Of the command line.
+        folder: Where it is run.
+        limit: Seconds that it may take.
+    """
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "sim.cli", *words],
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=said,
+            start_new_session=True,
+            preexec_fn=limit_memory,
+        )
+        try:
+            code = process.wait(limit)
+        except subprocess.TimeoutExpired:
+            return f"takes {limit:g} s"
+        finally:
+            _end(process.pid)
+            process.wait()
+        said.seek(0)
+        return judged(code, said.read().decode(errors="replace"))
 
-    inspection._tried = tried  # type: ignore[attr-defined]
-    signal.signal(signal.SIGALRM, _hang)
 
-
-def _hang(number: int, frame: object) -> NoReturn:
-    raise Hang
+def _end(leader: int | None) -> None:
+    """End all processes of a session, if it has begun and there are any left."""
+    with suppress(ProcessLookupError):
+        if leader:
+            os.killpg(leader, signal.SIGKILL)
 
 
 def cases(seed: int, kinds: list[str]) -> Iterator[tuple[str, int]]:
@@ -105,21 +167,22 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
-    asked = parser.parse_args()
-    keep, home, done = Path(asked.keep).resolve(), Path.cwd(), Counter[str]()
+    with Crew() as crew:
+        return _run(parser.parse_args(), crew)
+
+
+def _run(asked: argparse.Namespace, crew: Crew) -> int:
+    keep, done = Path(asked.keep).resolve(), Counter[str]()
     faults, longest = 0, dict[str, tuple[float, int]]()
-    quicken()
     end = time.monotonic() + asked.seconds
     for kind, seed in cases(asked.seed, asked.kinds):
         if time.monotonic() > end or done.total() >= asked.cases:
             break
         with tempfile.TemporaryDirectory() as folder:
-            os.chdir(folder)
             words = KINDS[kind](Path(folder), random.Random(seed))
             began = time.monotonic()
-            wrong = fault(words)
+            wrong = crew.fault(words, folder)
             took = time.monotonic() - began
-            os.chdir(home)
             done[kind] += 1
             longest[kind] = max(longest.get(kind, (0.0, 0)), (round(took, 1), seed))
             if wrong is not None:
