@@ -4,7 +4,8 @@
 Scenarios, cards, MJCF, systems, saved plans and options are mutated, and the command is
 run on each of them: `python -m scripts.fuzz --seconds 180 --seed 1`. A case fails if
 the command ends with code 70, with an exception, with more than one line on standard
-error, with an unknown code, or not within a minute.
+error, with an unknown code, or not within a minute; `--patience` gives it longer on a
+busy machine, though no longer a time on the processor.
 
 The cases run in a process beside this one (`scripts/fuzz_worker.py`), which is ended
 and replaced where it does not answer in time or does not survive. What seems wrong
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import multiprocessing
 import os
 import random
@@ -31,23 +33,25 @@ from contextlib import suppress
 from pathlib import Path
 
 from scripts.fuzz_inputs import KINDS, ROOT
-from scripts.fuzz_worker import judged, limit_memory, serve
+from scripts.fuzz_worker import judged, limit_process, serve
 
-LIMIT = 60.0  # [s] a case may take
+LIMIT = 60.0  # [s] a case may take, on the processor in any case
 START = 100.0  # [s] a process may take to begin
+SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 FRESH = 300  # cases after which libraries have kept enough for another process
 
 
 class Crew:
     """One process that runs cases, and the next one where it fails."""
 
-    def __init__(self, limit: float = LIMIT) -> None:
+    def __init__(self, limit: float = LIMIT, patience: float | None = None) -> None:
         """Begin without a process.
 
         Args:
-            limit: Seconds that a case may take.
+            limit: Seconds of the processor that a case may take.
+            patience: Seconds that it may take; as many if left out.
         """
-        self._limit = limit
+        self._limit, self._patience = limit, patience or limit
         self._process: multiprocessing.process.BaseProcess | None = None
         self._left = 0
 
@@ -61,7 +65,7 @@ class Crew:
         seems = self.answer(words, folder)
         if seems is None:
             return None
-        wrong = decided(words, folder, self._limit)
+        wrong = decided(words, folder, self._limit, self._patience)
         return wrong and f"{wrong} (first: {seems})"
 
     def answer(self, words: list[str], folder: str) -> str | None:
@@ -77,10 +81,10 @@ class Crew:
         answer: str | None
         try:
             self._cases.send((folder, words))
-            if self._cases.poll(self._limit):
+            if self._comes(self._patience):
                 answer = self._cases.recv()
                 return answer
-            answer = f"does not answer in {self._limit:g} s"
+            answer = f"does not answer in {self._patience:g} s"
         except (EOFError, OSError):
             answer = "does not survive it"
         self.end()
@@ -95,9 +99,12 @@ class Crew:
         )
         self._process.start()
         theirs.close()
-        if not self._cases.poll(START) or not self._cases.recv():
-            raise RuntimeError(f"the process of the cases did not begin in {START} s")
+        if not self._comes(START + self._patience) or not self._cases.recv():
+            raise RuntimeError("the process that runs the cases did not begin")
         self._left = FRESH
+
+    def _comes(self, seconds: float) -> bool:
+        return any(self._cases.poll(SLICE) for _ in range(math.ceil(seconds / SLICE)))
 
     def __enter__(self) -> Crew:
         return self
@@ -115,13 +122,16 @@ class Crew:
         self._process = None
 
 
-def decided(words: list[str], folder: str, limit: float = LIMIT) -> str | None:
+def decided(
+    words: list[str], folder: str, limit: float = LIMIT, patience: float = LIMIT
+) -> str | None:
     """What is wrong with how the real command ends, or None.
 
     Args:
         words: Of the command line.
         folder: Where it is run.
-        limit: Seconds that it may take.
+        limit: Seconds of the processor that it may take.
+        patience: Seconds that it may take.
     """
     with tempfile.TemporaryFile() as said:
         process = subprocess.Popen(
@@ -132,17 +142,25 @@ def decided(words: list[str], folder: str, limit: float = LIMIT) -> str | None:
             stdout=subprocess.DEVNULL,
             stderr=said,
             start_new_session=True,
-            preexec_fn=limit_memory,
+            preexec_fn=lambda: limit_process(limit),
         )
         try:
-            code = process.wait(limit)
-        except subprocess.TimeoutExpired:
-            return f"takes {limit:g} s"
+            code = _ended(process, patience)
         finally:
             _end(process.pid)
             process.wait()
         said.seek(0)
-        return judged(code, said.read().decode(errors="replace"))
+        if code in (None, -signal.SIGXCPU):
+            return f"takes {limit:g} s"
+        return judged(process.returncode, said.read().decode(errors="replace"))
+
+
+def _ended(process: subprocess.Popen[bytes], seconds: float) -> int | None:
+    """The code with which a process ends in this time, or None."""
+    for _ in range(math.ceil(seconds / SLICE)):
+        with suppress(subprocess.TimeoutExpired):
+            return process.wait(SLICE)
+    return None
 
 
 def _end(leader: int | None) -> None:
@@ -166,9 +184,11 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=10**9)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
+    parser.add_argument("--patience", type=float, default=LIMIT, help="[s] for a case")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
-    with Crew() as crew:
-        return _run(parser.parse_args(), crew)
+    asked = parser.parse_args()
+    with Crew(patience=asked.patience) as crew:
+        return _run(asked, crew)
 
 
 def _run(asked: argparse.Namespace, crew: Crew) -> int:

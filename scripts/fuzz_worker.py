@@ -37,7 +37,6 @@ def serve(cases: Connection, limit: float) -> None:
         limit: Seconds of computing after which the system ends this process.
     """
     os.setsid()
-    limit_memory()
     quicken()
     import_module("sim.cli")
     cases.send("ready")
@@ -46,7 +45,7 @@ def serve(cases: Connection, limit: float) -> None:
             os.dup2(below.fileno(), stream.fileno())
         while True:
             folder, words = cases.recv()
-            _limit_computing(limit)
+            limit_process(limit)
             os.chdir(folder)
             begin = below.seek(0, io.SEEK_END)
             wrong = fault(words)
@@ -56,17 +55,18 @@ def serve(cases: Connection, limit: float) -> None:
             os.chdir("/")
 
 
-def limit_memory() -> None:
-    """Give this process and those that it starts so much memory and no more."""
+def limit_process(seconds: float) -> None:
+    """Let this process and those that it starts have so much memory and time.
+
+    Args:
+        seconds: More of computing than before; then the system ends the process.
+    """
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    end = math.ceil(used.ru_utime + used.ru_stime + seconds) + 1
+    _, most = resource.getrlimit(resource.RLIMIT_CPU)
+    resource.setrlimit(resource.RLIMIT_CPU, (end, most))
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def _limit_computing(limit: float) -> None:
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-    end = math.ceil(used.ru_utime + used.ru_stime + limit) + 1
-    resource.setrlimit(resource.RLIMIT_CPU, (end, hard))
 
 
 def quicken() -> None:
