@@ -137,6 +137,7 @@ from .planning.curves import (
 )
 from .planning.lifted_ends import (
     plan_between as plan_between,
+    set_down as set_down,
     stratum_at as stratum_at,
 )
 from .planning.nominal import (

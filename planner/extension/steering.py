@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
@@ -193,11 +194,14 @@ def steering(
 
     Raises:
         ValueError: An element is not in the Hall basis over its generators, or the
-            degree is below an element's, or asks for too many Hall coordinates.
+            degree is no whole number, below an element's, or asks for too many Hall
+            coordinates.
     """
     generators = tuple(dict.fromkeys(leaf for tree in trees for leaf in leaves(tree)))
     highest = max(len(leaves(tree)) for tree in trees)
     degree = highest if degree is None else degree
+    if not isinstance(degree, Integral) or isinstance(degree, bool):
+        raise ValueError(f"degree is {degree!r}; a whole number is needed")
     if degree < highest:
         raise ValueError(
             f"degree is {degree}, but the elements are of degree {highest}; give at "

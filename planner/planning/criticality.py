@@ -53,6 +53,11 @@ def critical_step(
     Raises:
         ValueError: The direction is zero, or something is misshapen or not finite.
     """
+    if np.shape(at) != np.shape(direction):
+        raise ValueError(
+            f"direction of shape {np.shape(direction)} at a configuration of shape "
+            f"{np.shape(at)}; give both as states"
+        )
     way = line(at, np.add(at, direction))
     start, step = way(0.0), way(1.0) - way(0.0)
     if not step.any():

@@ -24,7 +24,8 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         formulas: Formulas or numbers by the names of `COLUMNS`; those missing are 0.
 
     Raises:
-        ValueError: One of them is no formula of s, or not finite somewhere.
+        ValueError: One of them is no formula of s, or not finite somewhere, or all are
+            constant.
     """
     s = sp.Symbol("s", real=True)
     exprs = []
@@ -42,9 +43,12 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
         return np.stack(columns, axis=-1).astype(float)
 
     places = np.linspace(0.0, 1.0, 1001)
-    finite = np.isfinite(at(places)).all(axis=1)
+    poses = at(places)
+    finite = np.isfinite(poses).all(axis=1)
     if not finite.all():
         raise ValueError(f"not finite at s = {places[~finite][0]:.4g}; keep it finite")
+    if (poses == poses[0]).all():
+        raise ValueError("all poses are the same; let x, y or yaw change with s")
     return Path(at), _arc_length(lambda t: np.hypot(*(f(t) for f in rate)), [0.0, 1.0])
 
 

@@ -50,6 +50,21 @@ def _is_on(system: StratifiedSystem, stratum: str, x: Array) -> bool:
     return not functions or bool(np.abs(level_set.value(x)).max() <= ON_GROUND)
 
 
+def set_down(system: StratifiedSystem, x: ArrayLike) -> Array:
+    """The configuration with every foot on the ground, shape (n,).
+
+    Args:
+        system: System whose level sets are heights of feet.
+        x: Configuration with some feet lifted, shape (n,).
+
+    Raises:
+        StratumError: A foot is lifted along no coordinate, or is below the ground.
+    """
+    down = np.array(x, dtype=float)
+    down[list(_lifted(system, down))] = 0.0
+    return down
+
+
 def plan_between(
     extended: ExtendedSystem,
     start: ArrayLike,
@@ -68,8 +83,8 @@ def plan_between(
             configurations.
 
     Raises:
-        StratumError: An end lies on no stratum, or no field of its stratum lifts one of
-            the feet.
+        StratumError: An end lies on no stratum, one of its feet is below the ground, or
+            no field of its stratum lifts one of the feet.
         PlannerError: As for `plan`.
     """
     system = extended.system
@@ -77,9 +92,7 @@ def plan_between(
     ends = way(0.0), way(1.0)
     depart, arrive = (stratum_at(system, x) for x in ends)
     lifted = [_lifted(system, x) for x in ends]
-    down = [x.copy() for x in ends]
-    for x, raised in zip(down, lifted, strict=True):
-        x[list(raised)] = 0.0
+    down = [set_down(system, x) for x in ends]
     execution = replace(execution or Execution(), depart=depart, arrive=arrive)
     planned = plan(extended, line(*down), segments, execution=execution)
     landing = _raise(system, depart, {i: -h for i, h in lifted[0].items()})
@@ -97,7 +110,12 @@ def _lifted(system: StratifiedSystem, x: Array) -> dict[int, float]:
                 "state; start and end on the bottom stratum"
             )
         place = system.state.index(function)
-        if abs(x[place]) > ON_GROUND:
+        if x[place] < -ON_GROUND:
+            raise StratumError(
+                f"{function} is {x[place]:g}, a foot below the ground; heights are at "
+                "least 0"
+            )
+        if x[place] > ON_GROUND:
             heights[place] = float(x[place])
     return heights
 

@@ -160,7 +160,8 @@ def _problem(options: argparse.Namespace) -> Problem:
 
 
 def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
-    from sim.commands.problems import extended, lifted, solve
+    from planner import line, set_down
+    from sim.commands.problems import extended, solve
 
     problem = _problem(options)
     if problem.flat and all(getattr(options, o) in (None, []) for o in BY_ELEMENTS):
@@ -172,11 +173,9 @@ def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
     if options.optimise not in (None, "none"):
         planned = _shortest(problem, compiled, planned, options.optimise)
     timing = {"compile": ready - began, "plan": time.perf_counter() - ready}
-    if lifted(problem):
-        return planned, {"timing": timing}
-    words = problem.open_loop.coordinates
-    accuracy = convergence(compiled, problem.path, words)
-    steps = step_lengths(compiled, problem.path, problem.segments)
+    path = line(*(set_down(problem.system, x) for x in problem.states))
+    accuracy = convergence(compiled, path, problem.open_loop.coordinates)
+    steps = step_lengths(compiled, path, problem.segments)
     return planned, {"accuracy": accuracy, "steps": steps, "timing": timing}
 
 

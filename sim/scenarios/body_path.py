@@ -140,8 +140,10 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
         what, _, remedy = str(error).partition("; ")
         raise UsageError(what, "path", remedy or "write formulas of s") from error
     start, goal = curve(0.0), curve(1.0)
-    if np.abs(start).max() > CLOSE or np.abs(goal).max() > LARGEST:
+    if np.abs(start).max() > CLOSE:
         raise _refusal("path at s = 0", start.tolist(), "[0, 0, 0], the start pose")
+    if np.abs(goal).max() > LARGEST:
+        raise _refusal("path at s = 1", goal.tolist(), f"none beyond {LARGEST:g}")
     x, y, yaw = goal.tolist()
     return NominalPath("formulas", dict(given), (x, y, yaw), length, curve)
 
@@ -174,7 +176,7 @@ def decode(table: object) -> NominalPath:
     if table["kind"] == "formulas":
         require_keys(table, "path of kind formulas", (), COLUMNS)
         return make({name: v for name, v in table.items() if name != "kind"})
-    if table["kind"] == "table" and "file" in table:
+    if table["kind"] == "table" and "poses" not in table:
         require_keys(table, "path of kind table", ("file",), ())
         return make(_read_poses(table["file"]))
     require_keys(table, f"path of kind {table['kind']}", (key,), ())

@@ -34,6 +34,13 @@ def generic(state, monomials):
     return StratifiedSystem(state, {"0": fields}, "0")
 
 
+def test_degrees_are_whole_numbers():
+    walker = extend(hexapod(), PAPER)
+    for wrong in (2.5, "3", True):
+        with pytest.raises(ValueError, match=f"degree is {wrong!r}; a whole number"):
+            walker.to_degree(wrong)
+
+
 PLANE = generic((X, Y), [1, X, Y, X * Y])
 SPACE = generic((X, Y, Z), [1, X, Y * Z])
 

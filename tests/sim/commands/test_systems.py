@@ -157,6 +157,8 @@ def test_gait_and_lifted_feet_are_options(facts):
     assert ordered["contact_switches"] >= free["contact_switches"]
     lifted = facts("plan", "biped", "--start", "height_1=0.1", "--goal", "y=0.5")
     assert lifted["end"]["height_1"] == pytest.approx(0.1)  # as at the start
+    down = facts("plan", "biped", "--goal", "y=0.5")
+    assert (lifted["accuracy"], lifted["steps"]) == (down["accuracy"], down["steps"])
 
 
 def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
