@@ -105,8 +105,14 @@ def changed(problem: Problem, changes: Mapping[str, Any]) -> Problem:
     Raises:
         UsageError: A change is impossible.
     """
+    from planner import StratumError
+
     with refused(problem.name):
-        return replace(problem, **{k: v for k, v in changes.items() if v is not None})
+        try:
+            given = {name: v for name, v in changes.items() if v is not None}
+            return replace(problem, **given)
+        except StratumError as error:
+            raise ValueError(str(error)) from error
 
 
 def extended(problem: Problem) -> ExtendedSystem:

@@ -113,7 +113,9 @@ def test_lifted_feet_come_down_before_another_stratum_is_visited(walker):
 
 def test_feet_below_the_ground_are_refused(walker):
     start, goal = np.zeros(7), [0.2, 0, 0, 0, 0, 0, -0.1]
-    with pytest.raises(StratumError, match=r"height_2 is -0\.1, a foot below the ground"):
+    with pytest.raises(
+        StratumError, match=r"height_2 is -0\.1, a foot below the ground"
+    ):
         plan_between(walker, start, goal, 1)
 
 
