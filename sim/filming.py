@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 from sim.errors import UsageError
 from sim.evaluation.assessment import Evaluation, evaluate
-from sim.pictures.direction import film_folder
+from sim.pictures.run_film import film_folder
 from sim.progress import Progress, silent
 from sim.run_folder import write_numbers
 from sim.simulation import Simulation

@@ -133,7 +133,7 @@ def run(
     with stage(progress, "report"):
         writer.reported(warn)
     if look is not None:
-        from sim.pictures.direction import film_folder
+        from sim.pictures.run_film import film_folder
 
         began = time.perf_counter()
         film_folder(folder.path, look=look, progress=lambda f: progress("filming", f))

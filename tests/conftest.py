@@ -8,7 +8,7 @@ from models.description.robot import FOLDER
 from models.library import load as load_robot
 from sim.errors import RenderError
 from sim.folder import RunFolder
-from sim.pictures.direction import check
+from sim.pictures.run_film import check
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario

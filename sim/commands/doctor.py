@@ -100,9 +100,9 @@ def _physics() -> str:
 
 
 def _rendering() -> str:
+    from sim.pictures.drawing_speed import pictures_per_second
     from sim.pictures.gl import probe
     from sim.pictures.style import HEIGHT, WIDTH
-    from sim.pictures.trial import pictures_per_second
 
     driver = probe()
     speed = pictures_per_second(driver)

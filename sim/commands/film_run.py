@@ -42,7 +42,7 @@ def execute(options: argparse.Namespace) -> None:
     stop = math.inf if options.stop is None else options.stop
 
     from models import inspect_model
-    from sim.pictures.direction import film_folder
+    from sim.pictures.run_film import film_folder
     from sim.progress import bar
 
     model = Path(options.run) / "model.xml"

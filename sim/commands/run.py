@@ -168,7 +168,7 @@ def _can_film(wanted: bool | None) -> bool:
     """Whether to film; it is an error if a requested film cannot be drawn."""
     if wanted is False:
         return False
-    from sim.pictures.direction import check
+    from sim.pictures.run_film import check
 
     try:
         check()

@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from planner import Array
 from sim.pictures.clock import Clock
-from sim.pictures.story import FilmedWalk
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.style import FRAME_RATE, HEIGHT, WIDTH
 from sim.pictures.views import ACROSS, ELEVATION, View
 

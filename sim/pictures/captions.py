@@ -11,6 +11,7 @@ from planner import Array
 from sim.pictures import style
 from sim.pictures.camera import Camera
 from sim.pictures.clock import Clock
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.inset import inset
 from sim.pictures.legend import legend
 from sim.pictures.panel import (
@@ -25,9 +26,8 @@ from sim.pictures.panel import (
     text,
 )
 from sim.pictures.scale_bar import scale_bar
-from sim.pictures.story import FilmedWalk
+from sim.pictures.stratum_caption import describe
 from sim.pictures.style import HEIGHT, WIDTH
-from sim.pictures.words import describe
 
 GAP = 10  # between panels [pixels]
 BAR = 92  # height of the bar at the bottom [pixels]

@@ -1,6 +1,6 @@
 """The grid on the floor, whose lines have the same width everywhere in the picture.
 
-The lines are drawn as ink. Without a graphics card, a texture would take as much time
+The lines are a drawing. Without a graphics card, a texture would take as much time
 as the rest of the picture.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 from planner import Array
 from sim.pictures import style
 from sim.pictures.camera import Camera
-from sim.pictures.ink import Ink, join, polygons
+from sim.pictures.floor_drawing import Drawing, join, polygons
 from sim.pictures.marks import Mark
 
 CELLS = 0.5  # of the grid, about [reach of the robot]
@@ -51,7 +51,7 @@ def grid(view: Camera, reach: float) -> Mark:
 
 def _line(
     axis: int, at: float, low: Array, high: Array, eyes: Array, pixel: float
-) -> Ink:
+) -> Drawing:
     """A line on which one coordinate is constant, wider where it is farther away.
 
     Args:

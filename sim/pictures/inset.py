@@ -13,8 +13,8 @@ import numpy as np
 from planner import Array
 from sim.pictures import style
 from sim.pictures.camera import Camera
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.panel import EDGE, PAD, SMALL, Draw, Panel, empty, millimetres, text
-from sim.pictures.story import FilmedWalk
 from sim.pictures.style import WIDTH, Colour
 
 TOP, BOX, WORDS = 38, 128, 116  # title, plot, and words beside it [pixels]

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sim.pictures import style
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor import cell
 from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, length, text
-from sim.pictures.story import FilmedWalk
+from sim.pictures.stratum_caption import noun
 from sim.pictures.style import Colour
-from sim.pictures.words import noun
 
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 TITLE = 86  # height of what is above the lines [pixels]

@@ -1,6 +1,6 @@
 """Marks on the floor: outline, footprints, paths, support polygon, weight and goal.
 
-A walk is turned into coloured ink, frame by frame; `pictures.studio` draws it.
+A walk is turned into coloured drawings, frame by frame; `pictures.offscreen` draws it.
 """
 
 from __future__ import annotations
@@ -14,10 +14,17 @@ import shapely
 
 from planner import Array
 from sim.motion.stability import support_polygons
-from sim.pictures import style, sweep
+from sim.pictures import style, swept_area
 from sim.pictures.clock import Clock
-from sim.pictures.ink import Ink, dashes, discs, join, polygons, ribbon
-from sim.pictures.story import FilmedWalk
+from sim.pictures.filmed_walk import FilmedWalk
+from sim.pictures.floor_drawing import (
+    Drawing,
+    dashes,
+    discs,
+    join,
+    polygons,
+    ribbon,
+)
 
 # In units of the robot's reach.
 SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
@@ -33,17 +40,17 @@ PIECE = 400  # triangles that are passed to the driver at once
 
 @dataclass(frozen=True)
 class Mark:
-    """Ink of one colour."""
+    """Drawing of one colour."""
 
     name: str
-    ink: Ink
+    drawing: Drawing
     colour: style.Colour
     alpha: float = 1.0
 
     @cached_property
-    def pieces(self) -> tuple[tuple[str, Ink], ...]:
-        """The ink in pieces, each with a name; what is complete stays on the card."""
-        parts = self.ink.pieces(PIECE)
+    def pieces(self) -> tuple[tuple[str, Drawing], ...]:
+        """Pieces of the drawing with their names; complete ones stay on the card."""
+        parts = self.drawing.pieces(PIECE)
         return tuple((f"{self.name} {i}", part) for i, part in enumerate(parts))
 
 
@@ -65,19 +72,21 @@ def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         Mark("nominal path", _nominal(walk), style.NOMINAL),
         *_weight(walk, clock, frames),
     )
-    return tuple(mark for mark in drawn if len(mark.ink))
+    return tuple(mark for mark in drawn if len(mark.drawing))
 
 
 def _covered(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
     """The robot's outline; beside obstacles also the floor that it swept over."""
-    robot = sweep.solids(walk)
+    robot = swept_area.solids(walk)
     if walk.scenario.obstacles:
-        yield Mark("floor swept over", sweep.swept(robot, walk, clock), style.SWEPT)
-    edge = sweep.edge(robot, walk, clock, frames, THIN * walk.reach)
+        yield Mark(
+            "floor swept over", swept_area.swept(robot, walk, clock), style.SWEPT
+        )
+    edge = swept_area.edge(robot, walk, clock, frames, THIN * walk.reach)
     yield Mark("outline of the robot", edge, style.OUTLINE)
 
 
-def _nominal(walk: FilmedWalk) -> Ink:
+def _nominal(walk: FilmedWalk) -> Drawing:
     return dashes(walk.nominal[:, :2], DASH * walk.reach, THIN * walk.reach)
 
 
@@ -97,7 +106,7 @@ def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
         yield Mark(name, _path(walk, clock, poses, WIDE[i]), style.PREDICTED[i])
 
 
-def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Ink:
+def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Drawing:
     """The path of the body's centre so far."""
     rows = _thinned(poses, SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
@@ -125,11 +134,13 @@ def _footprints(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
     """Where the feet of each group stood, and how they slipped while they did."""
     for group, name in enumerate(walk.groups):
         feet = [i for i, owner in enumerate(walk.group_of_foot) if owner == group]
-        ink = join(ink for foot in feet for ink in _stands(walk, clock, foot))
-        yield Mark(f"footprints of {name}", ink, style.footprint(group))
+        drawing = join(
+            drawing for foot in feet for drawing in _stands(walk, clock, foot)
+        )
+        yield Mark(f"footprints of {name}", drawing, style.footprint(group))
 
 
-def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Ink]:
+def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Drawing]:
     """A spot where a foot came down, and its trail until it was raised."""
     place = walk.contact_point[:, foot]
     touched = np.concatenate([[False], walk.contact[:, foot], [False]])

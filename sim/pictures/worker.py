@@ -1,7 +1,7 @@
 """A separate process that draws and encodes some pictures of a film.
 
-`pictures.crew` starts it with the driver chosen in MUJOCO_GL, so that crashes, leaks
-and hanging drivers affect this process alone. It prints a dot for every picture.
+`pictures.processes` starts it with the driver chosen in MUJOCO_GL, so that crashes,
+leaks and hanging drivers affect this process alone. It prints a dot for every picture.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ import mujoco
 from sim.pictures.camera import Camera, camera
 from sim.pictures.captions import Captions
 from sim.pictures.clock import Clock, clock
-from sim.pictures.crew import Piece
 from sim.pictures.file import encoding
+from sim.pictures.filmed_walk import read_walk
 from sim.pictures.floor import grid
 from sim.pictures.marks import marks
-from sim.pictures.story import read_walk
-from sim.pictures.studio import Studio
+from sim.pictures.offscreen import OffscreenRenderer
+from sim.pictures.processes import Piece
 from sim.pictures.style import LOOKS
 from sim.pictures.views import view_of
 
@@ -33,13 +33,13 @@ def draw(piece: Piece) -> None:
     captions = Captions(walk, film_clock, view)
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
     with (
-        Studio(walk, drawn, view, LOOKS[piece.look]) as studio,
+        OffscreenRenderer(walk, drawn, view, LOOKS[piece.look]) as renderer,
         encoding(piece.path) as writer,
     ):
         for frame in frames:
             if frame == frames[0] or not _is_held(film_clock, view, frame):
                 row = int(film_clock.rows[frame])
-                picture = studio.picture(frame, row)
+                picture = renderer.picture(frame, row)
                 captions.write(picture, row)
             writer.append_data(picture)
             os.write(sys.stdout.fileno(), b".")

@@ -12,7 +12,7 @@ from models import root_body
 from planner import Array
 from sim.motion.stability import support_polygons
 from sim.pictures import style
-from sim.pictures.story import FilmedWalk
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.style import Colour
 
 POINTS = 120  # of a path

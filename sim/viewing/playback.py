@@ -10,7 +10,7 @@ import numpy as np
 
 from planner import Array
 from sim.errors import UsageError
-from sim.pictures.story import FilmedWalk, read_walk
+from sim.pictures.filmed_walk import FilmedWalk, read_walk
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from sim.errors import UsageError
 from sim.folder import whole
 from sim.pictures import style
 from sim.pictures.clock import clock
-from sim.pictures.ink import CORNERS
-from sim.pictures.story import FilmedWalk, read_walk
+from sim.pictures.filmed_walk import FilmedWalk, read_walk
+from sim.pictures.floor_drawing import CORNERS
 from sim.pictures.style import FRAME_RATE, Colour
 from sim.viewing.marks import GOAL, landings, thinned
 from sim.viewing.shapes import mesh_of

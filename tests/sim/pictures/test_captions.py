@@ -6,11 +6,11 @@ import pytest
 from sim.pictures import style
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
+from sim.pictures.filmed_walk import read_walk
 from sim.pictures.floor import cell, grid
 from sim.pictures.inset import BOX, FILL, MIDDLE, SIZE, inset, magnification
 from sim.pictures.legend import _entries
 from sim.pictures.scale_bar import HEIGHT as BAR_HEIGHT, scale_bar
-from sim.pictures.story import read_walk
 from sim.pictures.style import HEIGHT, WIDTH
 from sim.pictures.views import VIEWS, view_of
 from sim.pictures.worker import _is_held
@@ -53,7 +53,7 @@ def test_a_cell_of_the_grid_is_a_round_length_of_about_half_a_reach(reach):
 
 
 def test_the_grid_covers_the_floor_in_view(walk, film, view):
-    points = grid(view, walk.reach).ink.points.reshape(-1, 2)
+    points = grid(view, walk.reach).drawing.points.reshape(-1, 2)
     low, high = points.min(axis=0), points.max(axis=0)
     for frame in (0, len(film.rows) // 2, len(film.rows) - 1):
         for corner in ((0, 0), (WIDTH, 0), (0, HEIGHT), (WIDTH, HEIGHT)):

@@ -1,4 +1,4 @@
-"""What a film shows when: ink, clock, camera and words; nothing is drawn."""
+"""What a film shows when: drawing, clock, camera and words; nothing is drawn."""
 
 from types import SimpleNamespace
 
@@ -7,52 +7,52 @@ import pytest
 
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
-from sim.pictures.ink import CORNERS, dashes, discs, join, polygons, ribbon
-from sim.pictures.story import FlowRow
+from sim.pictures.filmed_walk import FlowRow
+from sim.pictures.floor_drawing import CORNERS, dashes, discs, join, polygons, ribbon
+from sim.pictures.stratum_caption import describe
 from sim.pictures.style import FRAME_RATE, HEIGHT, LONGEST, TAIL, WIDTH
 from sim.pictures.views import FARTHEST
-from sim.pictures.words import describe
 from tests.screen import on_screen
 
 AIR = "tripod 1 waits in the air"
 ZIGZAG = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 0.0], [3.0, 4.0]])
 
 
-def area(ink):
+def area(drawing):
     (ax, ay), (bx, by) = np.moveaxis(
-        ink.points[:, 1:] - ink.points[:, :1], (1, 2), (0, 1)
+        drawing.points[:, 1:] - drawing.points[:, :1], (1, 2), (0, 1)
     )
     return float((ax * by - ay * bx).sum() / 2)
 
 
 def test_a_ribbon_covers_its_line_and_half_a_width_beyond_each_piece():
-    ink = ribbon(ZIGZAG, np.arange(4), width=0.1)
-    assert area(ink) == pytest.approx(0.1 * (3.1 + 4.1))
+    drawing = ribbon(ZIGZAG, np.arange(4), width=0.1)
+    assert area(drawing) == pytest.approx(0.1 * (3.1 + 4.1))
 
 
 def test_a_ribbon_grows_with_the_points_it_leads_to():
-    ink = ribbon(ZIGZAG, np.array([0, 5, 6, 9]), width=0.1)
-    assert [ink.visible(frame) for frame in (4, 5, 8, 9)] == [
+    drawing = ribbon(ZIGZAG, np.array([0, 5, 6, 9]), width=0.1)
+    assert [drawing.visible(frame) for frame in (4, 5, 8, 9)] == [
         (0, 0), (0, 2), (0, 2), (0, 4),
     ]  # fmt: skip
 
 
 def test_a_jump_is_no_path():
-    ink = ribbon(ZIGZAG, np.arange(4), width=0.1, jump=3.5)
-    assert area(ink) == pytest.approx(0.1 * 3.1)
+    drawing = ribbon(ZIGZAG, np.arange(4), width=0.1, jump=3.5)
+    assert area(drawing) == pytest.approx(0.1 * 3.1)
 
 
 def test_fleeting_ink_is_gone_in_the_next_frame():
-    ink = join([discs(np.zeros((3, 2)), np.array([2, 3, 5]), 1.0)], fleeting=True)
-    counts = [ink.visible(frame)[1] for frame in range(7)]
+    drawing = join([discs(np.zeros((3, 2)), np.array([2, 3, 5]), 1.0)], fleeting=True)
+    counts = [drawing.visible(frame)[1] for frame in range(7)]
     assert counts == [0, 0, CORNERS - 2, CORNERS - 2, 0, CORNERS - 2, 0]
 
 
 def test_dashes_follow_the_line_round_a_corner_and_cover_half_of_it():
     corner = np.array([[0.0, 0.0], [0.1, 0.0], [0.1, 1.0]])
-    ink = dashes(corner, period=0.11, width=1e-6)
-    assert area(ink) == pytest.approx(1e-6 * 1.1 / 2, rel=1e-3)  # the ends add 2e-5
-    assert ink.points[..., 0].max() == pytest.approx(0.1, abs=1e-5)
+    drawing = dashes(corner, period=0.11, width=1e-6)
+    assert area(drawing) == pytest.approx(1e-6 * 1.1 / 2, rel=1e-3)  # the ends add 2e-5
+    assert drawing.points[..., 0].max() == pytest.approx(0.1, abs=1e-5)
 
 
 def test_a_point_has_no_dashes():

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from sim.errors import ExitCode, FilesError, RenderError, UsageError
-from sim.pictures import crew
-from sim.pictures.crew import Piece
-from sim.pictures.direction import film_folder
+from sim.pictures import processes
 from sim.pictures.file import check_encoder, count_pictures, encoding, join
-from sim.pictures.story import read_walk
+from sim.pictures.filmed_walk import read_walk
+from sim.pictures.processes import Piece
+from sim.pictures.run_film import film_folder
 from tests.screen import FFMPEG, decode
 
 
@@ -88,10 +88,10 @@ def test_an_encoder_that_fails_leaves_no_film(
 )
 def test_a_process_that_fails_is_reported(walked, monkeypatch, command, message):
     monkeypatch.setattr(Piece, "command", command)
-    monkeypatch.setattr(crew, "PATIENCE", 0.3)
+    monkeypatch.setattr(processes, "PATIENCE", 0.3)
     piece = Piece(walked, "draft", range(2), walked / "none.mp4")
     with pytest.raises(RenderError, match=message) as error:
-        crew.draw([piece, piece], "egl", lambda drawn: None)
+        processes.draw([piece, piece], "egl", lambda drawn: None)
     assert error.value.exit_code is ExitCode.RENDER
 
 

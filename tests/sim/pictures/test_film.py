@@ -7,13 +7,13 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.pictures import crew, gl, style
+from sim.pictures import gl, processes, style
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
-from sim.pictures.crew import Piece
-from sim.pictures.direction import film_folder
 from sim.pictures.file import count_pictures
-from sim.pictures.story import read_walk
+from sim.pictures.filmed_walk import read_walk
+from sim.pictures.processes import Piece
+from sim.pictures.run_film import film_folder
 from tests.screen import FFMPEG, decode, on_screen
 
 CLOCK = np.s_[20:60, 1110:1260]  # where the time stands
@@ -36,7 +36,7 @@ def decoded(filmed):
 def draw(folder, frames, driver, look="draft"):
     """Some pictures of a film, without the rest."""
     path = folder / f"piece-{look}-{driver}.mp4"
-    crew.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
+    processes.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
     return decode(path)
 
 

@@ -5,8 +5,8 @@ from threading import Thread
 
 import pytest
 
-from sim.pictures.direction import film_folder
 from sim.pictures.file import count_pictures
+from sim.pictures.run_film import film_folder
 
 SHORT = (0.0, 5.0)  # [s] of the walk
 

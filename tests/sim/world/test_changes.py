@@ -11,9 +11,9 @@ from models.errors import ModelError
 from models.library import load
 from sim import cli
 from sim.pictures import style
-from sim.pictures.ink import ribbon
+from sim.pictures.floor_drawing import ribbon
 from sim.pictures.marks import Mark
-from sim.pictures.scenery import build as build_scene, mesh_name
+from sim.pictures.scene import build as build_scene, mesh_name
 from sim.preparation.inspection import inspected
 from sim.preparation.setup import prepare
 from sim.world.changes import changes

@@ -17,9 +17,9 @@ from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import gl
 from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
-from sim.pictures.crew import KEPT, Piece, draw
 from sim.pictures.file import check_encoder, count_pictures, join
-from sim.pictures.story import read_walk
+from sim.pictures.filmed_walk import read_walk
+from sim.pictures.processes import KEPT, Piece, draw
 from sim.pictures.style import LOOKS
 from sim.pictures.views import view_of
 

@@ -8,8 +8,8 @@ from PIL import Image, ImageDraw
 
 from planner import Array
 from sim.pictures import style
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.panel import text
-from sim.pictures.story import FilmedWalk
 from sim.pictures.style import Colour
 
 RADIUS = 9  # of the disc under a number [pixels]

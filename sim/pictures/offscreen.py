@@ -1,6 +1,6 @@
 """Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names.
 
-Nothing is stepped: every picture shows a recorded state. `pictures.scenery` decides
+Nothing is stepped: every picture shows a recorded state. `pictures.scene` decides
 what is visible.
 """
 
@@ -15,18 +15,18 @@ import numpy as np
 
 from planner import Array
 from sim.pictures.camera import Camera
-from sim.pictures.ink import Ink
+from sim.pictures.filmed_walk import FilmedWalk
+from sim.pictures.floor_drawing import Drawing
+from sim.pictures.leg_numbers import LegNumbers
 from sim.pictures.marks import Mark
-from sim.pictures.numbers import LegNumbers
-from sim.pictures.scenery import SUN, build, has_endless_floor, mesh_name
-from sim.pictures.story import FilmedWalk
+from sim.pictures.scene import SUN, build, has_endless_floor, mesh_name
 from sim.pictures.style import HEIGHT, WIDTH, Look
 
 SUN_DISTANCE = 5.0  # [reach of the robot]
 ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
 
 
-class Studio:
+class OffscreenRenderer:
     """Draws one walk; holds a GL context until it is closed."""
 
     def __init__(
@@ -37,8 +37,10 @@ class Studio:
         self._first_face = self._model.mesh_faceadr.copy()
         pieces = [piece for mark in marks for piece in mark.pieces]
         meshes = [self._model.mesh(mesh_name(name)).id for name, _ in pieces]
-        self._pieces = [(m, ink) for m, (_, ink) in zip(meshes, pieces, strict=True)]
-        self._ink = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
+        self._pieces = [
+            (m, drawing) for m, (_, drawing) in zip(meshes, pieces, strict=True)
+        ]
+        self._drawn = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
         self._data = mujoco.MjData(self._model)
         self._numbers = LegNumbers(walk, self._model)
         self._view = mujoco.MjvCamera()
@@ -73,7 +75,7 @@ class Studio:
         """Draw the state of a row.
 
         Args:
-            frame: Decides the view, and which ink is visible.
+            frame: Decides the view, and which drawings are visible.
             row: Of the trajectory.
 
         Returns:
@@ -83,8 +85,8 @@ class Studio:
         self._look_from(frame)
         mujoco.mj_kinematics(self._model, self._data)
         mujoco.mj_camlight(self._model, self._data)
-        for mesh, ink in self._pieces:
-            self._show(mesh, ink, frame)
+        for mesh, drawing in self._pieces:
+            self._show(mesh, drawing, frame)
         mujoco.mjv_updateScene(
             self._model,
             self._data,
@@ -105,9 +107,9 @@ class Studio:
         return picture
 
     def _let_ink_cast_no_shadow(self) -> None:
-        """Exclude ink, which lies closer to the floor than depth can resolve."""
+        """Exclude drawings, which lie closer to the floor than depth can resolve."""
         for geom in self._scene.geoms[: self._scene.ngeom]:
-            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._ink:
+            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._drawn:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
     def _look_from(self, frame: int) -> None:
@@ -119,10 +121,10 @@ class Studio:
         away = SUN_DISTANCE * self._walk.reach
         self._model.light_pos[0] = self._camera.target[frame] - away * SUN
 
-    def _show(self, mesh: int, ink: Ink, frame: int) -> None:
+    def _show(self, mesh: int, drawing: Drawing, frame: int) -> None:
         """Pass only the triangles that are visible in this frame to the driver."""
         model = self._model
-        first, count = ink.visible(frame)
+        first, count = drawing.visible(frame)
         first += self._first_face[mesh]
         if (model.mesh_faceadr[mesh], model.mesh_facenum[mesh]) != (first, count):
             model.mesh_faceadr[mesh], model.mesh_facenum[mesh] = first, count

@@ -15,8 +15,8 @@ from models import root_body
 from planner import Array
 from sim.obstacles.solids import Solids
 from sim.pictures.clock import Clock
-from sim.pictures.ink import Ink, join, polygons, ribbon
-from sim.pictures.story import FilmedWalk
+from sim.pictures.filmed_walk import FilmedWalk
+from sim.pictures.floor_drawing import Drawing, join, polygons, ribbon
 
 FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 
@@ -29,7 +29,7 @@ def solids(walk: FilmedWalk) -> Solids:
 
 def edge(
     robot: Solids, walk: FilmedWalk, clock: Clock, frames: range, width: float
-) -> Ink:
+) -> Drawing:
     """The outline in each of some frames, gone in the next.
 
     Args:
@@ -48,7 +48,7 @@ def edge(
     return join(lines, fleeting=True)
 
 
-def swept(robot: Solids, walk: FilmedWalk, clock: Clock) -> Ink:
+def swept(robot: Solids, walk: FilmedWalk, clock: Clock) -> Drawing:
     """All that the robot has stood over, growing with the frames."""
     shapes = _outlines(robot, walk, clock.rows)
     done, pieces = shapely.Polygon(), []

@@ -16,7 +16,7 @@ CORNERS = 24  # of a disc
 
 
 @dataclass(frozen=True)
-class Ink:
+class Drawing:
     """Triangles in the order of the frames that they first appear in.
 
     Attributes:
@@ -40,32 +40,36 @@ class Ink:
         start = int(np.searchsorted(self.frames, frame, side="left"))
         return start, stop - start
 
-    def pieces(self, size: int) -> tuple[Ink, ...]:
-        """The drawing in pieces of so many triangles; fleeting ink stays whole."""
+    def pieces(self, size: int) -> tuple[Drawing, ...]:
+        """The drawing in pieces of so many triangles; a fleeting one stays whole."""
         if self.fleeting:
             return (self,)
         cuts = range(size, len(self), size)
         parts = (np.split(a, cuts) for a in (self.points, self.frames, self.shapes))
-        return tuple(Ink(*part) for part in zip(*parts, strict=True))
+        return tuple(Drawing(*part) for part in zip(*parts, strict=True))
 
     def __len__(self) -> int:
         return len(self.frames)
 
 
-def join(inks: Iterable[Ink], fleeting: bool = False) -> Ink:
+def join(drawings: Iterable[Drawing], fleeting: bool = False) -> Drawing:
     """One drawing of several."""
-    inks = [ink for ink in inks if len(ink)]
-    if not inks:
-        return Ink(np.zeros((0, 3, 2)), np.zeros(0, int), np.zeros(0, int), fleeting)
-    counts = np.cumsum([0, *(ink.shapes.max() + 1 for ink in inks)])
-    shapes = [ink.shapes + n for ink, n in zip(inks, counts, strict=False)]
-    frames = np.concatenate([ink.frames for ink in inks])
+    drawings = [drawing for drawing in drawings if len(drawing)]
+    if not drawings:
+        return Drawing(
+            np.zeros((0, 3, 2)), np.zeros(0, int), np.zeros(0, int), fleeting
+        )
+    counts = np.cumsum([0, *(drawing.shapes.max() + 1 for drawing in drawings)])
+    shapes = [drawing.shapes + n for drawing, n in zip(drawings, counts, strict=False)]
+    frames = np.concatenate([drawing.frames for drawing in drawings])
     order = np.argsort(frames, kind="stable")
-    points = np.concatenate([ink.points for ink in inks])
-    return Ink(points[order], frames[order], np.concatenate(shapes)[order], fleeting)
+    points = np.concatenate([drawing.points for drawing in drawings])
+    return Drawing(
+        points[order], frames[order], np.concatenate(shapes)[order], fleeting
+    )
 
 
-def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Ink:
+def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Drawing:
     """A line of constant width, each piece appearing with the point it leads to.
 
     Args:
@@ -85,7 +89,7 @@ def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> In
     return _quadrangles(np.stack(corners, axis=1), frames[1:][moved])
 
 
-def dashes(line: Array, period: float, width: float) -> Ink:
+def dashes(line: Array, period: float, width: float) -> Drawing:
     """A dashed line that is there from the first frame on.
 
     Args:
@@ -105,7 +109,9 @@ def dashes(line: Array, period: float, width: float) -> Ink:
     return join(pieces)
 
 
-def discs(centres: Array, frames: Array, radius: float, corners: int = CORNERS) -> Ink:
+def discs(
+    centres: Array, frames: Array, radius: float, corners: int = CORNERS
+) -> Drawing:
     """Round spots.
 
     Args:
@@ -119,7 +125,7 @@ def discs(centres: Array, frames: Array, radius: float, corners: int = CORNERS) 
     return polygons([c + rim for c in centres], frames)
 
 
-def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Ink:
+def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Drawing:
     """Filled convex polygons with their frames; corners anticlockwise, (n, 2) [m]."""
     fans = []
     for outline, frame in zip(outlines, frames, strict=True):
@@ -127,11 +133,11 @@ def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Ink:
         fan = np.stack(
             [np.repeat(outline[:1], n, 0), outline[1:-1], outline[2:]], axis=1
         )
-        fans.append(Ink(fan, np.full(n, frame), np.zeros(n, int)))
+        fans.append(Drawing(fan, np.full(n, frame), np.zeros(n, int)))
     return join(fans)
 
 
-def _quadrangles(corners: Array, frames: Array) -> Ink:
+def _quadrangles(corners: Array, frames: Array) -> Drawing:
     halves = corners[:, [[0, 1, 2], [0, 2, 3]]]  # (N, 2, 3, 2)
     shapes = np.repeat(np.arange(len(corners)), 2)
-    return Ink(halves.reshape(-1, 3, 2), np.repeat(frames, 2), shapes)
+    return Drawing(halves.reshape(-1, 3, 2), np.repeat(frames, 2), shapes)

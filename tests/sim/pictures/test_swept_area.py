@@ -8,7 +8,7 @@ import shapely
 
 from models.library import load
 from sim.obstacles.outline import Outline
-from sim.pictures import sweep
+from sim.pictures import swept_area
 
 REACH = 0.234  # [m], of the hexapod's outer feet
 
@@ -28,19 +28,19 @@ def walk(outline):
     return SimpleNamespace(qpos=outline.configurations(pose, zero, zero), reach=REACH)
 
 
-def shown(ink, frame):
-    """The floor that ink covers in a frame, and the sum of its triangles' areas."""
-    first, count = ink.visible(frame)
-    triangles = shapely.polygons(ink.points[first : first + count])
+def shown(drawing, frame):
+    """The floor that a drawing covers in a frame, and the sum of all areas."""
+    first, count = drawing.visible(frame)
+    triangles = shapely.polygons(drawing.points[first : first + count])
     return shapely.union_all(triangles), float(shapely.area(triangles).sum())
 
 
 def test_what_is_swept_grows_to_all_outlines_and_never_overlaps(outline, walk):
     clock = SimpleNamespace(rows=np.arange(61))
-    ink = sweep.swept(outline.solids, walk, clock)
-    tolerance = sweep.FINENESS * REACH
+    drawing = swept_area.swept(outline.solids, walk, clock)
+    tolerance = swept_area.FINENESS * REACH
     for frame in (0, 20, 60):
-        covered, painted = shown(ink, frame)
+        covered, painted = shown(drawing, frame)
         rows = np.arange(frame + 1)
         expected = outline.solids.swept(walk.qpos[rows])
         assert expected.buffer(tolerance).covers(covered)
@@ -50,11 +50,11 @@ def test_what_is_swept_grows_to_all_outlines_and_never_overlaps(outline, walk):
 
 def test_the_edge_is_drawn_around_the_robot_of_its_own_frame_alone(outline, walk):
     width, clock = 0.002, SimpleNamespace(rows=np.arange(61))
-    ink = sweep.edge(outline.solids, walk, clock, range(10, 13), width)
+    drawing = swept_area.edge(outline.solids, walk, clock, range(10, 13), width)
     for frame in (10, 12):
-        drawn, _ = shown(ink, frame)
+        drawn, _ = shown(drawing, frame)
         line = outline.solids.swept(walk.qpos[[frame]]).boundary
         # ends of pieces reach half a width on, diagonally
         assert line.buffer(2 * width).covers(drawn)
         assert drawn.buffer(width).covers(line)
-    assert ink.visible(9)[1] == ink.visible(13)[1] == 0
+    assert drawing.visible(9)[1] == drawing.visible(13)[1] == 0

@@ -26,7 +26,7 @@ def pictures_per_second(driver: str) -> float:
     Raises:
         RenderError: If it does not draw pictures of this size.
     """
-    command = [sys.executable, "-P", "-m", "sim.pictures.trial"]
+    command = [sys.executable, "-P", "-m", "sim.pictures.drawing_speed"]
     try:
         done = subprocess.run(
             command,

@@ -1,4 +1,4 @@
-"""The scene of a film: the run's model with even light, a light floor, and ink on it.
+"""The scene of a film: the run's model in even light, with drawings on the floor.
 
 The model is only drawn, never stepped; its states are those of the run.
 """
@@ -13,8 +13,8 @@ import numpy as np
 from models import root_body
 from sim.pictures import style
 from sim.pictures.camera import FIELD_OF_VIEW
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.marks import Mark
-from sim.pictures.story import FilmedWalk
 from sim.pictures.style import HEIGHT, WIDTH, Look
 
 AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
@@ -61,7 +61,7 @@ def has_endless_floor(model: mujoco.MjModel) -> bool:
 
 
 def mesh_name(piece: str) -> str:
-    """Name of the mesh that holds a piece of a mark's ink."""
+    """Name of the mesh that holds a piece of a mark's drawing."""
     return PREFIX + piece
 
 
@@ -95,9 +95,11 @@ def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> N
     spec.add_material(
         name=material, rgba=style.rgba(mark.colour, mark.alpha), specular=0
     )
-    for name, ink in mark.pieces:
-        sheet = ink.shapes % SHEETS / SHEETS
-        _add_mesh(spec, mesh_name(name), ink.points, height + 0.9 * sheet * thickness)
+    for name, drawing in mark.pieces:
+        sheet = drawing.shapes % SHEETS / SHEETS
+        _add_mesh(
+            spec, mesh_name(name), drawing.points, height + 0.9 * sheet * thickness
+        )
         spec.worldbody.add_geom(
             name=mesh_name(name),
             type=mujoco.mjtGeom.mjGEOM_MESH,
