@@ -14,6 +14,13 @@ from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 
 
+def pytest_collection_modifyitems(items):
+    """Whole walks take as long as they need; only quick tests have a limit."""
+    for item in items:
+        if item.get_closest_marker("full"):
+            item.add_marker(pytest.mark.timeout(0))
+
+
 @pytest.fixture(scope="session")
 def hexapod():
     return load_robot("hexapod")

@@ -4,6 +4,7 @@ import json
 import multiprocessing
 import os
 import signal
+import time
 
 import pytest
 
@@ -40,22 +41,22 @@ def test_a_missing_ledger_knows_no_points(tmp_path):
     assert read_ledger(tmp_path / "ledger") == {}
 
 
-def hold(path, held, kept):
+def hold(path, held):
     with sole_owner(path):
         held.set()
-        kept.wait(60)
+        time.sleep(600)
 
 
 @pytest.fixture
 def owner(tmp_path):
     """Another process that holds the lock of a folder."""
     spawn = multiprocessing.get_context("spawn")
-    held, kept = spawn.Event(), spawn.Event()
-    process = spawn.Process(target=hold, args=(tmp_path / "x.lock", held, kept))
+    held = spawn.Event()
+    process = spawn.Process(target=hold, args=(tmp_path / "x.lock", held))
     process.start()
     assert held.wait(60)
     yield process
-    kept.set()
+    process.kill()
     process.join(60)
 
 
