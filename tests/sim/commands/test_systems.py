@@ -161,22 +161,6 @@ def test_gait_and_lifted_feet_are_options(facts):
     assert (lifted["accuracy"], lifted["steps"]) == (down["accuracy"], down["steps"])
 
 
-@pytest.mark.parametrize(
-    ("gait", "message"),
-    [
-        (
-            ("12", "1", "7", "12"),
-            "stratum '7' of gait S12 -> S1 -> S7 -> S12 is unknown",
-        ),
-        (("1", "12", "1"), "gait of paper-hexapod starts in S1: "),
-    ],
-)
-def test_gaits_that_are_none_are_refused(stratawalk, gait, message):
-    code, _, told = stratawalk("plan", "paper-hexapod", "--gait", *gait)
-    assert code == 2
-    assert message in told
-
-
 def test_critical_step_is_told_beside_the_segments(stratawalk, facts):
     short = facts("plan", "unicycle")["steps"]
     assert short["first"] == pytest.approx(1 / 16)
@@ -243,6 +227,16 @@ def test_list_of_systems_has_parameters(facts):
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
+        (
+            "plan biped --gait 12 7 12",
+            2,
+            "'7' of gait S12 -> S7 -> S12 is",
+        ),
+        (
+            "plan biped --gait 1 12 1",
+            2,
+            "gait of biped starts in S1: ",
+        ),
         (
             "plan octopd",
             2,
