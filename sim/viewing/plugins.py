@@ -10,7 +10,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from mujoco.renderer import messages, plugin, sim
+from mujoco.studio import messages, plugin, sim
 from mujoco.studio.dear_imgui import dear_imgui as imgui
 
 from sim.viewing.marks import Marks

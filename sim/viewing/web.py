@@ -74,7 +74,7 @@ def _launch(
     started: Callable[[str], object],
 ) -> Any:
     """Start the viewer in a thread; its handle."""
-    from mujoco.renderer import launch_thread, viewer_protocol, web_viewer
+    from mujoco.studio import launch_thread, viewer_protocol, web_viewer
     from mujoco.studio.app import App
 
     from sim.viewing.plugins import Panel, Player, Scene
