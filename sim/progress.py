@@ -12,9 +12,13 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from threading import Event, Thread
 
 Progress = Callable[[str, float], None]
-"""Called with the name of a stage and the finished part of it, from 0 to 1."""
+"""Called with the name of a stage and the finished part of it, from 0 to 1.
+
+A stage at 0 has begun; how long it takes is not known yet.
+"""
 
 PATIENCE = 15.0  # [s] between lines where there is no bar
 TELLING = 0.05  # part of a stage from which on its end can be estimated
@@ -30,6 +34,18 @@ def may_draw() -> bool:
     return sys.stderr.isatty() and not plain
 
 
+def left(spent: float, fraction: float) -> str:
+    """How long a stage will take from now on, in words; empty while unknown.
+
+    Args:
+        spent: Time since it began [s].
+        fraction: Finished part of it, from 0 to 1.
+    """
+    if not TELLING <= fraction < 1:
+        return ""
+    return f"about {spent * (1 - fraction) / fraction:.0f} s left"
+
+
 @dataclass
 class Lines:
     """A plain line about the present stage, on standard error, every few seconds.
@@ -40,6 +56,7 @@ class Lines:
 
     clock: Callable[[], float] = time.monotonic
     _began: dict[str, float] = field(default_factory=dict)
+    _stage: str = ""
     _told: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -49,12 +66,37 @@ class Lines:
         """Say how far a stage is, if nothing was said for a while."""
         now = self.clock()
         began = self._began.setdefault(stage, now)
+        self._stage = "" if fraction >= 1 else stage
         if now - self._told < PATIENCE or fraction >= 1:
             return
+        about = left(now - began, fraction)
+        self._tell(f"{stage} {fraction:4.0%}{', ' if about else ''}{about}", now)
+
+    def remind(self) -> None:
+        """Say what is being done, if nothing was said for a while."""
+        now, stage = self.clock(), self._stage
+        if stage and now - self._told >= PATIENCE:
+            self._tell(f"{stage}, {now - self._began[stage]:.0f} s so far", now)
+
+    def _tell(self, line: str, now: float) -> None:
         self._told = now
-        left = (now - began) * (1 - fraction) / max(fraction, TELLING)
-        about = f", about {left:.0f} s left" if fraction >= TELLING else ""
-        print(f"{stage} {fraction:4.0%}{about}", file=sys.stderr, flush=True)
+        print(line, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _reminded(lines: Lines) -> Iterator[Lines]:
+    """Lines also about stages that say nothing of themselves."""
+    ended = Event()
+
+    def remind() -> None:
+        while not ended.wait(1.0):
+            lines.remind()
+
+    Thread(target=remind, daemon=True).start()
+    try:
+        yield lines
+    finally:
+        ended.set()
 
 
 @contextmanager
@@ -66,20 +108,49 @@ def bar(quiet: bool = False) -> Iterator[Progress]:
     """
     if quiet:
         yield silent
-        return
-    if not may_draw():
-        yield Lines()
-        return
-    from rich.console import Console
-    from rich.progress import Progress as Bars, TaskID
+    elif may_draw():
+        with _bars() as show:
+            yield show
+    else:
+        with _reminded(Lines()) as lines:
+            yield lines
 
-    with Bars(console=Console(stderr=True), transient=True) as bars:
+
+@contextmanager
+def _bars() -> Iterator[Progress]:
+    """Bars with the time since each stage began, and the time that is left."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        Progress as Bars,
+        TaskID,
+        TextColumn,
+        TimeElapsedColumn,
+    )
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.fields[part]:>4}"),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[left]}"),
+    )
+    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
         tasks: dict[str, TaskID] = {}
+        began: dict[str, float] = {}
 
         def show(stage: str, fraction: float) -> None:
             if stage not in tasks:
-                tasks[stage] = bars.add_task(stage, total=1.0)
-            bars.update(tasks[stage], completed=fraction)
+                began[stage] = time.monotonic()
+                tasks[stage] = bars.add_task(stage, total=None, part="", left="")
+            if fraction > 0:
+                bars.update(
+                    tasks[stage],
+                    total=1.0,
+                    completed=fraction,
+                    part=f"{fraction:.0%}",
+                    left=left(time.monotonic() - began[stage], fraction),
+                )
 
         yield show
 
@@ -95,3 +166,22 @@ def stage(progress: Progress, name: str) -> Iterator[None]:
     progress(name, 0.0)
     yield
     progress(name, 1.0)
+
+
+@contextmanager
+def at_most(progress: Progress, name: str, seconds: float) -> Iterator[None]:
+    """A search that may take so long, and mostly takes far less.
+
+    Args:
+        progress: Where it is shown.
+        name: Of the stage.
+        seconds: Time in which the search must end [s].
+
+    Raises:
+        BudgetError: If it takes longer.
+    """
+    from planner import limited
+
+    within = f"{name}, {seconds:g} s at most"
+    with stage(progress, within), limited(seconds, lambda p: progress(within, p)):
+        yield

@@ -78,16 +78,21 @@ class Writer:
         """The numbers."""
         self.folder.write_json("summary.json", summary)
 
-    def reported(self, warn: Callable[[str], object] = warnings.warn) -> None:
+    def reported(
+        self,
+        warn: Callable[[str], object] = warnings.warn,
+        progress: Progress = silent,
+    ) -> None:
         """The page that explains the run; what fails here does not fail the run.
 
         Args:
             warn: Told in a line why there is no report.
+            progress: Called with the stage and the finished part of it.
         """
         try:
             from sim.reports.page import write_report
 
-            write_report(self.folder.path)
+            write_report(self.folder.path, progress)
         except Exception as error:  # a drawing library may raise anything
             warn(f"no report: {one_line(error)}")
 
@@ -130,8 +135,7 @@ def run(
         writer.evaluated(simulation.evaluation)
         simulation.timing["render"] = 0.0
         writer.summarised(simulation.summary)
-    with stage(progress, "report"):
-        writer.reported(warn)
+    writer.reported(warn, progress)
     if look is not None:
         from sim.pictures.run_film import film_folder
 

@@ -26,7 +26,7 @@ from sim.preparation.effort import check_distance, check_effort
 from sim.preparation.reach import explained
 from sim.preparation.setup import Setup, prepare
 from sim.preparation.shared import Shared
-from sim.progress import Progress, silent, stage
+from sim.progress import Progress, at_most, silent, stage
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
 from sim.walking.walker import Walker, carry_out, expected_steps
@@ -134,10 +134,7 @@ def simulate(
     aside: Aside = (0.0, 0.0, 0.0)
     with _timed(timing, "compile"), stage(progress, "compiling"):
         setup = prepare(scenario, robot, shared)
-    with (
-        _timed(timing, "plan"),
-        limited(scenario.plan_time, lambda done: progress("planning", done)),
-    ):
+    with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
         check_distance(setup)
         setup = routed(setup)
         scenario = setup.scenario
@@ -161,8 +158,7 @@ def simulate(
         timing["simulate"] += walk.seconds["simulate"]
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
-        with stage(progress, "comparing"):
-            evaluation = evaluate(walk, without, shared)
+        evaluation = evaluate(walk, without, shared, progress)
         with stage(progress, "standing still for as long"):
             stand = "creep_floor" not in without
             floor = creep_floor(prepared.setup, walk.duration) if stand else None

@@ -35,19 +35,22 @@ def execute(options: argparse.Namespace) -> None:
             "not a page's name", f"--out {options.out}", "give a name in .html"
         )
     from sim.folder import blamed_on
+    from sim.progress import bar
     from sim.reports.comparison import compare, names, page
     from sim.reports.record import read_run
 
     runs = []
-    for folder in map(Path, options.runs):
-        with blamed_on(folder):
-            runs.append(read_run(folder))
-            compare([runs[-1], runs[-1]])
-    compared = compare(runs)
-    if options.out is not None:
-        with blamed_on(runs[0].folder):
-            text = page(compared)
-        _write(Path(options.out), text)
+    with bar(quiet=options.json) as progress:
+        for number, folder in enumerate(map(Path, options.runs), start=1):
+            with blamed_on(folder):
+                runs.append(read_run(folder))
+                compare([runs[-1], runs[-1]])
+            progress("reading", number / len(options.runs))
+        compared = compare(runs)
+        if options.out is not None:
+            with blamed_on(runs[0].folder):
+                text = page(compared, progress)
+            _write(Path(options.out), text)
     if options.json:
         tables = {"settings": compared.differences, "results": compared.results}
         facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}

@@ -55,7 +55,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Check every part; ends with 0 if all work, else with the code of the first."""
-    findings = {name: _examined(check) for name, check in CHECKS.items()}
+    from sim.progress import bar
+
+    findings = {}
+    with bar(quiet=options.json) as progress:
+        for name, check in CHECKS.items():
+            progress(f"trying {name}", 0.0)
+            findings[name] = _examined(check)
+            progress(f"trying {name}", 1.0)
     if options.json:
         print(json.dumps({name: asdict(found) for name, found in findings.items()}))
     else:

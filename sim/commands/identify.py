@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
     from models import MeasuredField, TwistModel
     from sim.preparation.setup import Setup
+    from sim.progress import Progress
 
 HELP = "measure a robot's fields by short experiments in the physics"
 PLACES = (-1.0, 0.0, 1.0)  # of the span at which twists are shown
@@ -33,12 +34,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> None:
     """Measure, and print every field at three places of its swing."""
     from sim.preparation.setup import prepare
+    from sim.progress import bar, stage
     from sim.scenarios.file import load_scenario, parse_override
 
     overrides = dict(parse_override(text) for text in options.set)
     scenario = load_scenario("line", overrides | {"robot": options.robot})
-    setup = prepare(scenario, robot_of(options, scenario.robot))
-    found = fields(setup)
+    robot = robot_of(options, scenario.robot)
+    with bar(quiet=options.json) as progress:
+        with stage(progress, "compiling"):
+            setup = prepare(scenario, robot)
+        found = fields(setup, progress)
     if options.json:
         print(json.dumps(found, indent=1))
         return
@@ -46,15 +51,19 @@ def execute(options: argparse.Namespace) -> None:
         print(_describe(field))
 
 
-def fields(setup: Setup) -> list[dict[str, Any]]:
+def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
     """Every loaded field: measured, quasi-static and ideal twists along its swing.
 
     A field that could not be measured has nulls, and the reason.
+
+    Args:
+        setup: Robot, world and limits.
+        progress: Called with the stage and the finished part of it.
     """
     from sim.experiments.identification import identify
     from sim.experiments.predictions import MODELS, twist_model
 
-    identified = identify(setup)
+    identified = identify(setup, progress)
     others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}
     models = {**others, "identified": identified}
     unmeasured = {"angles": None, "twists": None, "slip": None}

@@ -47,13 +47,12 @@ def execute(options: argparse.Namespace) -> None:
     scenario = scenario_of(options)
 
     # slow imports; a scenario that is refused does not wait for them
-    from planner import limited
     from sim.planning.bounds import within_bounds
     from sim.planning.routes import routed
     from sim.preparation.effort import check_distance
     from sim.preparation.reach import explained
     from sim.preparation.setup import prepare
-    from sim.progress import bar, stage
+    from sim.progress import at_most, bar, stage
 
     began = time.perf_counter()
     robot = robot_of(options, scenario.robot)
@@ -64,15 +63,16 @@ def execute(options: argparse.Namespace) -> None:
         bar(quiet=options.json) as progress,
         explained(setup.robot, setup.equations),
     ):
-        with limited(scenario.plan_time, lambda done: progress("planning", done)):
+        with at_most(progress, "planning", scenario.plan_time):
             check_distance(setup)
             setup = within_bounds(routed(setup))
         system, flows, fallback = _planned(setup, progress)
         planning = time.perf_counter() - compiled
         with stage(progress, "measuring the accuracy"):
             outlook = _outlook(setup)
-    facts = summarise(setup, system, flows) | outlook
-    facts["helps"] = _helps(setup, facts)
+        facts = summarise(setup, system, flows) | outlook
+        with stage(progress, "trying what would help"):
+            facts["helps"] = _helps(setup, facts)
     facts["fallback"] = fallback
     facts["timing"] = {"compile": compiled - began, "plan": planning}
     if options.json:
@@ -87,16 +87,17 @@ def _planned(
     setup: Setup, progress: Progress
 ) -> tuple[StratifiedSystem, Sequence[Flow], str | None]:
     """System and flows of the scenario's plan, and why it is not the shortest."""
-    from planner import PlannerError, RangeError, limited
+    from planner import PlannerError, RangeError
     from sim.optimisation.planned import PlannedWalk
     from sim.planning.remedies import tried
     from sim.planning.replanned import replanned
     from sim.planning.soundness import require_sound
     from sim.planning.walk_remedies import offers
+    from sim.progress import at_most
 
     seconds = setup.scenario.plan_time
     try:
-        with limited(seconds, lambda done: progress("planning", done)):
+        with at_most(progress, "planning", seconds):
             if setup.scenario.replan:
                 return setup.equations.system, replanned(setup), None
             chosen = PlannedWalk(setup, progress).choose()

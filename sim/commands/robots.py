@@ -40,10 +40,12 @@ def execute(options: argparse.Namespace) -> None:
 def _show(options: argparse.Namespace) -> None:
     from sim.preparation.inspection import inspected
     from sim.preparation.robot_facts import describe, facts
+    from sim.progress import bar, stage
     from sim.scenarios.file import load_scenario
 
     scenario = load_scenario("line", {"robot": options.robot})
-    found = facts(inspected(scenario, robot_of(options, scenario.robot)))
+    with bar(quiet=options.json) as progress, stage(progress, "trying it out"):
+        found = facts(inspected(scenario, robot_of(options, scenario.robot)))
     print(json.dumps(found, indent=1) if options.json else describe(found))
 
 

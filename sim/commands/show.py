@@ -23,11 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Draw the report, print its path and open it."""
-    from sim.progress import bar, stage
+    from sim.progress import bar
     from sim.reports.page import write_report
 
-    with bar(quiet=options.json) as progress, stage(progress, "report"):
-        path = write_report(Path(options.run)).resolve()
+    with bar(quiet=options.json) as progress:
+        path = write_report(Path(options.run), progress).resolve()
     print(json.dumps({"report": str(path)}) if options.json else path)
     if has_display() if options.browser is None else options.browser:
         sys.stdout.flush()

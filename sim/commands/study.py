@@ -34,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> ExitCode:
     """Print what a sweep has found, and draw its maps."""
+    from sim.progress import bar, stage
     from sim.studies.findings import describe, findings
     from sim.studies.maps import draw_maps
     from sim.studies.results import read_results
@@ -47,7 +48,8 @@ def execute(options: argparse.Namespace) -> ExitCode:
     except OSError as error:
         reason = f"cannot make the folder, {error.strerror}"
         raise FilesError(reason, str(folder), "choose another with --out") from error
-    found, drawn = findings(results), draw_maps(results, folder)
+    with bar(quiet=options.json) as progress, stage(progress, "drawing maps"):
+        found, drawn = findings(results), draw_maps(results, folder)
     if options.json:
         print(json.dumps(found | {"maps": [str(path) for path in drawn]}))
         return ExitCode.OK

@@ -101,18 +101,21 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
 
 def execute(options: argparse.Namespace) -> None:
     """Plan the system, or read a saved plan, and print the result."""
-    from planner import limited, load_plan, save_plan
+    from planner import load_plan, save_plan
     from sim.commands.problems import refused
     from sim.commands.system_remedies import helps
+    from sim.progress import at_most, bar, stage
 
     source = options.scenario
-    with refused(source):
-        saved = source.endswith(".json")
-        with limited(PLAN_TIME):
+    with bar(quiet=options.json) as progress:
+        with refused(source), at_most(progress, "planning", PLAN_TIME):
+            saved = source.endswith(".json")
             planned, more = (load_plan(source), {}) if saved else _plan(options)
-    facts = summarise(Path(source).stem, planned) | more
-    if not saved and options.optimise in (None, "none"):
-        facts["helps"] = helps(_problem(options), facts, PLAN_TIME)
+        with stage(progress, "following the plan"):
+            facts = summarise(Path(source).stem, planned) | more
+        if not saved and options.optimise in (None, "none"):
+            with stage(progress, "trying what would help"):
+                facts["helps"] = helps(_problem(options), facts, PLAN_TIME)
     if options.save:
         with refused(options.save):
             save_plan(planned, options.save)

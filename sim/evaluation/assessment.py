@@ -32,6 +32,7 @@ from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
 from sim.planning.sharing import keeper
 from sim.preparation.shared import Shared
+from sim.progress import Progress, silent
 from sim.versions import versions
 from sim.walking.finished import Stretch, Walk
 
@@ -80,7 +81,10 @@ class Evaluation:
 
 
 def evaluate(
-    walk: Walk, without: Collection[str] = (), shared: Shared | None = None
+    walk: Walk,
+    without: Collection[str] = (),
+    shared: Shared | None = None,
+    progress: Progress = silent,
 ) -> Evaluation:
     """Compare the achieved motion with every prediction.
 
@@ -88,6 +92,7 @@ def evaluate(
         walk: A finished walk.
         without: Predictions to leave out, among those that nothing depends on.
         shared: What earlier evaluations have made.
+        progress: Called with the stage and the finished part of it.
     """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
@@ -95,7 +100,8 @@ def evaluate(
     given = keep(
         "commanded", lambda: [list(_commanded(walk, s)) for s in walk.stretches]
     )
-    for name in MODELS:
+    for done, name in enumerate(MODELS):
+        progress("comparing", done / len(MODELS))
         if name in without:
             unpredicted[name] = "left out"
             continue
@@ -107,7 +113,9 @@ def evaluate(
             unpredicted[name] = str(error)
     walking = walk.recording.moments.step >= walk.starts
     near = clearances(walk, predicted)
-    return Evaluation(walk, _achieved(walk), predicted, unpredicted, near, walking)
+    achieved = _achieved(walk)
+    progress("comparing", 1.0)
+    return Evaluation(walk, achieved, predicted, unpredicted, near, walking)
 
 
 def _achieved(walk: Walk) -> Achieved:

@@ -31,6 +31,7 @@ from sim.physics.measure import Sensors
 from sim.physics.recording import Moments, Recorder, Recording
 from sim.preparation.effort import check_effort
 from sim.preparation.setup import Setup
+from sim.progress import Progress, silent
 
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
 DEGREE = 6  # of the pose by the angle; the twist is of one degree less
@@ -40,21 +41,25 @@ ACCELERATION = 5.0  # [rad/s^2], at least
 HOLD = 0.5  # [s], at most; a robot has settled by then
 
 
-def identify(setup: Setup) -> IdentifiedTwists:
+def identify(setup: Setup, progress: Progress = silent) -> IdentifiedTwists:
     """Measure every loaded field of every stratum, or record why it is impossible.
 
     Args:
         setup: Robot, world and limits; its plan and path do not matter.
+        progress: Called with the stage and the finished part of it.
     """
     equations, system = setup.equations, setup.equations.system
     fields: dict[str, MeasuredField] = {}
     failed: dict[str, FailedField] = {}
-    for name in (name for name, twist in equations.twists.items() if any(twist)):
+    names = [name for name, twist in equations.twists.items() if any(twist)]
+    for done, name in enumerate(names):
+        progress("measuring fields", done / len(names))
         stratum = system.stratum_of[name]
         try:
             fields[name] = confirmed(setup, name, measure(setup, stratum, name))
         except (MeasurementError, SimulationError) as error:
             failed[name] = FailedField(stratum, str(error))
+    progress("measuring fields", 1.0)
     return IdentifiedTwists(fields, failed)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from sim.progress import Progress, silent
 from sim.reports import verdict
 from sim.reports.maps import magnified, plan_view
 from sim.reports.record import PREDICTIONS, Record
@@ -56,9 +57,18 @@ def compare(runs: Sequence[Record]) -> Comparison:
     )
 
 
-def page(compared: Comparison) -> str:
-    """The page of a comparison as HTML."""
+def page(compared: Comparison, progress: Progress = silent) -> str:
+    """The page of a comparison as HTML.
+
+    Args:
+        compared: What it shows.
+        progress: Called with the stage and the finished part of it.
+    """
     runs = list(zip(names(compared.runs), compared.runs, strict=True))
+    maps = []
+    for done, (name, run) in enumerate(runs, start=1):
+        maps.append((name, (plan_view(run), magnified(run))))
+        progress("drawing paths", done / len(runs))
     return render(
         "compare.html",
         title=f"{len(runs)} runs compared",
@@ -67,7 +77,7 @@ def page(compared: Comparison) -> str:
             (name, verdict.word(r.summary), verdict.sentences(r.summary))
             for name, r in runs
         ],
-        maps=[(name, (plan_view(run), magnified(run))) for name, run in runs],
+        maps=maps,
     )
 
 

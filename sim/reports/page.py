@@ -6,13 +6,17 @@ It shows the film of its folder, whichever there is when it is opened.
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
 
 from sim.folder import RunFolder, blamed_on
+from sim.progress import Progress, silent
 from sim.reports import tables, verdict
+from sim.reports.drawing import Drawing
 from sim.reports.maps import magnified, plan_view
 from sim.reports.notation import sequence
 from sim.reports.panels import panels
@@ -21,13 +25,15 @@ from sim.reports.record import Record, read_run
 from sim.reports.templates import render
 
 NAME = "report.html"
+DRAWINGS = 9  # at most, those of a walk among obstacles
 
 
-def write_report(folder: Path) -> Path:
+def write_report(folder: Path, progress: Progress = silent) -> Path:
     """Draw the report of a run into its folder.
 
     Args:
         folder: Of a run that came to its end.
+        progress: Called with the stage and the finished part of it.
 
     Returns:
         The report's path.
@@ -37,13 +43,19 @@ def write_report(folder: Path) -> Path:
         FilesError: If the folder cannot be written.
     """
     with blamed_on(folder):
-        text = page(read_run(folder))
+        text = page(read_run(folder), progress)
     RunFolder(folder).write_text(NAME, text)
     return folder / NAME
 
 
-def page(run: Record) -> str:
-    """The page as HTML."""
+def page(run: Record, progress: Progress = silent) -> str:
+    """The page as HTML.
+
+    Args:
+        run: What it is about.
+        progress: Called with the stage and the finished part of it.
+    """
+    plan, beside, *over_time = _drawn(run, progress)
     return render(
         "report.html",
         title=f"{run.title}: {verdict.word(run.summary)}",
@@ -52,8 +64,8 @@ def page(run: Record) -> str:
         word=verdict.word(run.summary),
         sentences=verdict.sentences(run.summary),
         ends=tables.ends(run),
-        maps=[plan_view(run), magnified(run)],
-        panels=panels(run),
+        maps=[plan, beside],
+        panels=over_time,
         sources=tables.sources(run),
         counts=tables.counts(run),
         sequence=list(sequence(run)),
@@ -61,6 +73,16 @@ def page(run: Record) -> str:
         versions=tables.versions(run),
         moments=as_script(moments(run)),
     )
+
+
+def _drawn(run: Record, progress: Progress) -> Iterator[Drawing]:
+    """All drawings of the page, in its order."""
+    progress("report", 0.0)
+    drawings = chain((draw(run) for draw in (plan_view, magnified)), panels(run))
+    for number, drawing in enumerate(drawings, start=1):
+        progress("report", min(number / DRAWINGS, 1.0))
+        yield drawing
+    progress("report", 1.0)
 
 
 def as_script(value: Any) -> Markup:

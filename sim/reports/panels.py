@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,22 +21,19 @@ HEIGHT = 1.55  # [in]
 ROW = 0.17  # [in] of a foot
 
 
-def panels(run: Record) -> list[Drawing]:
-    """All drawings over time, in the order of the page."""
+def panels(run: Record) -> Iterator[Drawing]:
+    """All drawings over time, one by one, in the order of the page."""
     best = PREDICTIONS[run.best]
     off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.predicted}
     turned = {name: MRAD * run.error(name)[:, 2] for name in run.predicted}
-    drawn = [
-        _errors(run, off, "Distance from each prediction [mm]"),
-        _components(run, f"Error in x and y, off the {best} prediction [mm]"),
-        _errors(run, turned, "Error in yaw, off each prediction [mrad]"),
-        _margin(run),
-        _slip(run),
-        _contacts(run),
-    ]
+    yield _errors(run, off, "Distance from each prediction [mm]")
+    yield _components(run, f"Error in x and y, off the {best} prediction [mm]")
+    yield _errors(run, turned, "Error in yaw, off each prediction [mrad]")
+    yield _margin(run)
     if "achieved_clearance" in run.arrays:
-        drawn.insert(4, _clearance(run))
-    return drawn
+        yield _clearance(run)
+    yield _slip(run)
+    yield _contacts(run)
 
 
 def _line(axes: Axes, run: Record, values: Array, colour: str, **style: object) -> None:

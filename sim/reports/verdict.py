@@ -32,6 +32,6 @@ def _margin(achieved: Mapping[str, Any]) -> str:
 def _slip(achieved: Mapping[str, Any]) -> str:
     slip, floor = MM * achieved["slip"], MM * achieved["creep_floor"]
     return (
-        f"Its feet slipped {slip:.1f} mm in all, of which the solver creeps "
-        f"{floor:.2g} mm."
+        f"Its feet slipped {slip:.1f} mm in all; {floor:.2g} mm of that is the "
+        "solver's creep."
     )

@@ -1,4 +1,7 @@
-"""The bar of a sweep: points a second, failures and the time that is left."""
+"""The bar of a sweep: points a second, failures and the time that is left.
+
+Where no bar can be drawn there is a plain line now and then.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from sim.progress import may_draw
+from sim.progress import bar, may_draw
 from sim.sweeps.sweeping import Show, unseen
 
 
@@ -16,10 +19,14 @@ def sweep_bar(quiet: bool = False) -> Iterator[Show]:
     """A bar on standard error, if that is a terminal that may draw it.
 
     Args:
-        quiet: Show nothing even on a terminal.
+        quiet: Show nothing at all.
     """
-    if quiet or not may_draw():
+    if quiet:
         yield unseen
+        return
+    if not may_draw():
+        with bar() as lines:
+            yield lambda done, failed, points: lines("points", done / max(points, 1))
         return
     from rich.console import Console
     from rich.progress import (

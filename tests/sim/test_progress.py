@@ -4,15 +4,24 @@ import os
 import pty
 import subprocess
 import sys
+import threading
+import time
 
 import pytest
 
-from sim.progress import PATIENCE, Lines, bar, silent, stage
+from planner.numerics.budget import tick
+from sim import progress
+from sim.progress import PATIENCE, Lines, at_most, bar, left, silent, stage
 
 PROGRAM = (
+    "import time\n"
     "from sim.progress import bar\n"
     "with bar() as show:\n"
+    "    show('comparing', 0.0)\n"
+    "    show('walking', 0.0)\n"
+    "    time.sleep(0.5)\n"
     "    show('walking', 0.5)\n"
+    "    time.sleep(0.3)\n"
     "    show('walking', 1.0)\n"
 )
 
@@ -39,8 +48,10 @@ def drawn(**environment):
     return said
 
 
-def test_a_terminal_shows_a_bar():
-    assert b"walking" in drawn(TERM="xterm")
+def test_a_terminal_shows_a_bar_the_share_that_is_done_and_the_time_left():
+    said = drawn(TERM="xterm")
+    for words in (b"comparing", b"walking", b" 50%", b"about 1 s left", b"0:00:0"):
+        assert words in said
 
 
 @pytest.mark.parametrize("plain", [{"NO_COLOR": "1"}, {"TERM": "dumb"}], ids=str)
@@ -67,6 +78,45 @@ def test_a_stage_that_ends_soon_is_not_worth_a_line(capsys):
     tell("report", 1.0)
     tell("filming", 0.01)
     assert capsys.readouterr().err == "filming   1%\n"
+
+
+def test_a_stage_that_says_nothing_of_itself_is_told_as_well(capsys):
+    seconds = [0.0]
+    tell = Lines(lambda: seconds[0])
+    tell("comparing", 0.0)
+    for second in range(1, 41):
+        seconds[0] = float(second)
+        tell.remind()
+    tell("comparing", 1.0)
+    seconds[0] = 100.0
+    tell.remind()
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["comparing, 15 s so far", "comparing, 30 s so far"]
+
+
+def test_reminders_come_of_themselves_and_end(capsys, monkeypatch):
+    monkeypatch.setattr(progress, "PATIENCE", 0.5)
+    before = threading.active_count()
+    with bar() as show:
+        show("comparing", 0.0)
+        time.sleep(1.6)
+    assert "comparing, 1 s so far" in capsys.readouterr().err
+    time.sleep(1.1)
+    assert threading.active_count() == before
+
+
+def test_a_search_says_how_long_it_may_take(capsys):
+    told = []
+    with at_most(lambda *words: told.append(words), "planning", 300.0):
+        tick()
+    (first, begun), (second, reported), (last, ended) = told
+    assert first == second == last == "planning, 300 s at most"
+    assert begun == 0.0 < reported < 0.01 < ended == 1.0
+
+
+def test_the_time_left_is_not_guessed_too_early():
+    assert left(10.0, 0.04) == left(10.0, 1.0) == ""
+    assert left(10.0, 0.25) == "about 30 s left"
 
 
 def test_a_pipe_gets_lines_without_colours_and_json_gets_nothing(capsys):

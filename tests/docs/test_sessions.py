@@ -1,0 +1,126 @@
+"""Commands that the pages show as text, because they need files or go on, run too."""
+
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+
+import pytest
+
+from scripts.adoptees import ADOPTEES
+from sim.cli import main
+from sim.sweeps.file import read_sweep
+from tests.commands import COMMAND, OUTSIDE
+from tests.docs.test_code import agrees
+from tests.pages import PROMPT, blocks
+from tests.sweeps import write_sweep
+
+VARIES = "[grid]\nfriction = [0.5, 1.0]\n"
+LONG = ("design", "friction-speed")  # half a minute and more
+ELSEWHERE = ("--scheduler",)  # with a real cluster, in tests/sim/sweeps/test_crew.py
+
+
+def lines():
+    """Every `$ stratawalk ...` in a block of text."""
+    return [
+        (block.page, line.removeprefix(PROMPT))
+        for block in blocks("text")
+        for line in block.text.splitlines()
+        if line.startswith(PROMPT) and not any(word in line for word in ELSEWHERE)
+    ]
+
+
+def words_of(line):
+    return shlex.split(os.path.expandvars(line), comments=True)
+
+
+def shown_under(command):
+    (text,) = (b.text for b in blocks("text") if f"{PROMPT}{command}\n" in b.text)
+    return text.partition(f"{PROMPT}{command}\n")[2]
+
+
+def some(*commands):
+    """Parameters for the lines that begin with one of the commands."""
+    return [
+        pytest.param(
+            line,
+            id=f"{page}: {line}",
+            marks=[pytest.mark.full] * any(word in line for word in LONG),
+        )
+        for page, line in lines()
+        if line.startswith(commands)
+    ]
+
+
+def test_every_command_shown_as_text_is_run_below():
+    ran = some("sweep", "merge", "study", "design", "view", "adopt")
+    assert len(ran) == len(lines()) > 10
+
+
+@pytest.fixture(scope="session")
+def swept(tmp_path_factory):
+    """A folder with a small sweep, `friction.toml`, and what it came to."""
+    folder = tmp_path_factory.mktemp("swept")
+    file = write_sweep(folder, VARIES, name="friction")
+    out = folder / "sweeps" / "friction"
+    assert main(["sweep", str(file), "--out", str(out), "--workers", "1"]) == 0
+    return folder
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("line", some("sweep", "merge", "study", "design"))
+def test_commands_of_sweeps_run(line, swept, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("SLURM_ARRAY_TASK_ID", "1")
+    shutil.copy(swept / "friction.toml", tmp_path)
+    words = words_of(line)
+    if words[0] in ("merge", "study") or "--resume" in words:
+        shutil.copytree(swept / "sweeps", tmp_path / "sweeps")
+    if "friction-speed" in line:
+        assert main(words_of("sweep friction-speed --out sweeps/friction-speed")) == 0
+        words = words_of("study sweeps/friction-speed")
+    assert main(words) == 0
+    printed = capsys.readouterr().out
+    assert printed
+    if line == "study sweeps/friction-speed":
+        assert agrees(shown_under(line), printed)
+
+
+def test_the_sweep_shown_is_one(tmp_path):
+    (block,) = (b.text for b in blocks("toml") if "[sobol]" in b.text)
+    (tmp_path / "friction.toml").write_text(block)
+    sweep = read_sweep(str(tmp_path / "friction.toml"))
+    assert len(sweep) == 9 * 2 * 3 * 64
+
+
+@pytest.mark.physics
+def test_the_robot_that_is_adopted_prints_what_is_shown(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (line,) = (words_of(line) for _, line in lines() if line.startswith("adopt"))
+    (robot,) = (a for a in ADOPTEES if line[1] == a.write(tmp_path).name)
+    assert main(line) == 0
+    shown = shown_under(" ".join(line)).splitlines()
+    assert agrees(
+        "\n".join(shown), "\n".join(capsys.readouterr().out.splitlines()[-len(shown) :])
+    )
+
+
+@pytest.mark.physics
+def test_the_viewer_says_what_is_shown_until_it_is_interrupted(walked, tmp_path):
+    (line,) = (line for _, line in lines() if line.startswith("view"))
+    shutil.copytree(walked, tmp_path / words_of(line)[1])
+    process = subprocess.Popen(
+        [*COMMAND, *words_of(line)],
+        cwd=tmp_path, env=OUTSIDE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    shown = shown_under(line).splitlines()
+    try:
+        said = [process.stdout.readline().rstrip("\n") for _ in shown]
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+        process.stdout.close()
+    assert [re.sub(r"\d{4,}", "8080", line) for line in said] == shown
