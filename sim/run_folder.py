@@ -11,7 +11,8 @@ import numpy as np
 
 from models import Robot
 from sim.errors import SimulationError, one_line
-from sim.evaluation.assessment import Evaluation, Summary, trajectory
+from sim.evaluation.arrays import trajectory
+from sim.evaluation.assessment import Evaluation, Summary
 from sim.evaluation.phases import table
 from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH

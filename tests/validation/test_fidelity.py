@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from sim.evaluation.assessment import evaluate, summarise, trajectory
+from sim.evaluation.arrays import trajectory
+from sim.evaluation.assessment import evaluate, summarise
 from sim.experiments.creep import creep_floor
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.evaluation.assessment import evaluate, summarise, trajectory
+from sim.evaluation.arrays import trajectory
+from sim.evaluation.assessment import evaluate, summarise
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.routes import routed
