@@ -24,7 +24,7 @@ from models import (
 )
 from planner import Array
 from sim.errors import UsageError
-from sim.evaluation.assessment import trajectory
+from sim.evaluation.arrays import trajectory
 from sim.export.servo_commands import ServoCommands, taken
 from sim.progress import Progress, silent
 from sim.scenarios.file import load_scenario
