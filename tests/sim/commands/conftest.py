@@ -1,9 +1,10 @@
-"""The command in an empty folder."""
+"""The command in an empty folder, and robots of one's own there."""
 
 import subprocess
 
 import pytest
 
+from models.description.robot import FOLDER
 from tests.commands import COMMAND, OUTSIDE
 
 
@@ -22,3 +23,17 @@ def stratawalk(tmp_path):
         )
 
     return run
+
+
+@pytest.fixture
+def robot(tmp_path):
+    """Write the shipped hexapod with a text replaced in its MJCF or card."""
+
+    def write(old, new, encoding="utf-8"):
+        for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
+            text = (FOLDER / name).read_text().replace(old, new)
+            path = tmp_path / name.replace("hexapod", "mine")
+            path.write_text(text, encoding=encoding)
+        return "mine.xml"
+
+    return write

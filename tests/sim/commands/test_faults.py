@@ -7,7 +7,6 @@ import time
 
 import pytest
 
-from models.description.robot import FOLDER
 from tests.commands import COMMAND, OUTSIDE, refusal
 
 SYSTEM = """
@@ -56,20 +55,6 @@ def test_a_timestep_that_no_walk_would_survive_is_refused(stratawalk):
     done = stratawalk("plan", "line", "--set", "timestep=1e-320")
     assert done.returncode == 2
     assert "give a number from 1e-06 to 0.02" in refusal(done)
-
-
-@pytest.fixture
-def robot(tmp_path):
-    """Write the shipped hexapod with a text replaced in its MJCF or card."""
-
-    def write(old, new, encoding="utf-8"):
-        for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
-            text = (FOLDER / name).read_text().replace(old, new)
-            path = tmp_path / name.replace("hexapod", "mine")
-            path.write_text(text, encoding=encoding)
-        return "mine.xml"
-
-    return write
 
 
 def test_an_engine_without_room_is_a_bad_model(stratawalk, robot):

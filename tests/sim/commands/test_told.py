@@ -5,23 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from models.description.robot import FOLDER
 from tests.commands import refusal
-
-
-@pytest.fixture
-def robot(tmp_path):
-    """Write the shipped hexapod with a text replaced in its MJCF or card."""
-
-    def write(old, new, encoding="utf-8"):
-        for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
-            text = (FOLDER / name).read_text().replace(old, new)
-            path = tmp_path / name.replace("hexapod", "mine")
-            path.write_text(text, encoding=encoding)
-        return "mine.xml"
-
-    return write
-
 
 SHORT = ("run", "line", "--segments", "2", "--no-video", "--out", "here")
 GOAL = ("--set", "path.goal=[0.01, 0.01, 0]")
