@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 
 import numpy as np
@@ -106,6 +106,7 @@ def run(
     look: str | None = None,
     progress: Progress = silent,
     warn: Callable[[str], object] = warnings.warn,
+    without: Collection[str] = (),
 ) -> Summary:
     """Carry out a scenario and write everything about it into a folder.
 
@@ -116,6 +117,7 @@ def run(
         look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
         progress: Called with each stage and the finished part of it.
         warn: Told in a line what could not be written though the run is complete.
+        without: Comparisons to leave out; see `simulate`.
 
     Returns:
         The summary, as written to summary.json.
@@ -129,7 +131,9 @@ def run(
     """
     writer = Writer(folder)
     try:
-        simulation = simulate(scenario, robot=robot, progress=progress, witness=writer)
+        simulation = simulate(
+            scenario, robot=robot, progress=progress, witness=writer, without=without
+        )
     except SimulationError as error:
         raise _replayable(error, folder) from error
     with stage(progress, "writing"):

@@ -193,6 +193,8 @@ class Drive:
 def _zero_offsets(setup: Setup, joints: int) -> Array:
     """By how much each servo's zero is off, (J,) [rad]; the same for the same draw."""
     spread = setup.scenario.zero_offset
+    if isinstance(spread, tuple):
+        return np.array(spread)
     return np.random.default_rng(setup.scenario.draw).uniform(-spread, spread, joints)
 
 

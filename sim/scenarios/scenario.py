@@ -16,6 +16,7 @@ from sim.scenarios.body_path import NominalPath
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.settings import (
     Choice,
+    Either,
     Flag,
     Named,
     Number,
@@ -142,8 +143,10 @@ class Scenario:
     dead_band: float = setting(
         Number(0, 0.2), "range of error in which a servo gives no torque [rad]", 0.0
     )
-    zero_offset: float = setting(
-        Number(0, 0.2), "largest error of the servos' zeros, drawn at random [rad]", 0.0
+    zero_offset: float | tuple[float, ...] = setting(
+        Either((Number(0, 0.2), Numbers((Number(-0.2, 0.2),), any_length=True))),
+        "largest error of the servos' zeros, drawn at random, or that of each [rad]",
+        0.0,
     )
     play: float = setting(
         Number(0, 0.2), "play in the gears of every leg joint [rad]", 0.0

@@ -85,6 +85,30 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True)
+class Either:
+    """One of several kinds, the first that takes the value."""
+
+    kinds: tuple[Kind, ...]
+
+    def accept(self, value: object) -> object:
+        """The value in the type of the kind that takes it.
+
+        Raises:
+            ValueError: If none does.
+        """
+        for kind in self.kinds[:-1]:
+            try:
+                return kind.accept(value)
+            except ValueError:
+                continue
+        return self.kinds[-1].accept(value)
+
+    def __str__(self) -> str:
+        """For example `a number from 0 to 1, or a list of numbers`."""
+        return ", or ".join(map(str, self.kinds))
+
+
+@dataclass(frozen=True, slots=True)
 class Named:
     """Numbers with names, a table in a file."""
 

@@ -1,0 +1,99 @@
+"""What one imperfection at a time costs a walk that was planned for a perfect robot.
+
+`line` is walked open loop by `hexapod` with its ideal servos, once as it should be and
+once for each thing that is wrong. A row says how far the walk then ends from where the
+perfect robot ends. Where the effect depends on a draw or a direction, several are
+walked, and the least and the largest effect are printed.
+
+Example:
+    python -m scripts.imperfections
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from math import pi, radians
+
+import numpy as np
+
+from models import load
+from sim import load_scenario, simulate
+
+NOT_TOLD = ("identified", "creep_floor")  # each costs experiments of its own
+DRAWS = range(3)
+LEGS, LOAD, ASIDE, ABOVE = 6, 0.1, 0.02, 0.02  # of the mass; [m]
+FLOOR = 1e5  # stiffness of the floor as it is
+
+Settings = Mapping[str, object]
+
+
+def zeros(kind: int, draw: int) -> Settings:
+    """Zeros of one kind of servo up to a degree off.
+
+    Args:
+        kind: 0 for swing joints, 1 for lift joints.
+        draw: Number of the draw.
+    """
+    off = np.zeros((LEGS, 2))
+    off[:, kind] = np.random.default_rng(draw).uniform(-1, 1, LEGS) * radians(1)
+    return {"zero_offset": off.ravel().tolist()}
+
+
+def rows() -> dict[str, Sequence[Settings]]:
+    """What is wrong, in words, and the settings of each walk with it."""
+    load_mass = LOAD * float(load("hexapod").model.body_mass.sum())
+    aside = ((ASIDE, 0.0), (0.0, ASIDE))
+    return {
+        "zeros of lift servos, up to 1 degree": [zeros(1, n) for n in DRAWS],
+        "zeros of swing servos, up to 1 degree": [zeros(0, n) for n in DRAWS],
+        "payload of a tenth of the mass, 20 mm off the middle": [
+            {"payload": [load_mass, x, y, ABOVE]} for x, y in aside
+        ],
+        "slope of 2 degrees": [
+            {"slope": [radians(2), direction]} for direction in (0.0, pi / 2, pi)
+        ],
+        "front feet with half the friction": [
+            {"foot_friction": [0.5, 1.0, 1.0, 0.5, 1.0, 1.0]}
+        ],
+        "floor 33 times softer": [{"floor_stiffness": FLOOR / 33}],
+        "friction of 0.3 or 1.2 instead of 1": [{"friction": mu} for mu in (0.3, 1.2)],
+        "play of half a degree": [{"play": radians(0.5)}],
+        "bumps of 1 mm": [{"bumps": 1e-3, "draw": draw} for draw in DRAWS],
+    }
+
+
+def walked(changes: Settings) -> tuple[np.ndarray, int, float]:
+    """Where `line` ends with some settings changed, its bounces, its path's length."""
+    scenario = load_scenario("line", dict(changes))
+    summary = simulate(scenario, without=NOT_TOLD).summary
+    achieved = np.array(summary["achieved"]["pose"])
+    return achieved, summary["bounces"], summary["path_length"]
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Walk every row and print it."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--only", default="", help="walk rows that begin with this")
+    only = parser.parse_args(arguments).only
+    perfect, _, length = walked({})
+    print("| wrong | moves the end by, per cent of the path | bounces |\n|---|---|---|")
+    for wrong, walks in rows().items():
+        if not wrong.startswith(only):
+            continue
+        ends = [walked(changes) for changes in walks]
+        off = [100 * np.hypot(*(end - perfect)[:2]) / length for end, _, _ in ends]
+        bounces = [count for _, count, _ in ends]
+        print(
+            f"| {wrong} | {_range(off, '.2f')} | {_range(bounces, 'd')} |", flush=True
+        )
+
+
+def _range(values: Sequence[float], form: str) -> str:
+    """Least and largest of several values, or the only one."""
+    told = [f"{value:{form}}" for value in (min(values), max(values))]
+    return told[0] if told[0] == told[1] else " to ".join(told)
+
+
+if __name__ == "__main__":
+    main()
