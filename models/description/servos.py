@@ -82,10 +82,11 @@ class ServoKind:
 
 
 SERVO_KINDS = {
-    # 2.2 kgf cm, and 60 degrees in 0.08 s, at 6 V. The dead band is 5 us, half a
-    # degree; the data sheet does not say when the voltage is full, here at three dead
-    # bands. A PCA9685 at 60 Hz divides the frame into 4096 counts of 4.07 us; 350 of
-    # them, 190 to 540, are 180 degrees.
+    # The data sheet of the MG90S: 13.4 g, 2.2 kgf cm and 60 degrees in 0.08 s at 6 V,
+    # 180 degrees, a dead band of 5 us, half a degree. It does not say at which error
+    # the voltage is full: three dead bands are assumed. Nor does it say which pulses
+    # are 180 degrees: 773 to 2197 us are assumed. A PCA9685 at 60 Hz divides the frame
+    # into 4096 counts of 4.07 us, of which these are 190 to 540.
     "mg90": ServoKind(
         stall_torque=0.216,
         no_load_speed=13.1,
@@ -96,8 +97,9 @@ SERVO_KINDS = {
         reach=radians(90),
         source="TowerPro MG90S data sheet, 6 V; NXP PCA9685 data sheet, 60 Hz",
     ),
-    # 1.5 N m and 59 revolutions a minute at 12 V; 1024 counts over 300 degrees; with
-    # compliance slope 8 the torque is full eight counts from the goal.
+    # The manual: 1.5 N m and 59 revolutions a minute at 12 V; 1024 counts over 300
+    # degrees; with compliance slope 8 the torque is full eight counts from the goal.
+    # As delivered the slope is 32, and the servo a quarter as stiff.
     "ax-12": ServoKind(
         stall_torque=1.5,
         no_load_speed=6.18,
@@ -109,9 +111,10 @@ SERVO_KINDS = {
         bus="dynamixel",
         source="emanual.robotis.com/docs/en/dxl/ax/ax-12a, 12 V, compliance slope 8",
     ),
-    # 0.52 N m and 103 revolutions a minute at 5 V; 4096 counts a turn. The controller
-    # gives gain / 128 of its 885 steps of voltage a count: all at 14 counts of error
-    # with a gain of 8000.
+    # The manual: 0.52 N m and 103 revolutions a minute at 5 V; 4096 counts a turn. The
+    # controller gives gain / 128 of its 885 steps of voltage a count: all at 14 counts
+    # of error with a gain of 8000. As delivered the gain is 400, and the servo a
+    # twentieth as stiff.
     "xl-330": ServoKind(
         stall_torque=0.52,
         no_load_speed=10.8,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from sim.pictures import style
+from sim.pictures import relief, style
 from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor import cell
 from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, length, text
@@ -44,6 +44,7 @@ def _entries(walk: FilmedWalk) -> list[tuple[str, Colour, Sample]]:
         ("obstacles", style.OBSTACLE, _block),
         ("floor swept over", style.SWEPT, _block),
     ]
+    heights = f", contours {1000 * relief.step(walk):.3g} mm"
     return [
         *(around if walk.scenario.obstacles else []),
         ("outline of the robot", style.OUTLINE, _line),
@@ -58,7 +59,12 @@ def _entries(walk: FilmedWalk) -> list[tuple[str, Colour, Sample]]:
             (f"footprints of {groups} {group}", style.footprint(i), _disc)
             for i, group in enumerate(walk.groups)
         ),
-        (f"grid, {1000 * cell(walk.reach):g} mm", style.GRID, _mesh),
+        (
+            f"grid, {1000 * cell(walk.reach):g} mm"
+            + (heights if walk.scenario.bumps else ""),
+            style.GRID,
+            _mesh,
+        ),
     ]
 
 

@@ -14,7 +14,7 @@ import shapely
 
 from planner import Array
 from sim.motion.stability import support_polygons
-from sim.pictures import style, swept_area
+from sim.pictures import relief, style, swept_area
 from sim.pictures.clock import Clock
 from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor_drawing import (
@@ -63,6 +63,7 @@ def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         frames: Frames to be drawn; what moves with the robot is drawn for these only.
     """
     drawn = (
+        Mark("contours of the floor", relief.contours(walk), style.RELIEF),
         *_covered(walk, clock, frames),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),

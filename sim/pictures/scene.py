@@ -81,12 +81,19 @@ def _light(spec: mujoco.MjSpec) -> None:
 
 
 def _lay_floor(spec: mujoco.MjSpec) -> float:
-    """Make the floor plain, with no texture; its height [m]."""
+    """Make the floor plain, with no texture; height of its tops [m]."""
     spec.add_material(name=FLOOR, specular=0)
-    planes = [g for g in spec.worldbody.geoms if g.type == mujoco.mjtGeom.mjGEOM_PLANE]
-    for plane in planes:
-        plane.material, plane.rgba = FLOOR, style.rgba(style.PAPER)
-    return float(planes[0].pos[2]) if planes else 0.0
+    kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
+    floors = [geom for geom in spec.worldbody.geoms if geom.type in kinds]
+    for geom in floors:
+        geom.material, geom.rgba = FLOOR, style.rgba(style.PAPER)
+    return _top(spec, floors[0]) if floors else 0.0
+
+
+def _top(spec: mujoco.MjSpec, floor: mujoco.MjsGeom) -> float:
+    """Height of a plane, or of the highest bump of a field [m]."""
+    field = spec.hfield(floor.hfieldname) if floor.hfieldname else None
+    return float(floor.pos[2] + (0.0 if field is None else field.size[2]))
 
 
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:

@@ -28,6 +28,7 @@ LOOKS = {
 
 PAPER: Colour = (246, 247, 249)
 GRID: Colour = (221, 225, 230)
+RELIEF: Colour = (196, 180, 150)
 TEXT: Colour = (33, 41, 54)
 FAINT: Colour = (108, 117, 130)
 

@@ -27,6 +27,7 @@ ONLY_IN = {
     "imageio_ffmpeg": {"sim"},
     "PIL": {"sim"},
     "matplotlib": {"sim", "scripts"},
+    "contourpy": {"sim"},
     "rich": {"sim"},
     "shapely": {"sim"},
     "jinja2": {"sim"},
@@ -41,7 +42,8 @@ ONLY_IN = {
 }
 HEAVY = (
     "mujoco", "numpy", "scipy", "sympy", "imageio", "PIL", "rich", "shapely",
-    "matplotlib", "yaml", "jinja2", "pyarrow", "dask", "distributed", "filelock",
+    "matplotlib", "contourpy", "yaml", "jinja2", "pyarrow", "dask", "distributed",
+    "filelock",
 )  # fmt: skip
 LONGEST = 300  # lines
 
