@@ -11,6 +11,7 @@ from pathlib import Path
 from sim.errors import UsageError
 
 HELP = "film a finished run, or a stretch of it, from any side"
+SUFFIXES = (".mp4", ".webp")
 CAMERAS = "across, follow, top, front, back, left, right or AZIMUTH,ELEVATION [degrees]"
 
 
@@ -29,9 +30,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--out",
-        metavar="FILE.mp4",
-        help="film to make; otherwise video.mp4 of the run, which it replaces, or for "
-        "a stretch of time a name beside it",
+        metavar="FILE",
+        help="film to make in .mp4, or small animated picture in .webp; otherwise "
+        "video.mp4 of the run, which it replaces, or for a stretch of time a name "
+        "beside it",
     )
 
 
@@ -65,8 +67,9 @@ def _target(out: str | None) -> Path | None:
     if out is None:
         return None
     path = Path(out)
-    if path.suffix != ".mp4":
-        raise UsageError("not a film's name", f"--out {out}", "give a name in .mp4")
+    if path.suffix not in SUFFIXES:
+        remedy = f"give a name in {' or '.join(SUFFIXES)}"
+        raise UsageError("not a film's name", f"--out {out}", remedy)
     if os.path.lexists(path):
         raise UsageError("already exists", f"--out {out}", "give another name")
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -23,6 +23,9 @@ CODEC = "libx264"
 QUALITY = ("-preset", "superfast", "-crf", "22", "-threads", "1")
 # Fragments keep a piece readable up to where its encoder died.
 FRAGMENTS = ("-movflags", "+frag_keyframe+empty_moov+default_base_moof", "-g", "30")
+# A tenth of the data of the film itself; shown for ever.
+SMALL = ("-vf", "fps=10,scale=640:-2:flags=lanczos", "-c:v", "libwebp_anim")
+SMALL += ("-q:v", "50", "-compression_level", "6", "-loop", "0", "-f", "webp")
 FULL = "No space left"  # how ffmpeg reports it
 INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE"
 
@@ -76,6 +79,20 @@ def join(pieces: Sequence[Path], film: Path) -> None:
     contents.write_text("".join(f"file '{piece.name}'\n" for piece in pieces))
     source = ("-f", "concat", "-safe", "0", "-i", f"file:{contents}")
     _ffmpeg("-y", *source, "-c", "copy", "-movflags", "+faststart", f"file:{film}")
+
+
+def animate(film: Path, picture: Path) -> None:
+    """Turn a film into a small animated picture, for pages that show no films.
+
+    Args:
+        film: Finished film.
+        picture: To be written, in WebP.
+
+    Raises:
+        RenderError: If it cannot be encoded.
+        OSError: If the disk is full.
+    """
+    _ffmpeg("-y", "-i", f"file:{film}", *SMALL, f"file:{picture}")
 
 
 def count_pictures(film: Path) -> int:

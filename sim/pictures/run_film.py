@@ -17,13 +17,14 @@ from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import gl
 from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
-from sim.pictures.file import check_encoder, count_pictures, join
+from sim.pictures.file import animate, check_encoder, count_pictures, join
 from sim.pictures.filmed_walk import read_walk
 from sim.pictures.processes import KEPT, Piece, draw
 from sim.pictures.style import LOOKS
 from sim.pictures.views import view_of
 
 NAME = "video.mp4"
+ANIMATED = ".webp"  # of files that are small animated pictures instead
 WORKERS = 2  # processes at most; each takes 200 MB
 SHORTEST = 90  # pictures that are worth a process
 
@@ -58,7 +59,8 @@ def film_folder(
         camera: Name of a view, or `AZIMUTH,ELEVATION` in degrees.
         stretch: Begin and end of what is filmed [s].
         path: The film's file, replaced if there is one; None for the run's own
-            `video.mp4`, or a name beside it that tells the stretch.
+            `video.mp4`, or a name beside it that tells the stretch. In `.webp` it
+            becomes a small animated picture.
         progress: Called with the finished part, from 0 to 1.
 
     Returns:
@@ -96,11 +98,15 @@ def film_folder(
             for i, frames in enumerate(_shares(pictures))
         ]
         draw(pieces, driver, report)
-        join([piece.path for piece in pieces], part)
-        if (found := count_pictures(part)) != pictures:
+        small = path.suffix == ANIMATED
+        film = scratch / NAME if small else part
+        join([piece.path for piece in pieces], film)
+        if (found := count_pictures(film)) != pictures:
             raise RenderError(
                 f"film cut short, {found} of {pictures} pictures", str(path), KEPT
             )
+        if small:
+            animate(film, part)
     return path
 
 

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 from sim.cli import main
 from sim.errors import UsageError
@@ -63,6 +64,24 @@ def test_the_command_films_a_stretch_from_above(driver, folder, capsys):
     (x, y), *_ = on_screen(view, 0, np.array([[*walk.achieved[shown.rows[0], :2], 0]]))
     body = decode(film)[0][round(y) - 5 : round(y) + 5, round(x) - 5 : round(x) + 5]
     assert body.mean() < 200  # the robot stands there, and not the pale floor
+
+
+@pytest.mark.render
+def test_a_name_in_webp_makes_a_small_animated_picture(driver, folder, capsys):
+    out = folder / "walk.webp"
+    words = ["film", str(folder), "--from", "2", "--to", "8", "--out", str(out)]
+    assert main([*words, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"film": str(out.resolve())}
+    walk = read_walk(folder)
+    shown = clock(walk.time, walk.scenario.playback, (2.0, 8.0))
+    seconds = len(shown.rows) / FRAME_RATE
+    with Image.open(out) as picture:
+        assert (picture.format, picture.size) == ("WEBP", (640, 360))
+        assert picture.info["loop"] == 0  # for ever
+        frames = ImageSequence.all_frames(picture)
+    shown_for = [frame.info["duration"] for frame in frames]
+    assert sum(shown_for) == pytest.approx(1000 * seconds, abs=100)  # [ms]
+    assert len(shown_for) > 2  # stills are one picture
 
 
 def test_films_that_cannot_be_are_refused_at_once(folder, tmp_path, capsys):
