@@ -39,10 +39,10 @@ def height(model, place):
 
 def test_the_floor_is_as_high_on_a_contour_as_the_contour_says(bumpy):
     walk, model = bumpy(bumps=BUMPS, draw=3)
-    ink = contours(walk)
+    drawn = contours(walk)
     assert step(walk) == BUMPS / LEVELS
-    assert (ink.frames == 0).all()
-    middles = ink.points.mean(axis=1)[:: len(ink) // 60]
+    assert (drawn.frames == 0).all()
+    middles = drawn.points.mean(axis=1)[:: len(drawn) // 60]
     levels = np.array([height(model, place) for place in middles]) / step(walk)
     # a ribbon's triangle is up to half a width beside its line; 0.013 was measured
     assert np.abs(levels - np.round(levels)).max() < 0.05
