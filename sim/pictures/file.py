@@ -24,8 +24,8 @@ QUALITY = ("-preset", "superfast", "-crf", "22", "-threads", "1")
 # Fragments keep a piece readable up to where its encoder died.
 FRAGMENTS = ("-movflags", "+frag_keyframe+empty_moov+default_base_moof", "-g", "30")
 # A tenth of the data of the film itself; shown for ever.
-SMALL = ("-vf", "fps=10,scale=640:-2:flags=lanczos", "-c:v", "libwebp_anim")
-SMALL += ("-q:v", "50", "-compression_level", "6", "-loop", "0", "-f", "webp")
+SMALLER = ("-vf", "fps=10,scale=640:-2:flags=lanczos", "-q:v", "50")
+WEBP = ("-c:v", "libwebp_anim", "-compression_level", "6", "-loop", "0", "-f", "webp")
 FULL = "No space left"  # how ffmpeg reports it
 INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPEG_EXE"
 
@@ -92,7 +92,7 @@ def animate(film: Path, picture: Path) -> None:
         RenderError: If it cannot be encoded.
         OSError: If the disk is full.
     """
-    _ffmpeg("-y", "-i", f"file:{film}", *SMALL, f"file:{picture}")
+    _ffmpeg("-y", "-i", f"file:{film}", *SMALLER, *WEBP, f"file:{picture}")
 
 
 def count_pictures(film: Path) -> int:

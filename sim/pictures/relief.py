@@ -64,4 +64,4 @@ def _lines(model: mujoco.MjModel, geom: int) -> Iterator[Array]:
         heights,
     )
     for level in np.arange(1, LEVELS) / LEVELS:
-        yield from across.lines(level)
+        yield from map(np.asarray, across.lines(level))
