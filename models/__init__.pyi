@@ -115,7 +115,7 @@ from .systems.catalogue import (
     shipped_system as shipped_system,
 )
 from .systems.file import load_system as load_system
-from .systems.hexapods import hexapod as hexapod
+from .systems.hexapods import paper_hexapod as paper_hexapod
 from .systems.legged import AIR_SWINGS as AIR_SWINGS
 from .systems.problem import (
     Problem as Problem,

@@ -25,11 +25,11 @@ Def. 1     S_I           StratifiedSystem                     systems/strata
 eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
 eq. (11)   gait          Gait                                 systems/gait
 Sec. 4     D_i           gait_controllability                 controllability/gaits
-eq. (12)   six flows     rollout                              planning/playback
+eq. (12)   six flows     rollout                              planning/rollouts
 eq. (13)   [g_11, g_12]  require_decoupled                    extension/decoupling
-eq. (14)   flows on S_B  on_bottom, tangent_field             extension/decoupling
+eq. (14)   flows on S_B  on_bottom, tangent_field             extension/fields_on_bottom
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
-(16)-(19)  the hexapod   models.hexapod                       models/systems/hexapods
+(16)-(19)  the hexapod   models.paper_hexapod                 models/systems/hexapods
 eq. (20)   u_1 o u_2     word                                 lie/input_words
 Sec. 5.2   algorithm     plan, Plan                           planning/algorithm
 Sec. 5.2   regrouping    regroup                              systems/grouping

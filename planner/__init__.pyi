@@ -29,11 +29,7 @@ from .execution.stepping import (
 )
 from .extension.bracket_fields import hall_fields as hall_fields
 from .extension.choice import choose_elements as choose_elements
-from .extension.decoupling import (
-    on_bottom as on_bottom,
-    require_decoupled as require_decoupled,
-    tangent_field as tangent_field,
-)
+from .extension.decoupling import require_decoupled as require_decoupled
 from .extension.direction_costs import (
     AFFORDABLE as AFFORDABLE,
     DirectionCost as DirectionCost,
@@ -43,7 +39,11 @@ from .extension.extended import (
     ExtendedSystem as ExtendedSystem,
     extend as extend,
 )
-from .extension.panels import (
+from .extension.fields_on_bottom import (
+    on_bottom as on_bottom,
+    tangent_field as tangent_field,
+)
+from .extension.height_functions import (
     StratifiedPanels as StratifiedPanels,
     stratified_panels as stratified_panels,
 )
@@ -120,7 +120,7 @@ from .planning.archive import (
     load_plan as load_plan,
     save_plan as save_plan,
 )
-from .planning.chains import (
+from .planning.chained_forms import (
     ChainedForm as ChainedForm,
     FlatOutputs as FlatOutputs,
     chained_form as chained_form,
@@ -130,7 +130,7 @@ from .planning.convergence import (
     convergence_order as convergence_order,
     faster as faster,
 )
-from .planning.criticality import critical_step as critical_step
+from .planning.critical_steps import critical_step as critical_step
 from .planning.curves import (
     formula_curve as formula_curve,
     table_curve as table_curve,
@@ -153,13 +153,13 @@ from .planning.paths import (
     recut as recut,
     waypoints as waypoints,
 )
-from .planning.playback import (
-    play as play,
-    rollout as rollout,
-)
 from .planning.replanning import (
     Step as Step,
     plan_step as plan_step,
+)
+from .planning.rollouts import (
+    play as play,
+    rollout as rollout,
 )
 from .planning.shooting import (
     Steered as Steered,

@@ -12,7 +12,7 @@ from models.systems.problem import Problem
 from planner import unknown
 
 SYSTEMS: Mapping[str, Callable[..., Problem]] = {
-    "paper-hexapod": hexapods.hexapod,
+    "paper-hexapod": hexapods.paper_hexapod,
     "biped": legged.biped,
     "quadruped-crawl": legged.quadruped,
     "octopod-pairs": legged.octopod,

@@ -7,11 +7,22 @@ columns are
     g_{12,1} = (cos theta, sin theta,  l, 1, 0, 0, 0)    tripod 1 swings
     g_{12,2} = (cos theta, sin theta, -l, 0, 1, 0, 0)    tripod 2 swings
 
-With tripod 2 in the air, eq. (17), its swing moves nothing but phi_2, and its lift
-height_2; with tripod 1 in the air, eq. (18), likewise. The elements of eq. (19) are the
-strokes of the bottom stratum, the swings in the air, and the bracket that moves the
-body sideways. `legged.walker` makes the fields from the body twists given here, of the
-groups on the ground. A robot in the physics has twists of its own, from
+With tripod 2 in the air, eq. (17), it recovers without moving the body, and it lifts:
+
+    g_{1,1} = (cos theta, sin theta, l, 1, 0, 0, 0)      tripod 1 swings
+    g_{1,2} = (0, 0, 0, 0, 1, 0, 0)                      tripod 2 swings in the air
+    g_{1,3} = (0, 0, 0, 0, 0, 0, 1)                      tripod 2 lifts
+
+With tripod 1 in the air, eq. (18), it is the other way round:
+
+    g_{2,1} = (0, 0, 0, 1, 0, 0, 0)                      tripod 1 swings in the air
+    g_{2,2} = (cos theta, sin theta, -l, 0, 1, 0, 0)     tripod 2 swings
+    g_{2,3} = (0, 0, 0, 0, 0, 1, 0)                      tripod 1 lifts
+
+The elements of eq. (19) are the strokes of the bottom stratum, the swings in the air,
+and the bracket that moves the body sideways. The functions here give the body twists of
+the groups on the ground, which are not zero; `motion.equations_of_motion` makes the
+columns of them. A robot in the physics has twists of its own, from
 `motion.robot_equations`.
 """
 
@@ -22,7 +33,7 @@ from models.systems.legged import AIR_SWINGS, ALTERNATING, walker
 from models.systems.problem import Problem
 
 
-def hexapod(
+def paper_hexapod(
     stride: float = 1,
     yaw_gain: float = 1,
     stride_2: float | None = None,

@@ -17,7 +17,9 @@ import numpy as np
 
 from planner.controllability.exact import exact_rank
 from planner.errors import point
-from planner.extension.decoupling import coupled, lifts, tangent_field
+from planner.extension.decoupling import coupled
+from planner.extension.fields_on_bottom import tangent_field
+from planner.extension.lift_fields import lifts
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import (
     SPANNED,

@@ -1,1 +1,1 @@
-"""Sec. 5.2: how plans are carried out: regrouping, centring, leg repositioning."""
+"""Sec. 5.2: how plans are carried out: words, centring, leg repositioning."""

@@ -69,7 +69,7 @@ def centred(
     """
     visits = list(_visits(shape, segments))
     if visits or goal is not None:
-        for coordinate in sorted({i for i, _ in shape.free.values()}):
+        for coordinate in sorted({i for i, _ in shape.recoveries.values()}):
             last = None if goal is None else float(goal[coordinate])
             _centre(shape, visits, coordinate, float(start[coordinate]), last, ends)
     ordered: list[list[Flow]] = [[] for _ in segments]
@@ -92,7 +92,7 @@ def _visits(
                 if visit is not None:
                     yield visit
                 visit = _Visit(flow.stratum, k)
-            if flow.field not in shape.free:
+            if flow.field not in shape.recoveries:
                 visit.add(k, flow)
     if visit is not None:
         yield visit
@@ -109,7 +109,7 @@ def _centre(
     """Add recoveries that centre the strokes of one coordinate on zero."""
     recoveries = {
         shape.system.stratum_of[name]: (name, rate)
-        for name, (moved, rate) in shape.free.items()
+        for name, (moved, rate) in shape.recoveries.items()
         if moved == coordinate
     }
     rates = {name: float(rate[coordinate]) for name, rate in shape.rates.items()}

@@ -2,8 +2,8 @@
 
 Words of an approximation of degree k miss brackets of degree k + 1. The error of two
 orders of the same flows may differ a hundredfold, and which one is the smaller depends
-on the goal, so the words are played. That costs a few rollouts, which only a degree
-beyond that of the elements is worth: it is asked for where accuracy matters.
+on the goal, so each candidate is rolled out. That costs time, and is done only where
+the degree is raised above that of the elements, for the sake of accuracy.
 """
 
 from __future__ import annotations

@@ -60,7 +60,7 @@ def stepped(
     legs = _Legs(shape, start, limits, static_stability)
     ordered: list[list[Flow]] = []
     for flows in segments:
-        loaded = merged(flow for flow in flows if flow.field not in shape.free)
+        loaded = merged(flow for flow in flows if flow.field not in shape.recoveries)
         steps = [step for flow in loaded for step in legs.stroke(flow)]
         ordered.append(list(merged(steps)))
     if goal is not None and ordered:
@@ -81,7 +81,7 @@ class _Legs:
         self.shape, self.static_stability = shape, static_stability
         self.now = np.array(start, dtype=float)
         self.recoveries: dict[int, tuple[Flow, float]] = {}  # unit of time, and rate
-        for name, (i, rate) in shape.free.items():
+        for name, (i, rate) in shape.recoveries.items():
             unit = Flow(shape.system.stratum_of[name], name, 1.0)
             self.recoveries.setdefault(i, (unit, rate))
         self.spans = {shape.names.index(name): span for name, span in limits.items()}

@@ -1,1 +1,1 @@
-"""Sec. 5.1: the stratified extended system, eqs. (4), (5), (13)-(15) and (19)."""
+"""Sec. 5.1: the stratified extended system, eqs. (4), (5) and (13)-(15)."""

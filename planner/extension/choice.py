@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from planner.errors import PlannerError, RankError, SingularConfigurationError
 from planner.extension.bracket_fields import hall_fields
-from planner.extension.decoupling import on_bottom
+from planner.extension.fields_on_bottom import on_bottom
 from planner.numerics.arrays import Array
 from planner.numerics.budget import tick
 from planner.numerics.subspaces import column_space, in_words

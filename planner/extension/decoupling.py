@@ -1,163 +1,18 @@
-"""Decoupling: when fields of higher strata may act on the bottom one, eqs. (13), (14).
+"""Decoupling, eq. (13): lift fields commute with fields used while feet are in the air.
 
-A field that leaves the bottom stratum is made tangent to it by means of the lift
-fields, those that raise feet (Sec. 5.1). Lift fields must commute with the fields that
-are used while the feet are in the air, eq. (13); Assumption 2 guarantees that they do.
+Assumption 2 guarantees that they do. Then flows may be interchanged as in eq. (14), so
+that fields of higher strata act on the bottom one; `fields_on_bottom` has these fields.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Mapping
 
-import numpy as np
-import sympy as sp
-
-from planner.errors import DecouplingError, PlannerError
-from planner.numerics.arrays import Array
-from planner.numerics.subspaces import rank
-from planner.systems.elements import Tree, leaves, relabel
-from planner.systems.fields import (
-    NumericField,
-    VectorField,
-    compile_fields,
-    lie_bracket,
-)
-from planner.systems.level_sets import LevelSet
+from planner.errors import DecouplingError
+from planner.extension.lift_fields import lifts
+from planner.systems.fields import VectorField, lie_bracket
 from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
-
-EVEN = 0.5  # least over largest rate of a field that is as good a lift as any
-
-
-def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
-    """Lift fields: those of a stratum that raise feet off the bottom stratum.
-
-    Fields that raise them everywhere alike are preferred, and simple ones among these:
-    a field whose rate vanishes somewhere raises nothing there. The lift fields change
-    the level sets of the bottom stratum independently of one another.
-
-    Args:
-        system: System that has the fields.
-        stratum: Stratum on which they act.
-        bottom: Stratum that they leave; the bottom stratum of the system if empty.
-    """
-    level_set = system.level_set(bottom or system.bottom)
-    if not level_set.functions:
-        return ()
-    leaving = [n for n, f in system.strata[stratum].items() if level_set.leaves(f)]
-    chosen: list[str] = []
-    rates = np.empty((len(level_set.functions), 0))
-    found = {name: level_set.rates(system.fields[name]) for name in leaving}
-    for name in sorted(
-        leaving, key=lambda n: (-_evenness(found[n]), _size(system.fields[n]))
-    ):
-        rate = found[name][0][:, None]
-        wider = np.hstack([rates, rate])
-        if rank(wider) > rates.shape[1]:
-            chosen, rates = [*chosen, name], wider
-    return tuple(chosen)
-
-
-def _evenness(rates: Array) -> float:
-    """Least over largest rate of leaving the level sets; those above `EVEN` are equal.
-
-    Args:
-        rates: At configurations on the set, shape (points, codimension).
-    """
-    sizes = np.linalg.norm(rates, axis=1)
-    return min(float(sizes.min() / sizes.max()), EVEN)
-
-
-def _size(field: VectorField) -> int:
-    """Number of coordinates that a field moves."""
-    if isinstance(field, NumericField):
-        return 10**6
-    return sum(entry != 0 for entry in field)
-
-
-def tangent_field(
-    system: StratifiedSystem, name: str, bottom: str = ""
-) -> VectorField | None:
-    """A field made tangent to the bottom stratum, g_12 - (f_1 / f_2) g_11 in Sec. 5.1.
-
-    Args:
-        system: System that has the field.
-        name: Name of the field.
-        bottom: Stratum to be tangent to; the bottom stratum of the system if empty.
-
-    Returns:
-        The field itself if it is tangent. None if it is a lift field, or if the lift
-        fields cannot make it tangent.
-    """
-    field = system.fields[name]
-    level_set = system.level_set(bottom or system.bottom)
-    if not level_set.functions or not level_set.leaves(field):
-        return field
-    names = lifts(system, system.stratum_of[name], bottom)
-    if name in names:
-        return None
-    corrected = _corrected(field, [system.fields[n] for n in names], level_set)
-    return None if level_set.leaves(corrected) else corrected
-
-
-def _corrected(
-    field: VectorField, lifting: Sequence[VectorField], level_set: LevelSet
-) -> VectorField:
-    """A field minus the combination of lift fields that changes the level set alike."""
-    if any(isinstance(f, NumericField) for f in (field, *lifting)):
-        columns = compile_fields([field, *lifting], level_set.state)
-
-        def value(x: Array) -> Array:
-            velocities = columns.values(x)  # (n, 1 + lifts)
-            speeds = level_set.gradients(x).T @ velocities
-            amounts = np.linalg.lstsq(speeds[:, 1:], speeds[:, 0], rcond=None)[0]
-            return velocities[:, 0] - velocities[:, 1:] @ amounts
-
-        return NumericField(value)
-    L = sp.Matrix.hstack(*lifting)  # (n, lifts)
-    speeds = level_set.differential * L  # (codimension, lifts)
-    amounts = (speeds.T * speeds).inv() * speeds.T * level_set.differential * field
-    return sp.ImmutableMatrix(sp.simplify(field - L * amounts))
-
-
-def on_bottom(
-    system: StratifiedSystem, trees: Sequence[Tree]
-) -> tuple[StratifiedSystem, list[Tree]]:
-    """Make elements act on the bottom stratum as in eq. (14).
-
-    Args:
-        system: System whose fields the elements are made of.
-        trees: Elements over field names.
-
-    Returns:
-        The system, with a field `NAME_tangent` for every field NAME that is corrected,
-        and the elements over these fields.
-
-    Raises:
-        DecouplingError: A lift field does not commute with a field that is used while
-            the foot is in the air, eq. (13).
-        PlannerError: A field leaves the bottom stratum, and no lift field can make it
-            tangent.
-    """
-    used = dict.fromkeys(leaf for tree in trees for leaf in leaves(tree))
-    renamed: dict[str, str] = {}
-    strata = {stratum: dict(fields) for stratum, fields in system.strata.items()}
-    for name in used:
-        field = tangent_field(system, name)
-        if field is None:
-            raise PlannerError(
-                f"field {name} leaves S{system.bottom} and no lift field of "
-                f"S{system.stratum_of[name]} can hold it there (Sec. 5.1); leave it out"
-            )
-        if field is not system.fields[name]:
-            renamed[name] = f"{name}_tangent"
-            strata[system.stratum_of[name]][renamed[name]] = field
-    if renamed:
-        system = replace(system, strata=strata)
-        trees = [relabel(tree, lambda name: renamed.get(name, name)) for tree in trees]
-    require_decoupled(system, (renamed.get(name, name) for name in used))
-    return system, list(trees)
 
 
 def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:

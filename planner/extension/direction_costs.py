@@ -67,7 +67,7 @@ def stroke_costs(
     trees = [parse(name, system) for name in elements]
     prices = np.array([_price(tree, strokes) for tree in trees])
     degrees = np.array([len(leaves(tree)) for tree in trees])
-    joints = {index for index, _ in extended.shape.free.values()}
+    joints = {index for index, _ in extended.shape.recoveries.values()}
     moved = np.flatnonzero(np.abs(matrix).max(axis=1) > 0)
     return tuple(
         _cost(str(system.state[i]), matrix, prices, degrees, int(i), elements)

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from planner.errors import PlannerError, RankError, point
-from planner.extension.decoupling import on_bottom
+from planner.extension.fields_on_bottom import on_bottom
 from planner.extension.steering import Steering, steering
 from planner.numerics.arrays import Array
 from planner.systems.elements import column, leaves, name_of, parse

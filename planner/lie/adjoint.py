@@ -2,7 +2,7 @@
 
 A flow S = e^(h_s B_s) ... e^(h_1 B_1) has S^-1 S' = sum_j Ad(...) B_j h_j'. The sums
 here are dictionaries of coefficients by index in the basis, whose numbers may be
-floats, arrays over many segments or polynomials; `coordinates` solves eq. (9) so.
+floats, arrays over many segments or polynomials; `coordinates` solves eq. (9) with it.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ def adjoint_action(
 ) -> Terms:
     """Ad(e^(h B)) of a sum of terms, e^(h B) (sum) e^(-h B), eq. (8).
 
-    The paper writes a sum by its rates, with -h. Rates are found from a sum by the
-    inverse of that, with +h.
+    Eq. (8) has Ad(e^(-h B)), which gives the sum from the rates. To recover the rates
+    from the sum takes its inverse, which is this.
 
     Args:
         structure: Structure constants of B: the coefficients of [B, B_j] for each j.

@@ -1,1 +1,1 @@
-"""Arrays, polynomials by their values at nodes, and linear subspaces."""
+"""Arrays, polynomials at nodes, linear subspaces, budgets of time, interruption."""

@@ -82,7 +82,7 @@ def _along(states: Array, path: Array) -> tuple[float, Array]:
 
 
 def _least(apart: Array) -> float:
-    """A distance that some state, or one of the ends, has from the path."""
+    """A lower bound on the Frechet distance, from the ends and the farthest state."""
     return float(max(apart[0, 0], apart[-1, -1], apart.min(axis=1).max()))
 
 

@@ -19,7 +19,7 @@ from planner.optimisation.search import Report, Search
 from planner.optimisation.task import Solution, Task
 from planner.planning.algorithm import Plan
 from planner.planning.paths import Path
-from planner.planning.playback import play
+from planner.planning.rollouts import play
 from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]

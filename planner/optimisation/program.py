@@ -61,7 +61,7 @@ class Program:
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
     ) -> Solution:
-        """Given strokes, each centred on zero, and where they lead.
+        """A first guess from given strokes, each centred on zero, and where they lead.
 
         Args:
             strokes: Of every stage, shape (count,).

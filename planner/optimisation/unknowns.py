@@ -3,8 +3,8 @@
 The vector holds, in this order, the states between stages, the places on the path, the
 strokes forward and backward, the recoveries forward and backward, the durations of
 stages whose parts take place at the same time, and the width of the corridor in
-tolerances. A stroke has one unknown for each
-direction, because the objective counts its length.
+tolerances. A stroke has one unknown for each direction, because the objective counts
+its length.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ WIDE = 4.0  # width of the corridor, in tolerances, that a guess begins with
 
 @dataclass(frozen=True)
 class Unknowns:
-    """The vector of a number of stages.
+    """The vector of unknowns for a given number of stages.
 
     Attributes:
         task: What is optimised.

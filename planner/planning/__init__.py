@@ -1,1 +1,1 @@
-"""Sec. 5.2: from a path to a plan; rollout, replanning, shooting, plan files."""
+"""Sec. 5.2: from a path to a plan, and its rollout, eq. (12); replanning, shooting."""

@@ -17,7 +17,7 @@ from planner.numerics.budget import tick
 from planner.planning.nominal import (
     default_nodes,
     extend_along,
-    fictitious_inputs,
+    fictitious_inputs_along,
     require_segments,
     sample,
 )
@@ -214,7 +214,7 @@ def follow_path(
     nodes = nodes or default_nodes(segments)
     samples = sample(path, extended.system, segments, nodes)
     tick()
-    inputs = fictitious_inputs(extended, samples)
+    inputs = fictitious_inputs_along(extended, samples)
     tick()
     require_regular(extended, samples, inputs)
     hall_coordinates = extended.steering.hall_coordinates(inputs)

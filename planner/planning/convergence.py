@@ -27,7 +27,7 @@ from planner.extension.steering import Wording
 from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.numerics.arrays import Array
-from planner.planning.nominal import default_nodes, fictitious_inputs, sample
+from planner.planning.nominal import default_nodes, fictitious_inputs_along, sample
 from planner.planning.paths import Path
 from planner.systems.fields import compile_fields
 from planner.systems.flows import Word
@@ -105,7 +105,7 @@ def convergence_order(
         PlannerError: The elements do not follow the path.
     """
     (samples,) = sample(path, extended.system, 1, default_nodes(1))
-    (inputs,) = fictitious_inputs(extended, samples[None])
+    (inputs,) = fictitious_inputs_along(extended, samples[None])
     steering = extended.steering
     k, degrees = steering.degree, np.array(steering.selected_degrees)
     sizes = np.abs(inputs).max(axis=0)

@@ -113,7 +113,7 @@ def extend_along(
     return extend(system, elements)
 
 
-def fictitious_inputs(extended: ExtendedSystem, samples: Array) -> Array:
+def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
     """Inputs v of eq. (5) that follow each sampled segment in unit time.
 
     The path is differentiated as the polynomial through its samples, so that the

@@ -20,10 +20,10 @@ from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.numerics.budget import tick
 from planner.planning.algorithm import Plan, assemble, with_remedy
-from planner.planning.nominal import fictitious_inputs, require_segments, sample
+from planner.planning.nominal import fictitious_inputs_along, require_segments, sample
 from planner.planning.paths import Path, as_path, grid, line
-from planner.planning.playback import play
 from planner.planning.replanning import FINEST, NODES
+from planner.planning.rollouts import play
 
 STALLED = 10  # shots that must at least halve the distance together
 AIMED_PIECES = (1, 2, 4, 8)  # tried in turn where shots stall
@@ -251,7 +251,7 @@ def shot_towards(
             "backward, forward or shortest instead of fewest"
         )
     samples = sample(line(here, target), extended.system, 1, NODES)
-    inputs = fictitious_inputs(extended, samples)
+    inputs = fictitious_inputs_along(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)
     (word,) = extended.steering.words(coordinates, orders[0], here[None])
     flows = extended.grouper.flows(word, tuple(range(len(word.fields))))

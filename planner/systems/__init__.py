@@ -1,1 +1,1 @@
-"""Secs. 2 and 3: fields, strata and flows, eqs. (1), (2), (10)-(12), and Def. 1."""
+"""Secs. 2 and 3: fields, flows, strata and gaits, eqs. (1), (2), (10), (11)."""

@@ -2,7 +2,7 @@
 
 A sequence of flows is in time order. Every flow names the stratum that it runs on, so
 flows that lift feet and set them down are never listed: they are implied wherever the
-stratum changes. `planning.playback` composes flows as eq. (12) does; the series of
+stratum changes. `planning.rollouts` composes flows as eq. (12) does; the series of
 eq. (2) is `lie.tensor.Tensor.exp`.
 """
 

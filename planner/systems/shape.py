@@ -46,11 +46,11 @@ class ShapeCoordinates:
         return frozenset(int(i) for i in np.flatnonzero(constant))
 
     @cached_property
-    def free(self) -> dict[str, tuple[int, float]]:
-        """Fields that move a single shape coordinate on which no field depends.
+    def recoveries(self) -> dict[str, tuple[int, float]]:
+        """Index and rate of the shape coordinate that each recovery moves.
 
-        For each of them the index and the rate of the coordinate. Such a field is the
-        recovery of a leg: its flows commute with all others and do not move the body.
+        A recovery moves this one coordinate alone, and no field depends on it: its
+        flows commute with all others and do not move the body.
         """
         used = set().union(
             *(_symbols(field) for field in self.system.fields.values()),
@@ -93,8 +93,8 @@ class ShapeCoordinates:
 
         Raises:
             ValueError: A limit names no shape coordinate, or its range is empty.
-            RangeError: The flows leave a range; the error suggests no number of
-                segments.
+            RangeError: The flows leave a range. It suggests no number of segments,
+                since more of them may not help.
         """
         flows = tuple(flows)
         for name, (low, high) in limits.items():

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from models import AIR_SWINGS, FEET, PIVOT, PIVOTS, hexapod
+from models import AIR_SWINGS, FEET, PIVOT, PIVOTS, paper_hexapod
 from planner import Array, Execution, ExtendedSystem, Path, Plan, extend, plan, rollout
 from sim.motion.poses import rotate
 
@@ -65,7 +65,7 @@ class PaperWalk:
 
 @cache
 def _extended(fields: Fields) -> ExtendedSystem:
-    problem = hexapod(heights=False)
+    problem = paper_hexapod(heights=False)
     return extend(problem.system, ELEMENTS[fields])
 
 

@@ -8,7 +8,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import play, rollout
+from planner.planning.rollouts import play, rollout
 from planner.systems.fields import bracket
 from planner.systems.flows import Flow, visits
 from tests.systems import PAPER, THETA, hexapod

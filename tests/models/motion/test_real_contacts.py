@@ -16,7 +16,7 @@ from models.motion.strokes import Strokes, travel
 from models.motion.twists import QuasiStaticTwists
 from planner.controllability.gaits import gait_controllability
 from planner.extension.bracket_fields import hall_fields
-from planner.planning.playback import play
+from planner.planning.rollouts import play
 from planner.systems.flows import Flow
 
 LIFTED = ("g1_1", "g2_2")

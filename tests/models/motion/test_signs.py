@@ -11,7 +11,7 @@ from models.library import load, shipped_robots
 from models.motion.robot_equations import equations
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 
 GOAL = (0.15, 0.15, 0.0)
 # the quadruped steps anew before every stroke, which takes long; the classroom's robot

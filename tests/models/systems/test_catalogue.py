@@ -13,7 +13,7 @@ from planner.extension.bracket_fields import hall_fields
 from planner.extension.choice import choose_elements
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.planning.shooting import steer
 from planner.systems.elements import leaves, parse_names
 from sim.scenarios.file import shipped_scenarios

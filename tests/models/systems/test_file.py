@@ -10,8 +10,8 @@ from planner.controllability.gaits import gait_controllability
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.archive import system_table
-from planner.planning.chains import chained_form
-from planner.planning.playback import rollout
+from planner.planning.chained_forms import chained_form
+from planner.planning.rollouts import rollout
 
 WHEEL = """
 description = "a wheel"

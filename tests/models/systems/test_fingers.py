@@ -8,7 +8,7 @@ from planner.errors import RangeError
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
-from planner.planning.playback import play, rollout
+from planner.planning.rollouts import play, rollout
 from tests.systems import with_lifts
 
 EXACT = 1e-9  # what a nilpotent plan promises; rounding is far below

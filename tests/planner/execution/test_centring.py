@@ -9,7 +9,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import ellipse, line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow, contact_switches, merged, visits
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
@@ -43,15 +43,15 @@ def largest_angle(extended, planned):
 
 
 def test_swings_of_a_tripod_in_the_air_are_free_and_those_under_load_are_not():
-    assert ShapeCoordinates(hexapod()).free == {"g1_2": (4, 1.0), "g2_1": (3, 1.0)}
+    assert ShapeCoordinates(hexapod()).recoveries == {"g1_2": (4, 1), "g2_1": (3, 1)}
 
 
 def test_lifts_are_not_free():
-    assert set(ShapeCoordinates(hexapod(heights=True)).free) == {"g1_2", "g2_1"}
+    assert set(ShapeCoordinates(hexapod(heights=True)).recoveries) == {"g1_2", "g2_1"}
 
 
 def test_coordinate_that_a_field_depends_on_is_not_free():
-    assert ShapeCoordinates(chained(3)).free == {}
+    assert ShapeCoordinates(chained(3)).recoveries == {}
 
 
 @pytest.mark.parametrize("way", WAYS)

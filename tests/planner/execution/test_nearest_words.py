@@ -11,7 +11,7 @@ from planner.lie.hall import hall_basis
 from planner.lie.input_words import spellings
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import play, rollout
+from planner.planning.rollouts import play, rollout
 from planner.systems.flows import Flow
 from tests.systems import PAPER, hexapod
 

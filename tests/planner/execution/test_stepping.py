@@ -17,7 +17,7 @@ from planner.execution.stepping import stepped
 from planner.extension.extended import extend
 from planner.planning.algorithm import follow_path
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem

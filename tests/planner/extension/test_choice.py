@@ -8,7 +8,7 @@ from planner.extension.choice import choose_elements
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, PAPER, chained, flat_power, hexapod
 

@@ -5,9 +5,9 @@ import pytest
 import sympy as sp
 
 from planner.errors import DecouplingError, PlannerError, RankError
-from planner.extension.decoupling import tangent_field
 from planner.extension.extended import extend
-from planner.planning.playback import play
+from planner.extension.fields_on_bottom import tangent_field
+from planner.planning.rollouts import play
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem

@@ -11,7 +11,7 @@ from planner.extension.rectangles import weights
 from planner.lie.hall import hall_basis
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.planning.shooting import steer
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, hexapod

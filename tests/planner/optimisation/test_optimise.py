@@ -17,7 +17,7 @@ from planner.optimisation.stages import cycle
 from planner.optimisation.task import Task
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.fields import NumericField
 from planner.systems.strata import StratifiedSystem
 

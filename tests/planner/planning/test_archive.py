@@ -10,7 +10,7 @@ from planner.execution.execution import Execution
 from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan, system_from, system_table
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.formulas import read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, X, Y, hexapod

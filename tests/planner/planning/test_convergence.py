@@ -12,7 +12,7 @@ from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.convergence import convergence_order, faster
 from planner.planning.paths import ellipse, line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod
 

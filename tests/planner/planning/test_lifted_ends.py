@@ -12,7 +12,7 @@ from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan
 from planner.planning.lifted_ends import plan_between, stratum_at
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.gait import steps
 from tests.systems import GAIT, LIFTED, hexapod
 

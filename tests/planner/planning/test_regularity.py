@@ -7,7 +7,7 @@ import sympy as sp
 from planner.errors import PlannerError, ResolutionError
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.strata import StratifiedSystem
 from tests.systems import X, Y, heisenberg
 

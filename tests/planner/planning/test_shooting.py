@@ -11,7 +11,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import ellipse, line
-from planner.planning.playback import play, rollout
+from planner.planning.rollouts import play, rollout
 from planner.planning.shooting import aim, steer
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, PAPER, THETA, X, Y, chained, hexapod

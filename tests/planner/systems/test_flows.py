@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.planning.playback import play
+from planner.planning.rollouts import play
 from planner.systems.flows import (
     Flow,
     contact_switches,

@@ -7,7 +7,7 @@ import pytest
 
 from planner.errors import StratumError
 from planner.extension.extended import extend
-from planner.planning.playback import play
+from planner.planning.rollouts import play
 from planner.systems.flows import Flow, Word, contact_switches
 from planner.systems.grouping import Grouper, regroup
 from planner.systems.strata import StratifiedSystem

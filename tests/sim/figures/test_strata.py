@@ -6,8 +6,8 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from models.systems.catalogue import shipped_system
-from planner.extension.panels import stratified_panels
-from planner.planning.playback import play
+from planner.extension.height_functions import stratified_panels
+from planner.planning.rollouts import play
 from sim.figures import biped, mechanism, panels, quadruped, sequence
 from sim.figures.graphs import draw_graph, graph_of
 from sim.figures.style import STYLE

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from planner.errors import ConvergenceError, PlannerError
-from planner.planning.playback import rollout
+from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, relative

@@ -6,7 +6,7 @@ import pytest
 from planner.errors import ConvergenceError
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.playback import play, rollout
+from planner.planning.rollouts import play, rollout
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, X, hexapod

@@ -1,4 +1,8 @@
-"""Rollout of plans by exact flows of the fields, eq. (12)."""
+"""Rollout of plans by exact flows of the fields, composed as in eq. (12).
+
+Plans leave out the flows that lift feet and set them down, since these cancel, eqs.
+(13) and (14). All six flows of eq. (12) are drawn by `sim.figures.sequence`.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,7 @@ import numpy as np
 
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan
-from planner.planning.batches import batched
+from planner.planning.batched_flows import batched
 from planner.systems.flows import Flow, flow_map, require_flows
 from planner.systems.strata import StratifiedSystem
 
@@ -32,9 +36,6 @@ def play(
     system: StratifiedSystem, flows: Sequence[Flow], start: Array, samples: int = 1
 ) -> Array:
     """States along a sequence of flows, as `rollout` gives them.
-
-    The flows are composed as in eq. (12), without those that lift feet and set them
-    down: by eqs. (13) and (14) these cancel.
 
     Args:
         system: System that the flows are of.

@@ -27,7 +27,7 @@ from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan
 from planner.planning.paths import line
-from planner.planning.playback import play
+from planner.planning.rollouts import play
 from planner.systems.fields import NumericField, Symbols, sample_configurations
 from planner.systems.strata import StratifiedSystem
 
@@ -274,7 +274,7 @@ class _Check:
         return bool(np.abs(values).max(initial=0.0) <= TOLERANCE * size)
 
     def equal(self, derived: sp.Expr, declared: sp.Expr | None) -> sp.Expr:
-        """The declared one of two expressions, which must have the same values."""
+        """The declared expression if it equals the derived one, or else an error."""
         if declared is None:
             return derived
         size = float(np.abs(self._values(derived)).max(initial=1.0))

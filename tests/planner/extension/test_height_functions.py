@@ -7,8 +7,8 @@ import sympy as sp
 from models.library import load
 from models.motion.robot_equations import equations
 from models.systems.catalogue import shipped_system
-from planner.extension.panels import stratified_panels
-from planner.planning.playback import play
+from planner.extension.height_functions import stratified_panels
+from planner.planning.rollouts import play
 from planner.systems.fields import lie_bracket
 from planner.systems.strata import StratifiedSystem
 from tests.systems import hexapod

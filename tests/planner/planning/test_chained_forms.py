@@ -7,8 +7,8 @@ import sympy as sp
 from models.systems.catalogue import shipped_system
 from planner.errors import PlannerError
 from planner.extension.extended import extend
-from planner.planning.chains import FlatOutputs, chained_form
-from planner.planning.playback import play, rollout
+from planner.planning.chained_forms import FlatOutputs, chained_form
+from planner.planning.rollouts import play, rollout
 from planner.planning.shooting import steer
 from planner.systems.fields import compile_fields, sample_configurations
 from planner.systems.strata import StratifiedSystem

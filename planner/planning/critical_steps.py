@@ -33,7 +33,7 @@ def critical_step(
     direction: ArrayLike,
     execution: Execution | None = None,
 ) -> float:
-    """Length of the longest straight step that one plan at least halves.
+    """Length of the longest straight step of which a plan leaves at most half.
 
     The given step is doubled or halved until one step serves and one twice as long does
     not, and the place between them is bisected. Steps beyond the first that fails may

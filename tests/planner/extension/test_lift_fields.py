@@ -5,8 +5,8 @@ import pytest
 import sympy as sp
 
 from planner.controllability.gaits import gait_controllability
-from planner.extension.decoupling import lifts
 from planner.extension.extended import extend
+from planner.extension.lift_fields import lifts
 from planner.systems.strata import StratifiedSystem
 
 X, A, Z = sp.symbols("x a z")

@@ -1,0 +1,108 @@
+"""Fields of higher strata, made to act on the bottom stratum, eq. (14).
+
+Flows of eq. (12) that lift a foot, move and set it down are interchanged until lifting
+and setting down cancel. What remains is a field that is tangent to the bottom stratum:
+one that leaves it is corrected by the lift fields (Sec. 5.1). `decoupling` checks that
+the flows may be interchanged, eq. (13).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import sympy as sp
+
+from planner.errors import PlannerError
+from planner.extension.decoupling import require_decoupled
+from planner.extension.lift_fields import lifts
+from planner.numerics.arrays import Array
+from planner.systems.elements import Tree, leaves, relabel
+from planner.systems.fields import NumericField, VectorField, compile_fields
+from planner.systems.level_sets import LevelSet
+from planner.systems.strata import StratifiedSystem
+
+
+def tangent_field(
+    system: StratifiedSystem, name: str, bottom: str = ""
+) -> VectorField | None:
+    """A field made tangent to the bottom stratum, g_12 - (f_1 / f_2) g_11 in Sec. 5.1.
+
+    Args:
+        system: System that has the field.
+        name: Name of the field.
+        bottom: Stratum to be tangent to; the bottom stratum of the system if empty.
+
+    Returns:
+        The field itself if it is tangent. None if it is a lift field, or if the lift
+        fields cannot make it tangent.
+    """
+    field = system.fields[name]
+    level_set = system.level_set(bottom or system.bottom)
+    if not level_set.functions or not level_set.leaves(field):
+        return field
+    names = lifts(system, system.stratum_of[name], bottom)
+    if name in names:
+        return None
+    corrected = _corrected(field, [system.fields[n] for n in names], level_set)
+    return None if level_set.leaves(corrected) else corrected
+
+
+def _corrected(
+    field: VectorField, lifting: Sequence[VectorField], level_set: LevelSet
+) -> VectorField:
+    """A field minus the combination of lift fields that changes the level set alike."""
+    if any(isinstance(f, NumericField) for f in (field, *lifting)):
+        columns = compile_fields([field, *lifting], level_set.state)
+
+        def value(x: Array) -> Array:
+            velocities = columns.values(x)  # (n, 1 + lifts)
+            speeds = level_set.gradients(x).T @ velocities
+            amounts = np.linalg.lstsq(speeds[:, 1:], speeds[:, 0], rcond=None)[0]
+            return velocities[:, 0] - velocities[:, 1:] @ amounts
+
+        return NumericField(value)
+    L = sp.Matrix.hstack(*lifting)  # (n, lifts)
+    speeds = level_set.differential * L  # (codimension, lifts)
+    amounts = (speeds.T * speeds).inv() * speeds.T * level_set.differential * field
+    return sp.ImmutableMatrix(sp.simplify(field - L * amounts))
+
+
+def on_bottom(
+    system: StratifiedSystem, trees: Sequence[Tree]
+) -> tuple[StratifiedSystem, list[Tree]]:
+    """Make elements act on the bottom stratum as in eq. (14).
+
+    Args:
+        system: System whose fields the elements are made of.
+        trees: Elements over field names.
+
+    Returns:
+        The system, with a field `NAME_tangent` for every field NAME that is corrected,
+        and the elements over these fields.
+
+    Raises:
+        DecouplingError: A lift field does not commute with a field that is used while
+            the foot is in the air, eq. (13).
+        PlannerError: A field leaves the bottom stratum, and no lift field can make it
+            tangent.
+    """
+    used = dict.fromkeys(leaf for tree in trees for leaf in leaves(tree))
+    renamed: dict[str, str] = {}
+    strata = {stratum: dict(fields) for stratum, fields in system.strata.items()}
+    for name in used:
+        field = tangent_field(system, name)
+        if field is None:
+            raise PlannerError(
+                f"field {name} leaves S{system.bottom} and no lift field of "
+                f"S{system.stratum_of[name]} can hold it there (Sec. 5.1); leave it out"
+            )
+        if field is not system.fields[name]:
+            renamed[name] = f"{name}_tangent"
+            strata[system.stratum_of[name]][renamed[name]] = field
+    if renamed:
+        system = replace(system, strata=strata)
+        trees = [relabel(tree, lambda name: renamed.get(name, name)) for tree in trees]
+    require_decoupled(system, (renamed.get(name, name) for name in used))
+    return system, list(trees)
