@@ -57,6 +57,7 @@ class Lines:
     clock: Callable[[], float] = time.monotonic
     _began: dict[str, float] = field(default_factory=dict)
     _stage: str = ""
+    _fraction: float = 1.0
     _told: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -64,23 +65,19 @@ class Lines:
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Say how far a stage is, if nothing was said for a while."""
-        now = self.clock()
-        began = self._began.setdefault(stage, now)
-        self._stage = "" if fraction >= 1 else stage
-        if now - self._told < PATIENCE or fraction >= 1:
-            return
-        about = left(now - began, fraction)
-        self._tell(f"{stage} {fraction:4.0%}{', ' if about else ''}{about}", now)
+        self._stage, self._fraction = stage, fraction
+        self._began.setdefault(stage, self.clock())
+        self.remind()
 
     def remind(self) -> None:
         """Say what is being done, if nothing was said for a while."""
-        now, stage = self.clock(), self._stage
-        if stage and now - self._told >= PATIENCE:
-            self._tell(f"{stage}, {now - self._began[stage]:.0f} s so far", now)
-
-    def _tell(self, line: str, now: float) -> None:
-        self._told = now
-        print(line, file=sys.stderr, flush=True)
+        now, stage, fraction = self.clock(), self._stage, self._fraction
+        if now - self._told < PATIENCE or fraction >= 1:
+            return
+        self._told, spent = now, now - self._began[stage]
+        about = left(spent, fraction) or f"{spent:.0f} s so far"
+        part = f" {fraction:4.0%}" if fraction else ""
+        print(f"{stage}{part}, {about}", file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -159,7 +159,7 @@ def simulate(
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
-        with stage(progress, "standing still for as long"):
+        with stage(progress, "measuring the solver's creep"):
             stand = "creep_floor" not in without
             floor = creep_floor(prepared.setup, walk.duration) if stand else None
     return Simulation(prepared, evaluation, floor, timing)

@@ -77,7 +77,7 @@ def test_a_stage_that_ends_soon_is_not_worth_a_line(capsys):
     seconds[0] = PATIENCE + 1
     tell("report", 1.0)
     tell("filming", 0.01)
-    assert capsys.readouterr().err == "filming   1%\n"
+    assert capsys.readouterr().err == "filming   1%, 0 s so far\n"
 
 
 def test_a_stage_that_says_nothing_of_itself_is_told_as_well(capsys):
