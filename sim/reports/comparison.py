@@ -99,7 +99,7 @@ def _flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, objec
 
 
 def _said(value: object) -> str:
-    return "left open" if value is None else str(value)
+    return "not set" if value is None else str(value)
 
 
 def _shown(summary: Summary, value: Callable[[Summary], object]) -> str:

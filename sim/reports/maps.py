@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 MM = 1e3
 WIDTH = 4.2  # [in]
-SHARE = 0.15  # of the path's extent that the largest error takes
+SHARE = 0.3  # of the path's extent that the largest error takes
 FEWEST = 8  # points at which the error is drawn
 HEIGHTS = (1.8, 4.2)  # [in]
 
@@ -46,15 +46,13 @@ def plan_view(run: Record) -> Drawing:
 
 def magnified(run: Record) -> Drawing:
     """The nominal path with the errors at the ends of segments, magnified."""
-    rows = _ends(run)
+    rows, places = _ends(run)
     errors = {name: run.error(name)[rows, :2] for name in run.predicted}
     shown = {name: e for name, e in errors.items() if name != "identified"}
     largest = max(float(np.hypot(*e.T).max()) for e in shown.values())
     extent = float(np.ptp(run.nominal[:, :2], axis=0).max()) or 0.1
     factor = round_factor(SHARE * extent / largest) if largest else 1.0
-    drawn = {
-        n: MM * (run.predicted[n][rows, :2] + factor * e) for n, e in shown.items()
-    }
+    drawn = {name: MM * (places + factor * e) for name, e in shown.items()}
     points = np.concatenate([MM * run.nominal[:, :2], *drawn.values()])
     keys = [Key("nominal path", NOMINAL, dashed=True)]
     with sheet(_height(points), WIDTH) as (figure, axes):
@@ -62,24 +60,25 @@ def magnified(run: Record) -> Drawing:
         for name, moved in drawn.items():
             colour = PREDICTED[name]
             axes.plot(*moved.T, "o-", color=colour, markersize=2.5, lw=0.9)
-            for start, end in zip(
-                MM * run.predicted[name][rows, :2], moved, strict=True
-            ):
+            for start, end in zip(MM * places, moved, strict=True):
                 axes.plot(*np.transpose([start, end]), color=colour, lw=0.4)
             keys.append(Key(f"off the {PREDICTIONS[name]} prediction", colour))
         axes.set_aspect("equal", adjustable="datalim")
         note = (
-            f"At the ends of segments, the departure of the physics from each "
-            f"prediction, drawn {factor:g} times as long as it is; the longest is "
-            f"{MM * largest:.3g} mm."
+            "Along the nominal path, the departure of the physics from each "
+            f"prediction{f', drawn {factor:g} times as long' if factor > 1 else ''}; "
+            f"the longest shown is {MM * largest:.3g} mm."
         )
         enlarged = f"magnified {factor:g} times" if factor > 1 else "in its own size"
         heading = f"Error, {enlarged}, x and y [mm]"
         return finish(figure, heading, keys, note)
 
 
-def _ends(run: Record) -> Array:
-    """Rows at the ends of segments; of phases, where segments are few."""
+def _ends(run: Record) -> tuple[Array, Array]:
+    """Rows at the ends of segments, and the points of the nominal path there.
+
+    Where segments are few these are the ends of phases.
+    """
     segment = np.array([phase.segment for phase in run.phases])
     changes = np.flatnonzero(np.diff(segment)) if len(segment) else np.array([], int)
     if len(changes) < FEWEST:
@@ -87,7 +86,11 @@ def _ends(run: Record) -> Array:
     ends = [run.phases[i].end for i in changes]
     last = len(run.time) - 1
     rows = np.minimum(np.searchsorted(run.time, np.array(ends) - 1e-9), last)
-    return np.unique(np.append(rows, last).astype(int))
+    rows = np.unique(np.append(rows, last).astype(int))
+    shares = np.linspace(0, 1, len(rows) + 1)[1:] * (len(run.nominal) - 1)
+    along_path = np.arange(len(run.nominal))
+    places = [np.interp(shares, along_path, axis) for axis in run.nominal[:, :2].T]
+    return rows, np.stack(places, axis=-1)
 
 
 def _points(run: Record) -> Array:

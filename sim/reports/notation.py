@@ -38,7 +38,7 @@ def sequence(run: Record) -> Iterator[tuple[int, Markup]]:
 def flow(phase: Phase) -> Markup:
     """A flow, as in eq. (14)."""
     said = f"{phase.amount:.4g}".replace("-", MINUS)
-    text = "<span class=flow>&phi;<sup>{}</sup><sub>{}</sub></span>"
+    text = "<span class=flow>&phi;<span><sup>{}</sup><sub>{}</sub></span></span>"
     return Markup(text).format(said, field(phase.field))
 
 

@@ -12,6 +12,7 @@ from sim.reports.colours import ACHIEVED, DASHES, LIMIT, PREDICTED, of_group, of
 from sim.reports.curves import extremes
 from sim.reports.drawing import Drawing, Key, finish, sheet
 from sim.reports.record import PREDICTIONS, Record, key_of
+from sim.reports.tables import number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,7 +87,7 @@ def _margin(run: Record) -> Drawing:
             )
         _over_time(axes, run)
         least = MM * run.summary["achieved"]["min_margin"]
-        note = f"The least margin of the walk is {least:.1f} mm."
+        note = f"The least margin of the walk is {number(least, 1)} mm."
         return finish(figure, "Static stability margin [mm]", keys, note)
 
 

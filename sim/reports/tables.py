@@ -140,10 +140,10 @@ def settings(run: Record) -> Table:
             section = line.strip("[]") + "."
         elif match := SETTING.fullmatch(line):
             name, value, about = match[1], match[2].strip(), match[3] or ""
-            rows.append((section + name, value or "left open", about))
+            rows.append((section + name, value or "not set", about))
     servo = run.summary.get("servo") or {}
     for key, value in servo.items():
-        said = "left open" if value is None else str(value)
+        said = "not set" if value is None else str(value)
         rows.append((f"servo: {key}", said, "as it was simulated"))
     return Table(("setting", "value", "meaning"), rows)
 

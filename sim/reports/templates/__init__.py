@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 if TYPE_CHECKING:
     from jinja2 import Environment, Template
@@ -43,7 +43,13 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["plain"] = Markup  # for our own SVG, style and script
+    environment.filters["breakable"] = _breakable
     return environment
+
+
+def _breakable(name: str) -> Markup:
+    """A name that may go on in the next line after each underscore."""
+    return escape(name).replace("_", Markup("_<wbr>"))
 
 
 def _text(name: str) -> str:
