@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import redirect_stdout
+from html import escape
 from io import StringIO
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from sim.pictures.clock import clock
 from sim.pictures.filmed_walk import FilmedWalk, read_walk
 from sim.pictures.floor_drawing import CORNERS
 from sim.pictures.style import FRAME_RATE, Colour
+from sim.viewing.key import key
 from sim.viewing.marks import GOAL, landings, thinned
 from sim.viewing.shapes import mesh_of
 
@@ -83,14 +85,16 @@ def _recorded(server: Any, walk: FilmedWalk, progress: Callable[[float], None]) 
         robot.go_to(int(row))
         recorder.insert_sleep(EVERY / FRAME_RATE)
         progress((done + 1) / len(rows))
-    name = f"{walk.scenario.name}, {film.playback:g} times as fast as the walk"
-    return _titled(recorder.as_html(), name)
+    return _explained(recorder.as_html(), walk, film.playback)
 
 
-def _titled(page: str, name: str) -> str:
-    """The page under a title of its own."""
+def _explained(page: str, walk: FilmedWalk, playback: float) -> str:
+    """The page under a title of its own, and with a key of its colours."""
     before, _, rest = page.partition("<title>")
-    return f"{before}<title>{name}</title>{rest.partition('</title>')[2]}"
+    body, end, after = rest.partition("</title>")[2].rpartition("</body>")
+    name = escape(f"{walk.scenario.name}, a replay")
+    explained = f"{key(walk, playback)}\n{end}{after}"
+    return f"{before}<title>{name}</title>{body}{explained}"
 
 
 def _eye(walk: FilmedWalk) -> tuple[float, float, float]:

@@ -6,6 +6,7 @@ another address is asked for; a browser elsewhere comes through a tunnel.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,6 +86,7 @@ def _launch(
     web_viewer.web_server.bind_public_socket = lambda *_: socket
     web_viewer._print_url_banner = lambda *_: None
     web_viewer.print = lambda *words, **how: None
+    logging.getLogger("WebServer").addFilter(lambda told: told.levelno > logging.INFO)
     config = viewer_protocol.ViewerConfig(title=walk.shown.scenario.name, gfx="web")
     plugins = [App(), Scene(walk, Marks(walk.shown, model)), Panel(playback)]
 
