@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 
 from models.checks.parts import check_parts
@@ -95,8 +96,11 @@ def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
 def _find(name: str) -> Path:
     path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not name.endswith(".xml") and name not in shipped_robots():
+        shipped = shipped_robots()
+        near = get_close_matches(name, shipped, n=1)
+        question = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownRobotError(
-            f"unknown robot: {name!r}; shipped are {', '.join(shipped_robots())}, "
+            f"unknown robot: {name!r}; {question}shipped are {', '.join(shipped)}, "
             "or give a .xml file"
         )
     if not path.is_file():

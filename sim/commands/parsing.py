@@ -66,6 +66,15 @@ class Parser(argparse.ArgumentParser):
             self._refuse(word)
         return given, rest
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse what is none of a few words, and say which was meant."""
+        if action.choices is not None and value not in action.choices:
+            named = action.option_strings or [action.dest.upper()]
+            words = list(map(str, action.choices))
+            raise UsageError(
+                f"{value!r} is not allowed", named[-1], did_you_mean(str(value), words)
+            )
+
     def _refuse(self, word: str) -> None:
         """Say which option was meant; words that are no options wait for others."""
         if word.startswith("--"):

@@ -23,6 +23,7 @@ from sim.scenarios.scenario import Scenario
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 IDEAL = "ideal prediction"
 NOSE = "nose"  # geom on the front of the shipped robots
+FINISHED = "give the folder of a finished run"
 PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static prediction"}
 
 
@@ -98,15 +99,15 @@ def read_walk(folder: Path) -> FilmedWalk:
     Raises:
         UsageError: If it is not the folder of a finished run.
     """
+    if not (folder / "scenario.toml").is_file():
+        raise UsageError("no such run folder", str(folder), FINISHED)
     try:
         return _read(folder)
     except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
         if isinstance(error, UsageError):
             raise
         reason = f"no film of an unfinished run, {error}"
-        raise UsageError(
-            reason, str(folder), "give the folder of a finished run"
-        ) from error
+        raise UsageError(reason, str(folder), FINISHED) from error
 
 
 def _read(folder: Path) -> FilmedWalk:

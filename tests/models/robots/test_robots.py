@@ -137,7 +137,8 @@ def test_rates_of_the_feet_are_their_derivatives_by_the_group_angle(robot):
 
 def test_loading_an_unknown_name_lists_the_shipped_ones():
     with pytest.raises(
-        UnknownRobotError, match="unknown robot: 'hexapop'; shipped are hexapod"
+        UnknownRobotError,
+        match=r"unknown robot: 'hexapop'; did you mean 'hexapod'\? shipped are hex",
     ):
         load("hexapop")
 

@@ -34,7 +34,7 @@ SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
         (["run", "lien"], 2, "unknown scenario 'lien': SCENARIO; did you mean 'line'?"),
         (["run", "gone.toml"], 2, "no such scenario file: gone.toml"),
         (["run", "line", "--fields", "papper"], 2, "give lifted or paper"),
-        (["run", "line", "--look", "pretty"], 2, "invalid choice: 'pretty'"),
+        (["run", "line", "--look", "pretty"], 2, "'pretty' is not allowed"),
         (["run", "line", "--set", "fricton=1"], 2, "did you mean 'friction'?"),
         (["run", "line", "--set", "friction=-1"], 2, "give a number from 0 to 10"),
         (["run", "line", "--set", "timestep=0"], 2, "timestep = 0 is not allowed"),

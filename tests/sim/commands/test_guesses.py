@@ -45,6 +45,13 @@ def test_help_with_a_command_explains_it(command, capsys):
             ["plan", "line", "--robt=x"],
             "unknown option --robt: stratawalk plan; did you mean '--robot'",
         ),
+        (
+            ["figures", "--only", "lin"],
+            "'lin' is not allowed: --only; did you mean 'line'? there are mechanism",
+        ),
+        (["completion", "bsh"], "'bsh' is not allowed: SHELL; did you mean 'bash'"),
+        (["film", "gone"], "no such run folder: "),
+        (["view", "gone"], "no such run folder: gone; give the folder of a finished"),
         (["--"], "unknown option --: stratawalk; there are --help, --version"),
     ],
     ids=str,

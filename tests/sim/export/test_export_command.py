@@ -115,7 +115,7 @@ def test_a_servo_table_of_ros_gives_channels_and_ticks(classroom, tmp_path, caps
             "--segments, --replan for",
         ),
         (("--format", "header", "--servo-table", "none.yaml"), "cannot be read"),
-        (("--format", "bvh"), "invalid choice: 'bvh'"),
+        (("--format", "bvh"), "'bvh' is not allowed"),
         (("--format", "csv", "--rate", "0"), "is not a rate"),
     ],
 )

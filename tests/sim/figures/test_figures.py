@@ -221,4 +221,4 @@ def test_the_command_draws_one_figure_and_says_where(tmp_path, capsys):
 
 def test_a_figure_that_is_not_there_is_refused(capsys):
     assert main(["figures", "--only", "moon"]) == 2
-    assert "invalid choice: 'moon'" in capsys.readouterr().err
+    assert "'moon' is not allowed" in capsys.readouterr().err
