@@ -6,11 +6,13 @@ import argparse
 import json
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from sim.commands.extras import needs_extra
 from sim.commands.trusted import add_trust_argument, robot_of
+from sim.commands.values import whole
 from sim.errors import ExitCode, UsageError
 
 HELP = "how few joints suffice: swings locked or coupled, legs lifted in groups"
@@ -24,13 +26,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_trust_argument(parser)
     parser.add_argument(
         "--walks",
-        type=int,
+        type=whole(0),
         default=20,
         metavar="N",
         help="how many designs to walk, the fewest joints first; 20 if not given",
     )
     parser.add_argument(
-        "--designs", type=int, metavar="N", help="look at the first N designs alone"
+        "--designs",
+        type=whole(1),
+        metavar="N",
+        help="look at the first N alone",
     )
     parser.add_argument("--out", metavar="FILE", help="Parquet table of all designs")
 
@@ -40,12 +45,12 @@ def execute(options: argparse.Namespace) -> ExitCode:
     """Check every design, walk those that go everywhere, and print the table."""
     from models import designs
     from sim.progress import bar
-    from sim.studies.designing import first, tried
+    from sim.studies.designing import tried
     from sim.sweeps.identity import software
     from sim.sweeps.table import write_table
 
     robot = robot_of(options, options.robot)
-    found = first(designs(robot.legs), options.designs)
+    found = list(islice(designs(robot.legs), options.designs))
     if not found:
         what = f"{len(robot.legs)} legs make no two groups that can stand"
         raise UsageError(what, options.robot, "take a robot of six legs or more")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import os
 import sys
 from contextlib import nullcontext
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.commands.options import NAMED, add_scenario_arguments, scenario_of
 from sim.commands.trusted import robot_of
+from sim.commands.values import real
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE", required=True, help="file to write")
     parser.add_argument(
         "--rate",
-        type=_rate,
+        type=real("a rate", 50, zero=False),
         metavar="N",
         help="commands a second, where the walk has no rate of its own; otherwise 50",
     )
@@ -60,15 +60,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=True,
         help="play what was written in the physics, and compare",
     )
-
-
-def _rate(text: str) -> float:
-    value = float(text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(
-            f"{text} is not a rate; give a number such as 50"
-        )
-    return value
 
 
 def execute(options: argparse.Namespace) -> None:

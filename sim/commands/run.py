@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from sim.commands.options import add_scenario_arguments, folder_of, scenario_of
 from sim.commands.trusted import robot_of
+from sim.commands.values import real, whole
 from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--tolerance",
-        type=_ratio,
+        type=real("a share", 0.05),
         metavar="RATIO",
         help="end with 7 where the walk is farther off the quasi-static prediction "
         "than this share of the path",
@@ -53,20 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--imperfect", metavar="NAME", help="walk with a drawn set of faults: hobby"
     )
     parser.add_argument(
-        "--draw", type=int, metavar="N", help="number of the draw, 0 if not given"
+        "--draw", type=whole(0), metavar="N", help="number of the draw, 0 if not given"
     )
     parser.add_argument(
-        "--tries", type=int, metavar="N", help="walk N draws of --imperfect, hobby"
+        "--tries", type=whole(1), metavar="N", help="walk N draws of --imperfect, hobby"
     )
-
-
-def _ratio(text: str) -> float:
-    value = float(text)
-    if not 0 <= value < math.inf:
-        raise argparse.ArgumentTypeError(
-            f"{text} is not a share; give a number such as 0.05"
-        )
-    return value
 
 
 def execute(options: argparse.Namespace) -> ExitCode:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands.extras import needs_extra
-from sim.errors import ExitCode
+from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from sim.sweeps.folder import Shard
@@ -63,7 +63,10 @@ def _shard(text: str) -> Shard:
     number, _, count = text.partition("/")
     if not (number.isdecimal() and count.isdecimal()):
         raise argparse.ArgumentTypeError(f"{text} is not I/N; give 1/4, say")
-    return Shard(int(number), int(count))
+    try:
+        return Shard(int(number), int(count))
+    except UsageError as error:  # which argparse would take for a ValueError of its own
+        raise argparse.ArgumentTypeError(f"{error.what}; {error.remedy}") from error
 
 
 @needs_extra("sweep")

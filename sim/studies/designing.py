@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -125,13 +124,3 @@ def _walked(robot: Robot) -> dict[str, Any]:
         "goal": summary["error"]["goal"]["position"],
         "farthest_per_path": off["farthest"] / length,
     }
-
-
-def first(found: Iterator[Design], count: int | None) -> list[Design]:
-    """The first designs, or all of them.
-
-    Args:
-        found: Designs.
-        count: How many; None for all.
-    """
-    return list(islice(found, count))

@@ -62,6 +62,23 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
     assert line.startswith(f"stratawalk: error: {meant}")
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("run line --draw -1", "-1 cannot be; give a whole number, 0 or more"),
+        ("run line --tries 0", "0 cannot be; give a whole number, 1 or more"),
+        ("run line --tolerance a", "a is not a share; give a number such as 0.05"),
+        ("export line --format csv --out x --rate 0", "0 is not a rate; give a number"),
+        ("design hexapod --designs 1.5", "1.5 cannot be; give a whole number, 1 or"),
+        ("sweep legs --out x --shard 5/4", "no part 5 of 4; give I/N with I from 1"),
+    ],
+)
+def test_a_number_out_of_range_is_refused_with_one_that_is_not(words, said, capsys):
+    assert main(words.split()) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert said in line
+
+
 @pytest.fixture
 def completed(tmp_path, capsys):
     """What bash completes the last of some words to."""
