@@ -16,6 +16,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from models import ModelError, load
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.axes import flat
@@ -81,13 +82,29 @@ def _code() -> str:
     return parts.hexdigest()[:16]
 
 
-def _own_files(robot: str) -> tuple[Path, ...]:
-    """MJCF and card of a user's own robot; none of a shipped one."""
+def _own_files(robot: str) -> list[Path]:
+    """The card and all that the model of a user's own robot opens; none if shipped."""
     path = Path(robot)
-    both = (path, path.with_suffix(".toml")) if robot.endswith(".xml") else ()
-    return tuple(file for file in both if file.is_file())
+    if not (robot.endswith(".xml") and path.is_file()):
+        return []
+    card = path.with_suffix(".toml")
+    opened = _opened(robot, path.stat().st_mtime_ns)
+    return sorted({*opened, card} if card.is_file() else opened)
 
 
 @cache
+def _opened(robot: str, changed: int) -> frozenset[Path]:
+    try:
+        return frozenset(load(robot).files)
+    except ModelError:  # the reason stands in the table, for each of its points
+        return frozenset({Path(robot)})
+
+
 def _digest_of(path: Path) -> str:
+    about = path.stat()
+    return _digest(path, about.st_mtime_ns, about.st_size)
+
+
+@cache
+def _digest(path: Path, changed: int, size: int) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 
-from sim.errors import one_line
+from sim.errors import FilesError, one_line
 from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.file import scenario_from
@@ -29,19 +29,20 @@ def walk_kept(points: Points, folder: SweepFolder) -> list[str]:
     Raises:
         FilesError: If a folder cannot be written.
     """
-    wrong = []
+    wrong, last = [], "video.mp4" if points.sweep.filmed else "summary.json"
     for point in points.sweep.kept:
         if point not in points.tables:
             continue
-        made = folder.path / RUNS / f"point-{point:05d}"
-        if (made / "summary.json").exists():
+        name = f"point-{point:05d}"
+        if (folder.path / RUNS / name / last).exists():
             continue
-        shutil.rmtree(made, ignore_errors=True)
-        made.mkdir(parents=True)
+        shutil.rmtree(folder.path / RUNS / name, ignore_errors=True)
+        made = RunFolder(folder.path / RUNS).inner(name)
         scenario = scenario_from(points.tables[point], {}, f"point {point}")
-        look = "draft" if points.sweep.filmed else None
         try:
-            run(scenario, RunFolder(made), look=look)
+            run(scenario, made, look="draft" if points.sweep.filmed else None)
+        except FilesError:
+            raise
         except Exception as error:  # its reason stands in the table as well
             wrong.append(f"point {point}: {one_line(error)}")
     return wrong

@@ -1,0 +1,20 @@
+"""A point is its settings and everything that its robot is made of."""
+
+from sim.sweeps.identity import digest
+
+
+def test_a_point_is_another_one_if_a_file_that_its_model_includes_changes(
+    edited, scenario
+):
+    robot = edited()
+    point = scenario(robot=str(robot.path))
+    before = digest(point, ())
+    assert digest(point, ()) == before
+    scene = robot.path.parent / "scene.xml"
+    scene.write_text(scene.read_text().replace("<worldbody>", "<worldbody> "))
+    assert digest(point, ()) != before
+
+
+def test_names_make_no_other_point(scenario):
+    assert digest(scenario(name="a"), ()) == digest(scenario(name="b"), ())
+    assert digest(scenario(), ()) != digest(scenario(), ("identified",))

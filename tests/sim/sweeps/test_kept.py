@@ -1,0 +1,51 @@
+"""Run folders of chosen points are complete, or the sweep says what is wrong."""
+
+import pytest
+
+from sim.errors import FilesError
+from sim.sweeps import kept
+from sim.sweeps.file import read_sweep
+from sim.sweeps.folder import Shard, SweepFolder
+from sim.sweeps.sweeping import points_of
+from tests.sweeps import write_sweep
+
+VARIES = "[grid]\nfriction = [1.0]\n[keep]\npoints = [0]\nfilm = {film}\n"
+
+
+@pytest.fixture
+def walked(tmp_path, monkeypatch):
+    """Keep a point of which a run folder exists: names of the folders walked again."""
+
+    def walk(film, *files):
+        monkeypatch.setattr(kept, "run", lambda _, made, look: done.append(made.path))
+        done = []
+        sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film=film))))
+        runs = tmp_path / "out" / "runs" / "point-00000"
+        runs.mkdir(parents=True)
+        for name in files:
+            (runs / name).touch()
+        assert (
+            kept.walk_kept(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
+            == []
+        )
+        return [path.name for path in done]
+
+    return walk
+
+
+def test_a_complete_folder_is_left_alone(walked):
+    assert walked("false", "summary.json") == []
+
+
+def test_a_walk_whose_film_is_missing_is_not_complete(walked):
+    assert walked("true", "summary.json") == ["point-00000"]
+
+
+def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):
+    def full(*_, **__):
+        raise FilesError("the disk is full", "here", "make room")
+
+    monkeypatch.setattr(kept, "run", full)
+    sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film="false"))))
+    with pytest.raises(FilesError, match="the disk is full"):
+        kept.walk_kept(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
