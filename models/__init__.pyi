@@ -15,11 +15,7 @@ from .adoption.source import (
     Source as Source,
     source_of as source_of,
 )
-from .checks.parts import check_parts as check_parts
-from .checks.posture import (
-    UPRIGHT as UPRIGHT,
-    check_posture as check_posture,
-)
+from .checks.posture import UPRIGHT as UPRIGHT
 from .contact.cores import covering_core as covering_core
 from .contact.ground import (
     Ground as Ground,

@@ -28,7 +28,7 @@ def coordinate_rates(
         terms: Coefficients by index, of any type that can be added and multiplied.
         coordinate: Gives h_j from its index and rate, None for zero.
     """
-    rates = {}
+    rates, terms = {}, dict(terms)
     for j, structure in enumerate(algebra.structure):
         rate = terms.pop(j, None)
         h = coordinate(j, rate)

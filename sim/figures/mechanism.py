@@ -36,7 +36,6 @@ own.
 ROBOTS = ("hexapod", "hexapod-parallel", "quadruped")
 OTHERS = ("#009E73", "#CC79A7")  # of further groups
 SWUNG = 0.5  # [rad], to either side
-OWNER = {1: 1, 2: 2, 3: 2, 4: 1, 5: 1, 6: 2}  # tripod of each leg
 LIFTED = 0.35  # [l]
 WALKS: Mapping[str, Job] = {}
 

@@ -124,23 +124,6 @@ def begun(
             raise
 
 
-def perform_all(
-    jobs: Mapping[str, Job], progress: Progress = silent
-) -> dict[str, Walked]:
-    """Compute walks in parallel and wait for them.
-
-    Args:
-        jobs: What to walk, by name.
-        progress: Called with the stage and the finished part of it.
-
-    Raises:
-        PlannerError: If one of them has no plan.
-        SimulationError: If the physics diverges.
-    """
-    with begun(jobs, progress) as walks:
-        return {name: walk.result() for name, walk in walks.items()}
-
-
 def _carried_out(setup: Setup, flows: Sequence[Flow]) -> Walk:
     walker = Walker(setup)
     walker.stand()

@@ -25,11 +25,12 @@ from sim.figures import (
 )
 from sim.figures.draw import draw
 from sim.figures.footprints import footprints
-from sim.figures.physics import Job, perform, perform_all
+from sim.figures.physics import Job, begun, perform
 from sim.figures.sheet import save
 from sim.figures.signs import polygon_margin
 from sim.figures.style import STYLE
 from sim.folder import RunFolder
+from sim.progress import silent
 
 STEP = {"path.goal": [0.006, 0.006, 0.0]}
 SHORT = {
@@ -148,7 +149,8 @@ def test_feet_that_stood_more_often_than_planned_cannot_be_matched(walks):
 def test_walks_are_made_side_by_side_and_told_of():
     jobs = {str(n): Job("line", STEP | {"segments": n}) for n in (1, 2)}
     told = []
-    done = perform_all(jobs, lambda stage, share: told.append((stage, share)))
+    with begun(jobs, lambda stage, share: told.append((stage, share))) as walks:
+        done = {name: walk.result() for name, walk in walks.items()}
     assert {name: walked.segments for name, walked in done.items()} == {"1": 1, "2": 2}
     assert told == [("walking", 0.5), ("walking", 1.0)]
     alone = perform(jobs["2"])
@@ -157,8 +159,11 @@ def test_walks_are_made_side_by_side_and_told_of():
 
 def test_a_walk_without_a_plan_ends_the_drawing():
     far = Job("line", {"path.goal": [0.3, 0.3, 0.0], "segments": 1})
-    with pytest.raises(RangeError, match="plan at least") as refused:
-        perform_all({"far": far})
+    with (
+        begun({"far": far}, silent) as walks,
+        pytest.raises(RangeError, match="plan at least") as refused,
+    ):
+        walks["far"].result()
     assert isinstance(refused.value, PlannerError)
 
 
