@@ -12,12 +12,14 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,8 +34,7 @@ it was asked. `python -m scripts.torture` runs all rows and writes
 this page.
 
 Rows with the same number in the first column are cases of one kind of fault;
-`python -m scripts.torture 12` runs those of kind 12. Numbers that are left out are
-faults of sweeps and viewers, which have tests of their own.
+`python -m scripts.torture 12` runs those of kind 12.
 
 | # | input or fault | command | code | what it says | test |
 |---|---|---|---|---|---|
@@ -78,26 +79,36 @@ def ending(row: Row) -> Ending:
         _tool(tools / "python", PYTHON.format(python=python, arguments='"$@"'))
         row.make(folder)
         began = time.monotonic()
-        try:
-            done = subprocess.run(
+        printed, warned = Path(scratch, "printed"), Path(scratch, "warned")
+        with printed.open("w") as out, warned.open("w") as err:
+            process = subprocess.Popen(
                 ["sh", "-c", row.command],
                 cwd=folder,
                 env=_environment(tools),
                 stdin=subprocess.DEVNULL,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=PATIENCE,
+                stdout=out,
+                stderr=err,
+                start_new_session=True,
             )
+        try:
+            process.wait(PATIENCE)
         except subprocess.TimeoutExpired:
             return Ending(-1, "", 0, PATIENCE)
+        finally:
+            with suppress(ProcessLookupError):  # what it left in the background
+                os.killpg(process.pid, signal.SIGKILL)
         seconds = time.monotonic() - began
-        lines = [x for x in done.stderr.splitlines() if not PROGRESS.match(x)]
-        said = lines[0] if lines else _line_with(row.says, done.stdout)
+        told = _text(warned).splitlines()
+        lines = [line for line in told if line and not PROGRESS.match(line)]
+        said = lines[0] if lines else _line_with(row.says, _text(printed))
         said = said.removeprefix("stratawalk: error: ")
         for place in (f"{folder}/", f"{scratch}/", f"{ROOT}/"):
             said = said.replace(place, "")
-        return Ending(done.returncode, said, len(lines), seconds)
+        return Ending(process.returncode, said, len(lines), seconds)
+
+
+def _text(path: Path) -> str:
+    return path.read_text(errors="replace")
 
 
 def _line_with(part: str, text: str) -> str:

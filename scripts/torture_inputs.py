@@ -11,6 +11,8 @@ ROBOTS = ROOT / "models" / "robots"
 HEXAPOD, CARD, SCENE = (
     (ROBOTS / name).read_text() for name in ("hexapod.xml", "hexapod.toml", "scene.xml")
 )
+GO = "--no-video --segments 1 --set path.goal=[0.005,0,0]"
+STOP = "timeout --foreground --preserve-status -s"
 Make = Callable[[Path], object]
 
 

@@ -7,10 +7,12 @@ from scripts.torture_inputs import (
     CARD,
     FFMPEG_THAT_DIES,
     FILM_IN_A_THREAD,
+    GO,
     HEXAPOD,
     MANY_FILMS,
     NAN_COMMAND,
     ROOT,
+    STOP,
     Row,
     both,
     file,
@@ -21,13 +23,12 @@ from scripts.torture_inputs import (
     text_of,
     world,
 )  # fmt: skip
+from scripts.torture_sweeps import SWEEPS, VIEWERS
 
 __all__ = ["ROOT", "ROWS", "Row"]
 
-GO = "--no-video --segments 1 --set path.goal=[0.005,0,0]"
 SHORT = "--no-video --segments 4 --set path.goal=[0.02,0.02,0]"
 WILD = "--set timestep=0.01 --set servo_stiffness=1e6 --set servo_damping=0"
-STOP = "timeout --foreground --preserve-status -s"
 SYSTEM = 'state = ["x", "y", "z"]\ngoal = { z = 1 }\n[strata.0]\nf = { x = 1 }\n'
 PATHS = "test_curves.py::test_impossible_curves_are_refused"
 SAME = "&& cmp a/commands.npz b/commands.npz && cmp a/trajectory.npz b/trajectory.npz"
@@ -287,6 +288,7 @@ PYTHON = (
 
 ROWS = tuple(
     sorted(
-        (*SCENARIOS, *MODELS, *WALKS, *SURROUNDINGS, *PYTHON), key=lambda r: r.number
+        (*SCENARIOS, *MODELS, *WALKS, *SWEEPS, *SURROUNDINGS, *VIEWERS, *PYTHON),
+        key=lambda row: row.number,
     )
 )

@@ -139,6 +139,16 @@ def test_failed_points_have_reasons_and_the_others_their_numbers(failing):
     assert rows["error.goal.position"].notna().tolist() == [False, True]
 
 
+def test_a_sweep_of_failures_has_a_table_of_reasons(tmp_path):
+    file = write_sweep(tmp_path, "[grid]\nsegments = [1, 2]\n[list]\ndegree = [1]\n")
+    done = stratawalk("sweep", file, "--out", tmp_path / "out", "--workers", 1)
+    assert done.returncode == 8
+    assert "2 of 2 points failed" in done.stderr
+    rows = pandas.read_parquet(tmp_path / "out" / "table.parquet")
+    assert all("degree" in status for status in rows["status"])
+    assert all(status in done.stdout for status in rows["status"])
+
+
 def test_chosen_points_have_run_folders(failing):
     folder, _ = failing
     (kept,) = (folder / "runs").iterdir()
