@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from difflib import get_close_matches
+from os.path import lexists
 from pathlib import Path
 
 from models.checks.parts import check_parts
@@ -112,7 +113,7 @@ def _find(name: str) -> Path:
 
 def _inspected(path: Path, allow_external: bool) -> Opened:
     card = path.with_suffix(".toml")
-    return inspect_model(path, (card,) if card.is_file() else (), allow_external)
+    return inspect_model(path, (card,) if lexists(card) else (), allow_external)
 
 
 def _unfit(robot: Robot, error: ModelError) -> ModelError:
@@ -126,14 +127,14 @@ def _card(path: Path) -> tuple[str, str]:
     """Text of a robot's card, and where it stands."""
     beside, spec = path.with_suffix(".toml"), read_spec(path)
     inside = [text.data for text in spec.texts if text.name == EMBEDDED]
-    if inside and beside.is_file():
+    if inside and lexists(beside):
         raise ModelError(
             f"two robot cards: {beside}, and the custom text {EMBEDDED!r} in {path}; "
             "keep one of them"
         )
     if inside:
         return inside[0], f"custom text {EMBEDDED!r} in {path}"
-    if beside.is_file():
+    if lexists(beside):
         return read_text(beside), str(beside)
     if spec.modelname in shipped_robots():
         shipped = FOLDER / f"{spec.modelname}.toml"

@@ -49,6 +49,8 @@ from .extension.height_functions import (
 )
 from .extension.steering import Steering as Steering
 from .files import (
+    open_file as open_file,
+    read_file as read_file,
     remove_unfinished as remove_unfinished,
     require_space as require_space,
     whole_file as whole_file,

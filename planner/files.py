@@ -1,14 +1,21 @@
-"""Files that appear under their name only once they are complete and on the disk."""
+"""Files that are written whole, and files of others that are read with care.
+
+A file that is written appears under its name only once it is complete and on the disk.
+Of files that others have made only those are read that come to an end.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
 import shutil
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
+LARGEST = 10**7  # bytes of a text that somebody has written
 _unfinished: set[Path] = set()
 
 
@@ -65,6 +72,47 @@ def require_space(folder: Path, size: int) -> None:
     """
     if shutil.disk_usage(folder).free < size:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
+
+
+def open_file(path: Path | str) -> BinaryIO:
+    """Open a file for reading, and nothing that would be waited for or never ends.
+
+    Args:
+        path: Name of the file.
+
+    Raises:
+        OSError: It is a pipe, a device or a folder, or cannot be opened.
+    """
+    try:
+        handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    except ValueError:  # of a name with a zero byte
+        raise OSError(errno.EINVAL, "not the name of a file", str(path)) from None
+    kind = os.fstat(handle).st_mode
+    if stat.S_ISREG(kind):
+        return os.fdopen(handle, "rb")
+    os.close(handle)
+    code, reason = errno.EINVAL, "not a file"
+    if stat.S_ISDIR(kind):
+        code, reason = errno.EISDIR, os.strerror(errno.EISDIR)
+    raise OSError(code, reason, str(path))
+
+
+def read_file(path: Path | str, largest: int = LARGEST) -> bytes:
+    """Contents of a file that somebody else may have made.
+
+    Args:
+        path: Name of the file.
+        largest: Number of bytes that it may have.
+
+    Raises:
+        OSError: It is no file, has more bytes than that, or cannot be read.
+    """
+    with open_file(path) as file:
+        content = file.read(largest + 1)
+    if len(content) > largest:
+        reason = f"larger than {largest / 1e6:g} MB"
+        raise OSError(errno.EFBIG, reason, str(path))
+    return content
 
 
 def _flush(path: Path) -> None:

@@ -23,6 +23,7 @@ from models.description.servos import SERVO_KINDS
 from models.description.table import Table
 from models.description.toml import parse_toml
 from models.errors import ModelError
+from planner import read_file
 
 KEYS = {
     "description": (),
@@ -51,12 +52,14 @@ def read_text(path: Path) -> str:
     """Text of a card's file.
 
     Raises:
-        ModelError: If it is no text.
+        ModelError: If it is no file, or no text.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return read_file(path).decode()
     except UnicodeDecodeError as error:
         raise ModelError(f"bad robot card: {path}; not text, {error}") from error
+    except OSError as error:
+        raise ModelError(f"bad robot card: {path}; {error.strerror}") from error
 
 
 def parse_card(text: str, source: str) -> Card:

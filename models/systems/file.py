@@ -36,6 +36,7 @@ from planner import (
     PlannerError,
     StanceRule,
     StratifiedSystem,
+    read_file,
     read_formula,
     unknown,
 )
@@ -61,7 +62,7 @@ def load_system(path: Path, values: Mapping[str, object] | None = None) -> Probl
         ProblemError: It cannot be read, or what it says is impossible.
         OSError: The file cannot be opened.
     """
-    source = path.read_bytes()
+    source = read_file(path)
     try:
         if path.suffix == ".py":
             return _run(path, values or {})

@@ -14,13 +14,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from planner.files import whole_file
+from planner.files import read_file, whole_file
 from planner.planning.algorithm import Plan
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
 from planner.systems.formulas import read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 
+LARGEST = 10**9  # bytes
 FORMAT = "stratified plan, version 2"
 
 
@@ -124,7 +125,7 @@ def load_plan(path: Path | str) -> Plan:
         OSError: The file cannot be read.
     """
     try:
-        table = json.loads(Path(path).read_text())
+        table = json.loads(read_file(path, LARGEST))
     except (ValueError, RecursionError):
         raise ValueError(
             f"{path} is not JSON; give a file that a plan was saved to"

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models import ProblemError, parse_toml
-from planner import did_you_mean
+from planner import did_you_mean, read_file
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override
 
@@ -46,7 +46,7 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
 
 def _has_strata(path: Path) -> bool:
     try:
-        return "strata" in parse_toml(path.read_text())
+        return "strata" in parse_toml(read_file(path).decode())
     except (OSError, ValueError):
         return False
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from models import JointServo
+from planner import read_file
 from sim.errors import UsageError
 from sim.export.header import read_header, write_header
 from sim.export.servo_commands import ServoCommands
@@ -15,6 +16,7 @@ from sim.export.tables import read_angles, read_ticks, write_angles, write_ticks
 from sim.export.trajectory import read_trajectory, write_trajectory
 from sim.folder import whole
 
+LARGEST = 10**9  # bytes
 PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}
 """Whether a format has pulses or ticks; None for angles."""
 
@@ -100,7 +102,7 @@ def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
     Raises:
         ValueError: The file is no such file.
     """
-    text = path.read_text()
+    text = read_file(path, LARGEST).decode()
     if form == "csv":
         return read_angles(text)
     if form == "ros2":

@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from models import JointServo
+from planner import read_file
 from sim.errors import UsageError
 
 KEYS = ("name", "id", "ticks", "center", "max_radians", "sign", "offset")
@@ -43,7 +44,7 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
         UsageError: If there is no such file, or it is no such table.
     """
     try:
-        read = yaml.load(path.read_bytes(), Loader=RosLoader)  # noqa: S506
+        read = yaml.load(read_file(path), Loader=RosLoader)  # noqa: S506
     except OSError as error:
         what = f"cannot be read, {error.strerror}"
         raise UsageError(what, str(path), "give a YAML file") from error

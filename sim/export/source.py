@@ -22,7 +22,7 @@ from models import (
     read_card,
     silence_the_engine,
 )
-from planner import Array
+from planner import Array, open_file, read_file
 from sim.errors import UsageError
 from sim.evaluation.arrays import trajectory
 from sim.export.servo_commands import ServoCommands, taken
@@ -104,7 +104,7 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
     """
     try:
         scenario = load_scenario(str(folder / "scenario.toml"))
-        summary = json.loads((folder / "summary.json").read_text())
+        summary = json.loads(read_file(folder / "summary.json"))
         arrays = _arrays(folder / "trajectory.npz", REFERENCE)
         ctrl = _arrays(folder / "commands.npz", ("ctrl",))["ctrl"]
         card, model = read_card(folder / "model.toml"), _model(folder / "model.xml")
@@ -156,12 +156,12 @@ def from_scenario(
 
 
 def _arrays(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
+    with open_file(path) as file, np.load(file, allow_pickle=False) as arrays:
         return {name: arrays[name] for name in names if name in arrays}
 
 
 def _model(path: Path) -> mujoco.MjModel:
     silence_the_engine()
-    if path.is_file():
-        inspect_model(path)
+    open_file(path).close()
+    inspect_model(path)
     return compile_model(mujoco.MjSpec.from_file(str(path)), str(path))

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from models import Card, read_card
-from planner import Array
+from planner import Array, open_file, read_file
 from sim.errors import UsageError
 from sim.motion.poses import rotate
 from sim.pictures.style import Colour
@@ -113,8 +113,8 @@ def read_walk(folder: Path) -> FilmedWalk:
 def _read(folder: Path) -> FilmedWalk:
     scenario = load_scenario(str(folder / "scenario.toml"))
     with (
-        (folder / "model.xml").open("rb"),  # the processes that draw will need it
-        (folder / "trajectory.npz").open("rb") as file,
+        open_file(folder / "model.xml"),  # the processes that draw will need it
+        open_file(folder / "trajectory.npz") as file,
         np.load(file, allow_pickle=False) as arrays,
     ):
         start = arrays["world_start_pose"]
@@ -151,11 +151,11 @@ def _colour_of(model: Path, name: str) -> Colour | None:
 
 
 def _read_flows(path: Path) -> tuple[FlowRow, ...]:
-    with path.open(newline="") as file:
-        return tuple(
-            FlowRow(row["kind"], row["stratum"], row["group"], int(row["segment"]))
-            for row in csv.DictReader(file)
-        )
+    rows = csv.DictReader(read_file(path).decode().splitlines())
+    return tuple(
+        FlowRow(row["kind"], row["stratum"], row["group"], int(row["segment"]))
+        for row in rows
+    )
 
 
 def _nominal(scenario: Scenario) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import zipfile
 from collections.abc import Mapping
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from models import Card, parse_toml, read_card
-from planner import Array
+from planner import Array, open_file, read_file
 from sim.errors import UsageError
 from sim.motion.poses import wrap
 from sim.pictures.clock import clock
@@ -144,21 +145,21 @@ def read_run(folder: Path) -> Record:
 
 
 def _read(folder: Path) -> Record:
-    text = (folder / "scenario.toml").read_text()
+    text = read_file(folder / "scenario.toml").decode()
     settings = parse_toml(text)
     path = body_path.decode(settings["path"])
     with (
-        (folder / "trajectory.npz").open("rb") as states,
+        open_file(folder / "trajectory.npz") as states,
         np.load(states, allow_pickle=False) as file,
     ):
         arrays = {name: file[name] for name in file if name not in ("qpos", "qvel")}
     return Record(
         folder=folder,
-        summary=json.loads((folder / "summary.json").read_text()),
+        summary=json.loads(read_file(folder / "summary.json")),
         settings=settings,
         settings_text=text,
         card=read_card(folder / "model.toml"),
-        card_text=(folder / "model.toml").read_text(),
+        card_text=read_file(folder / "model.toml").decode(),
         phases=_phases(folder / "flows.csv"),
         arrays=arrays,
         nominal=np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)]),
@@ -171,7 +172,7 @@ def _read(folder: Path) -> Record:
 
 
 def _phases(path: Path) -> tuple[Phase, ...]:
-    with path.open(newline="") as file:
+    with io.StringIO(read_file(path).decode(), newline="") as file:
         return tuple(
             Phase(
                 int(row["segment"]),

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from models import parse_toml
-from planner import did_you_mean
+from planner import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.scenario import Scenario, settings
@@ -164,7 +164,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         UsageError: If it cannot be read or is not TOML.
     """
     try:
-        return parse_toml(path.read_bytes().decode())
+        return parse_toml(read_file(path).decode())
     except ValueError as error:
         raise UsageError(f"not TOML, {error}", str(path), "correct the file") from error
     except OSError as error:
@@ -176,13 +176,21 @@ def _anchor_robot(table: dict[str, Any], folder: Path) -> None:
     """Make a robot's file findable from wherever the scenario is read next."""
     robot = table.get("robot")
     if isinstance(robot, str) and robot.endswith(".xml"):
-        table["robot"] = str((folder / robot).resolve())
+        table["robot"] = _absolute(folder, robot)
 
 
 def _anchor_poses(path: object, folder: Path) -> None:
     """Likewise a table of poses beside the scenario."""
     if isinstance(path, dict) and isinstance(path.get("file"), str):
-        path["file"] = str((folder / path["file"]).resolve())
+        path["file"] = _absolute(folder, path["file"])
+
+
+def _absolute(folder: Path, name: str) -> str:
+    try:
+        return str((folder / name).resolve())
+    except (ValueError, RuntimeError) as error:  # a zero byte, or a link to itself
+        what = f"{name!r} is no file, {error}"
+        raise UsageError(what, str(folder), "name one that exists") from error
 
 
 def _replace(table: dict[str, Any], key: str, value: object) -> None:

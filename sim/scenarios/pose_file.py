@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import csv
+import io
 from pathlib import Path
+
+from planner import read_file
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 MOST_POSES = 100_000
+LARGEST = 10**8  # bytes
 
 
 def read_poses(path: Path) -> list[tuple[float, ...]]:
@@ -21,27 +25,27 @@ def read_poses(path: Path) -> list[tuple[float, ...]]:
     """
     try:
         return _read(path)
+    except csv.Error as error:
+        raise ValueError(f"no table, {error}; give a line of three numbers a pose") from None
     except UnicodeDecodeError:
         raise ValueError("is no text in UTF-8; save the table as such") from None
 
 
 def _read(path: Path) -> list[tuple[float, ...]]:
-    with path.open(newline="", encoding="utf-8-sig") as file:  # spreadsheets mark it
-        rows = csv.DictReader(file)
-        names = [name.strip() for name in rows.fieldnames or ()]
-        if missing := [name for name in COLUMNS if name not in names]:
-            raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
-        if twice := [name for name in COLUMNS if names.count(name) > 1]:
-            raise ValueError(f"two columns {twice[0]!r}; name one of them otherwise")
-        rows.fieldnames = names
-        poses = []
-        for number, row in enumerate(rows, start=2):
-            try:
-                poses.append(tuple(float(row[name]) for name in COLUMNS))
-            except (TypeError, ValueError):
-                raise ValueError(f"line {number} holds no pose; give numbers") from None
-            if len(poses) > MOST_POSES:
-                raise ValueError(
-                    f"more than {MOST_POSES} poses; leave some of them out"
-                )
+    text = read_file(path, LARGEST).decode("utf-8-sig")  # spreadsheets mark it
+    rows = csv.DictReader(io.StringIO(text, newline=""))
+    names = [name.strip() for name in rows.fieldnames or ()]
+    if missing := [name for name in COLUMNS if name not in names]:
+        raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
+    if twice := [name for name in COLUMNS if names.count(name) > 1]:
+        raise ValueError(f"two columns {twice[0]!r}; name one of them otherwise")
+    rows.fieldnames = names
+    poses = []
+    for number, row in enumerate(rows, start=2):
+        try:
+            poses.append(tuple(float(row[name]) for name in COLUMNS))
+        except (TypeError, ValueError):
+            raise ValueError(f"line {number} holds no pose; give numbers") from None
+        if len(poses) > MOST_POSES:
+            raise ValueError(f"more than {MOST_POSES} poses; leave some of them out")
     return poses

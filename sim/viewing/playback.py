@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from planner import Array
+from planner import Array, open_file
 from sim.errors import UsageError
 from sim.pictures.filmed_walk import FilmedWalk, read_walk
 
@@ -40,8 +40,10 @@ def read_recorded(folder: Path) -> RecordedWalk:
     shown = read_walk(folder)
     try:
         with (
-            np.load(folder / "trajectory.npz", allow_pickle=False) as states,
-            np.load(folder / "commands.npz", allow_pickle=False) as commands,
+            open_file(folder / "trajectory.npz") as one,
+            open_file(folder / "commands.npz") as other,
+            np.load(one, allow_pickle=False) as states,
+            np.load(other, allow_pickle=False) as commands,
         ):
             rows = np.searchsorted(commands["time"], states["time"] - 1e-9)
             last = len(commands["time"]) - 1
