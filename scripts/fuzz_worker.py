@@ -25,7 +25,9 @@ from pathlib import Path
 from models import ModelError
 
 CODES = {0, 2, 3, 4, 6}
-PROGRESS = re.compile(r"[a-z ]+ +\d+%")  # what long work says of itself
+PROGRESS = re.compile(  # what long work says of itself
+    r"[a-z][a-z0-9 ,.]*?(?: +\d+%(?:, about \d+ s left)?|, \d+ s so far)$"
+)
 MEMORY = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
 
 

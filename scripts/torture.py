@@ -10,7 +10,6 @@ ends with 1.
 from __future__ import annotations
 
 import os
-import re
 import shlex
 import signal
 import subprocess
@@ -23,6 +22,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from scripts.fuzz_worker import PROGRESS
 from scripts.torture_rows import ROOT, ROWS, Row
 
 HEAD = """# Inputs and faults
@@ -41,7 +41,6 @@ Rows with the same number in the first column are cases of one kind of fault;
 """
 WRAPPER = '#!/bin/sh\nexec {python} -m sim.cli "$@"\n'
 PYTHON = "#!/bin/sh\nexec {python} {arguments}\n"
-PROGRESS = re.compile(r"[a-z ]+ +\d+%")  # what long work says of itself
 LONGEST = 260  # characters of what is said
 PATIENCE = 400  # [s] for a row
 AT_ONCE = 2  # rows

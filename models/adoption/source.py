@@ -12,6 +12,7 @@ from models.description.compiled import named, read_spec
 from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError
 
+FREE = re.compile(r"<freejoint|type=\"free\"")
 ROOT = "adopted_world"  # link that a URDF's base floats in
 FLOATING = f"""
   <link name="{ROOT}"/>
@@ -61,9 +62,9 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         raise UnknownRobotError(
             f"no such robot: {path}; give an MJCF or URDF file, or a folder with one"
         )
+    inspect_model(path, (), allow_external)
     if path.suffix.lower() == ".urdf":
         return Source(path, path.with_suffix(".xml"), _from_urdf(path))
-    inspect_model(path, (), allow_external)
     return Source(path, path, None)
 
 
@@ -71,7 +72,7 @@ def _in_folder(folder: Path) -> Path:
     """The MJCF of a folder that has a free joint; scenes only include one."""
     files = sorted(folder.glob("*.xml"), key=lambda f: ("scene" in f.stem, f.name))
     for path in files:
-        if re.search(r"<freejoint|type=\"free\"", path.read_text(errors="replace")):
+        if path.is_file() and FREE.search(path.read_text(errors="replace")):
             return path
     raise UnknownRobotError(
         f"no robot in {folder}: none of its {len(files)} MJCF files has a free joint; "

@@ -20,6 +20,7 @@ from models.description.files import assets, included
 from models.description.numbers import check_quaternions, check_text
 from models.errors import ModelError
 
+HANDY = 5 * 10**8  # bytes of a compiled model
 TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says it
 
 
@@ -37,6 +38,7 @@ def examine(path: Path) -> list[Path]:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
     model = compile_model(read_spec(path), str(path))
+    require_handy(model, path)
     run_once(model, path)
     spec = read_spec(path)
     check_quaternions(spec, model, str(path))
@@ -48,6 +50,21 @@ def examine(path: Path) -> list[Path]:
                 "correct meshdir or texturedir"
             )
     return sorted({path, *texts, *named})
+
+
+def require_handy(model: mujoco.MjModel, path: Path) -> None:
+    """Refuse a model of which there is no room for the copies that a walk needs.
+
+    Raises:
+        ModelError: If it has grown too large.
+    """
+    numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
+    size = mujoco.mj_sizeModel(model) + 8 * numbers
+    if size > HANDY:
+        raise ModelError(
+            f"too large: {path}; compiled it has {size / 1e9:.1f} GB, and "
+            f"{HANDY / 1e9:g} GB are the most, leave parts out"
+        )
 
 
 def run_once(model: mujoco.MjModel, path: Path) -> None:

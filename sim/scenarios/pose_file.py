@@ -26,7 +26,9 @@ def read_poses(path: Path) -> list[tuple[float, ...]]:
     try:
         return _read(path)
     except csv.Error as error:
-        raise ValueError(f"no table, {error}; give a line of three numbers a pose") from None
+        raise ValueError(
+            f"no table, {error}; give a line of three numbers a pose"
+        ) from None
     except UnicodeDecodeError:
         raise ValueError("is no text in UTF-8; save the table as such") from None
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from planner.files import require_space, whole_file
+from planner.files import read_file, require_space, whole_file
 
 
 def names(folder):
@@ -67,3 +67,21 @@ def test_disk_that_is_too_small_is_refused_before_the_work(tmp_path):
     with pytest.raises(OSError, match="a.txt"), whole_file(tmp_path / "a.txt", 10**18):
         pytest.fail("there is no room for it")
     assert names(tmp_path) == []
+
+
+def test_a_file_is_read_as_far_as_it_may_be_long(tmp_path):
+    path = tmp_path / "text"
+    path.write_bytes(b"12345")
+    assert read_file(path, 5) == b"12345"
+    with pytest.raises(OSError, match="larger than 4e-06 MB"):
+        read_file(path, 4)
+
+
+@pytest.mark.parametrize("name", ["pipe", "folder", "device", "none", "a\0"])
+def test_what_is_no_file_is_not_waited_for(tmp_path, name):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "device").symlink_to("/dev/zero")
+    with pytest.raises(OSError, match="not a|directory|No such file") as refused:
+        read_file(tmp_path / name)
+    assert refused.value.filename == str(tmp_path / name)

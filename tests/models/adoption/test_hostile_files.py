@@ -1,0 +1,83 @@
+"""URDF files from strangers: tried within limits, and read from their folder alone."""
+
+import os
+
+import pytest
+
+from models.adoption.source import source_of
+from models.errors import ModelError
+
+URDF = """<robot name="r"><mujoco><compiler strippath="{strip}"/>{more}</mujoco>
+<link name="base">
+  <inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><geometry><mesh filename="{mesh}"/></geometry></collision>
+</link></robot>
+"""
+PYRAMID = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+SENT = {
+    "a mesh by its full path": ("{out}/m.obj", "outside its own folder: .*m.obj"),
+    "a mesh above": ("../out/m.obj", "outside its own folder: .*m.obj"),
+    "a mesh behind a link": ("link.obj", "outside its own folder: .*link.obj"),
+    "a mesh of a ROS package": ("package://r/meshes/m.stl", "m.stl"),
+    "a mesh of another machine": ("http://host/m.stl", "m.stl"),
+    "a mesh by a URL": ("file://{out}/m.obj", "m.obj"),
+    "a pipe for a mesh": ("pipe.stl", "not a file: .*pipe.stl"),
+    "a device for a mesh": ("/dev/zero", "not a file: /dev/zero"),
+}
+
+
+@pytest.fixture
+def urdf(tmp_path):
+    """Write a URDF with such a mesh; its path."""
+    out, own = tmp_path / "out", tmp_path / "own"
+    out.mkdir()
+    own.mkdir()
+    (out / "m.obj").write_text(PYRAMID)
+    (own / "link.obj").symlink_to(out / "m.obj")
+    os.mkfifo(own / "pipe.stl")
+
+    def write(mesh, strip="false", more=""):
+        text = URDF.format(strip=strip, more=more, mesh=mesh.format(out=out))
+        (own / "mine.urdf").write_text(text)
+        return own / "mine.urdf"
+
+    return write
+
+
+@pytest.mark.parametrize(("mesh", "said"), SENT.values(), ids=SENT)
+def test_a_urdf_opens_nothing_outside_its_folder_and_waits_for_no_pipe(
+    urdf, mesh, said
+):
+    with pytest.raises(ModelError, match=said) as refused:
+        source_of(str(urdf(mesh)))
+    assert len(str(refused.value).splitlines()) == 1
+
+
+def test_a_path_that_the_compiler_cuts_off_leads_nowhere(urdf):
+    with pytest.raises(ModelError, match="opening file 'm.obj'"):
+        source_of(str(urdf("../out/m.obj", strip="true")))
+
+
+def test_a_urdf_that_is_trusted_opens_what_it_names(urdf):
+    assert source_of(str(urdf("../out/m.obj")), allow_external=True).text
+
+
+def test_an_include_of_a_urdf_is_looked_at_too(urdf):
+    with pytest.raises(ModelError, match="passwd"):
+        source_of(str(urdf("m.obj", more='<include file="/etc/passwd"/>')))
+
+
+@pytest.mark.full
+def test_a_urdf_that_grows_without_end_is_refused_in_time(urdf):
+    count = 100_000
+    links = "".join(f'<link name="l{i}"/>' for i in range(count))
+    joints = "".join(
+        f'<joint name="j{i}" type="revolute"><parent link="l{i}"/>'
+        f'<child link="l{i + 1}"/></joint>'
+        for i in range(count - 1)
+    )
+    path = urdf("m.obj")
+    path.write_text(f'<robot name="r">{links}{joints}</robot>')
+    with pytest.raises(ModelError, match="too large: .*more than 30 s or 4 GB"):
+        source_of(str(path))
