@@ -6,15 +6,14 @@ other one differs. A test changes each setting of the lists and compares.
 
 from __future__ import annotations
 
-import copy
 from collections import OrderedDict
 from collections.abc import Callable, Collection, Hashable
-from dataclasses import replace
 from typing import Any, TypeVar
 
 import mujoco
 
-from models import Robot, actuator_of
+from models import Robot
+from sim.preparation.tuning import is_tunable, tuned, untuned
 from sim.scenarios.scenario import Scenario, settings
 from sim.world.model import World, build, load as load_world
 
@@ -66,7 +65,8 @@ class Shared:
         """Robot and world of a scenario, and the model compiled from them.
 
         Scenarios that differ in nothing but the way share a model. Those that differ in
-        friction and gains as well have copies of one, with these numbers replaced.
+        frictions, gains and the payload as well have copies of one, with these numbers
+        replaced.
         """
         if scenario.bumps:  # which lie along the way
             return made(robot, scenario)
@@ -74,16 +74,14 @@ class Shared:
         return self.kept("world", key, lambda: self._world(scenario, robot))
 
     def _world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
-        if scenario.servo not in (None, "ideal") or scenario.foot_friction is not None:
+        if not is_tunable(scenario, robot):
             return made(robot, scenario)
-        plain = replace(
-            scenario, friction=1.0, servo_stiffness=None, servo_damping=None
-        )
+        plain = untuned(scenario)
         key = everything_but(plain, OF_THE_WAY)
         world, model = self.kept("plain world", key, lambda: made(robot, plain))
         if world.servo is None:  # servos that differ are left to the compiler
             return made(robot, scenario)
-        return _tuned(world, model, robot, scenario)
+        return tuned(world, model, robot, scenario)
 
 
 def everything_but(scenario: Scenario, names: Collection[str]) -> Hashable:
@@ -102,30 +100,3 @@ def made(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:
     """Robot and world of a scenario, and the model compiled from their text."""
     world = build(robot, scenario)
     return world, load_world(world)
-
-
-def _tuned(
-    world: World, plain: mujoco.MjModel, robot: Robot, scenario: Scenario
-) -> tuple[World, mujoco.MjModel]:
-    """A world and its model with their numbers replaced, as if compiled with them."""
-    model = copy.copy(plain)
-    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
-    for name in (world.floor, *feet):
-        model.geom(name).friction[0] = _written(scenario.friction)
-    joints = [joint for leg in robot.card.legs.values() for joint in leg.joints]
-    driving = [actuator_of(model, joint) for joint in joints]
-    stiffness, damping = world.servo or (0.0, 0.0)
-    if scenario.servo_stiffness is not None:
-        stiffness = scenario.servo_stiffness
-        model.actuator_gainprm[driving, 0] = _written(stiffness)
-        model.actuator_biasprm[driving, 1] = -_written(stiffness)
-    if scenario.servo_damping is not None:
-        damping = scenario.servo_damping
-        model.actuator_biasprm[driving, 2] = -_written(damping)
-    # Nobody writes the model of a sweep's point, so its text is left as it was.
-    return replace(world, servo=(stiffness, damping)), model
-
-
-def _written(value: float) -> float:
-    """A number as it is once MuJoCo has written it as text and read it again."""
-    return float(f"{value:g}")

@@ -16,6 +16,7 @@ from models import Robot
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
+PAYLOAD = "payload"
 PLAY = "play_"  # before the name of the joint whose gears have it
 LOOSE = 1e-6  # [kg m^2]; inertia of what moves within the play
 RUBBED = 1e-3  # [N m s/rad]; damping of it
@@ -66,13 +67,12 @@ def _require_offsets(robot: Robot, scenario: Scenario) -> None:
 
 
 def _load(root: mujoco.MjsBody, mass: float, x: float, y: float, z: float) -> None:
-    """A small ball of the mass, which touches nothing."""
+    """A small ball of the mass, which touches nothing, as a body of its own."""
     if mass:
-        root.add_geom(
-            name="payload",
+        root.add_body(name=PAYLOAD, pos=[x, y, z]).add_geom(
+            name=PAYLOAD,
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[0.005, 0, 0],
-            pos=[x, y, z],
             mass=mass,
             contype=0,
             conaffinity=0,

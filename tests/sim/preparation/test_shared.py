@@ -77,6 +77,9 @@ def test_only_settings_that_exist_are_listed():
         ("servo_stiffness",),
         ("servo_damping",),
         ("friction", "servo_stiffness", "servo_damping"),
+        ("payload",),
+        ("foot_friction",),
+        ("payload", "foot_friction", "friction", "servo_stiffness"),
     ],
 )
 def test_a_tuned_model_is_the_one_that_would_be_compiled(plain, hexapod, names):
