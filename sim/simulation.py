@@ -20,7 +20,7 @@ from sim.motion.poses import wrap
 from sim.optimisation.planned import Chosen, PlannedWalk
 from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
-from sim.planning.sharing import is_shareable, keeper, shared_plan
+from sim.planning.sharing import is_shareable, keeper, shared_plan, world_keeper
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_distance, check_effort
 from sim.preparation.reach import explained
@@ -145,7 +145,8 @@ def simulate(
             prepared = _prepared(scenario, planned, aside, shared)
         if witness is not None and attempt == 0:
             witness.prepared(prepared)
-        walker = Walker(prepared.setup, progress)
+        keep = keeper(prepared.setup, shared)
+        walker = Walker(prepared.setup, progress, keep)
         last = attempt == scenario.correct - 1
         finished = False
         try:
@@ -161,7 +162,7 @@ def simulate(
         evaluation = evaluate(walk, without, shared, progress)
         with stage(progress, "measuring the solver's creep"):
             stand = "creep_floor" not in without
-            floor = creep_floor(prepared.setup, walk.duration) if stand else None
+            floor = _creep(prepared.setup, walk.duration, shared) if stand else None
     return Simulation(prepared, evaluation, floor, timing)
 
 
@@ -186,6 +187,11 @@ def _chosen(
     if shared is not None and is_shareable(setup):
         return Chosen(shared_plan(setup, shared))
     return planned.choose(aside)
+
+
+def _creep(setup: Setup, duration: float, shared: Shared | None) -> float:
+    keep = world_keeper(setup, shared)
+    return keep(f"creep in {duration} s", lambda: creep_floor(setup, duration))
 
 
 def _further(aside: Aside, scenario: Scenario, reached: Array) -> Aside:

@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any
@@ -14,9 +14,10 @@ import numpy as np
 
 from models import MeasurementError, TwistModel
 from planner import Array
+from sim.evaluation.achieved import Achieved, achieved_motion
 from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
-from sim.evaluation.deviations import departure, deviations, off, per_metre
+from sim.evaluation.deviations import departure, deviations, off, per_metre, strays
 from sim.evaluation.passage import clearances
 from sim.evaluation.phases import (
     count_changes,
@@ -26,29 +27,17 @@ from sim.evaluation.phases import (
 )
 from sim.evaluation.verdict import judge
 from sim.experiments.creep import creep_floor
-from sim.experiments.predictions import MODELS, twist_model
-from sim.motion.poses import rotate, seen_from, wrap
+from sim.experiments.predictions import MODELS, follows_commands, twist_model
+from sim.motion.poses import wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
-from sim.motion.stability import BLOCK, carrying, stability_margin
-from sim.planning.sharing import keeper
+from sim.motion.stability import BLOCK
+from sim.planning.sharing import Keep, anew, keeper, world_keeper
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent
 from sim.versions import versions
 from sim.walking.finished import Stretch, Walk
 
 Summary = dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Achieved:
-    """Motion in the physics at every recorded moment, relative to the start pose."""
-
-    pose: Array  # (T, 3)
-    margin: Array  # (T,) [m]
-    slip: Array  # since the walk's start, (T, F) [m]
-    contact: Array  # (T, F), bool
-    point: Array  # where each foot touches, (T, F, 2) [m]
-    center_of_mass: Array  # (T, 3) [m]
 
 
 @dataclass(frozen=True)
@@ -61,6 +50,7 @@ class Evaluation:
     unpredicted: Mapping[str, str]  # predictions that could not be made, and why
     clearance: Mapping[str, Array]  # achieved and predicted, if there are obstacles
     walking: Array  # moments from the start of the walk on, (T,), bool
+    deviation: Mapping[str, Any]  # from the nominal path
 
     @cached_property
     def summary(self) -> Summary:
@@ -77,7 +67,7 @@ class Evaluation:
 
         They depend on the commands alone, not on which rows are written.
         """
-        return self.walking & self.walk.recording.marks.inspected
+        return judged(self.walk)
 
 
 def evaluate(
@@ -97,41 +87,57 @@ def evaluate(
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
     keep = keeper(walk.setup, shared)
+    keeps: dict[str, Keep] = {"achieved": anew}
+    measured = world_keeper(walk.setup, shared)
     given = keep(
         "commanded", lambda: [list(_commanded(walk, s)) for s in walk.stretches]
     )
+    strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     for done, name in enumerate(MODELS):
         progress("comparing", done / len(MODELS))
         if name in without:
             unpredicted[name] = "left out"
             continue
         try:
-            twists = twist_model(walk.setup, name)
+            alike = follows_commands(walk.setup, name, strata)
+            keeps[name] = keep if alike else anew
+            twists = partial(measured, name, partial(twist_model, walk.setup, name))
             follow = partial(_predicted, walk, twists, given)
-            predicted[name] = keep(name, follow) if name == "ideal" else follow()
+            predicted[name] = keeps[name](name, follow)
         except MeasurementError as error:
             unpredicted[name] = str(error)
-    walking = walk.recording.moments.step >= walk.starts
-    near = clearances(walk, predicted)
-    achieved = _achieved(walk)
+    achieved = achieved_motion(walk)
+    poses = {name: found.pose for name, found in predicted.items()}
+    deviation = _deviation(walk, keeps, {**poses, "achieved": achieved.pose})
     progress("comparing", 1.0)
-    return Evaluation(walk, achieved, predicted, unpredicted, near, walking)
-
-
-def _achieved(walk: Walk) -> Achieved:
-    recording, moments = walk.recording, walk.recording.moments
-    contact, points, center = moments.contact, moments.point, moments.center_of_mass
-    margin = stability_margin(points, carrying(points, contact, center), center[:, :2])
-    (x, y, yaw), before = walk.origin, recording.slip_after(walk.starts)
-    on_floor = rotate(center[:, :2] - (x, y), -yaw)
-    return Achieved(
-        pose=seen_from(walk.origin, walk.setup.pose(moments.qpos)),
-        margin=margin,
-        slip=np.maximum(moments.slip - before, 0.0),
-        contact=contact,
-        point=rotate(points - (x, y), -yaw),
-        center_of_mass=np.concatenate([on_floor, center[:, 2:]], axis=1),
+    return Evaluation(
+        walk,
+        achieved,
+        predicted,
+        unpredicted,
+        clearances(walk, predicted),
+        walk.recording.moments.step >= walk.starts,
+        deviation,
     )
+
+
+def _deviation(
+    walk: Walk, keeps: Mapping[str, Keep], poses: Mapping[str, Array]
+) -> Mapping[str, Any]:
+    """How far the walk and its predictions stray from the nominal path."""
+    curve, count = walk.setup.scenario.path.curve, judged(walk)
+    strayed = {
+        name: partial(keeps[name], f"strays {name}", partial(strays, curve, some))
+        for name, some in ((name, pose[count]) for name, pose in poses.items())
+    }
+    return deviations(walk.setup.scenario, strayed)
+
+
+def judged(walk: Walk) -> Array:
+    """Moments over which extremes of a walk are taken, shape (T,), bool."""
+    recording = walk.recording
+    found: Array = recording.moments.step >= walk.starts
+    return found & recording.marks.inspected
 
 
 def _commanded(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
@@ -144,10 +150,13 @@ def _commanded(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
 
 
 def _predicted(
-    walk: Walk, twists: TwistModel, given: Sequence[Sequence[Commanded]]
+    walk: Walk,
+    model: Callable[[], TwistModel],
+    given: Sequence[Sequence[Commanded]],
 ) -> Prediction:
     """One prediction over all stretches, each from the pose it was planned from."""
     pieces: list[Prediction] = []
+    twists = model()
     slipped, kinematics = np.zeros(len(walk.setup.robot.legs)), walk.setup.kinematics
     for stretch, blocks in zip(walk.stretches, given, strict=True):
         predict = Predictor(stretch.schedule, twists, kinematics, tuple(stretch.pose))
@@ -240,7 +249,7 @@ def summarise(evaluation: Evaluation, creep_floor: float | None) -> Summary:
         },
         "error_sources": _sources(evaluation),
         "servo": setup.servo.table(setup.world.servo),
-        "deviation": deviations(scenario, evaluation.predicted, achieved.pose, judged),
+        "deviation": dict(evaluation.deviation),
         "per_metre": per_metre(length, moving_time(walk), strokes),
         "simulated_time": walk.recording.steps * setup.limits.timestep,
         "timestep": setup.limits.timestep,

@@ -2,51 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from planner import Array, Path
 from sim.motion.poses import wrap
-from sim.motion.prediction import Prediction
 from sim.motion.straying import straying
 from sim.scenarios.scenario import Scenario
 
 MOST = 1500  # poses that are compared, evenly taken from all
+Strays = dict[str, float]
 
 
 def deviations(
-    scenario: Scenario,
-    predicted: Mapping[str, Prediction],
-    achieved: Array,
-    judged: Array,
-) -> dict[str, dict[str, float] | None]:
+    scenario: Scenario, strayed: Mapping[str, Callable[[], Strays]]
+) -> dict[str, Strays | None]:
     """Farthest from the path and from its yaw: planned, quasi-static and achieved.
 
     Args:
         scenario: What was to be walked; its plan follows the prediction it steers on,
             and an optimised one at least the quasi-static.
-        predicted: Predictions by name.
-        achieved: Poses, shape (T, 3).
-        judged: Which of the moments count, shape (T,), bool.
+        strayed: How far each prediction strays, and what was achieved; by name.
     """
     name = scenario.steer.replace("-", "_")
     if name == "ideal" and scenario.optimise != "none":
         name = "quasi_static"
-    poses = {
-        "planned": predicted.get(name),
-        "quasi_static": predicted.get("quasi_static"),
+    asked = {"planned": name, "quasi_static": "quasi_static", "achieved": "achieved"}
+    return {
+        key: strayed[name]() if name in strayed else None for key, name in asked.items()
     }
-    curve = scenario.path.curve
-    told: dict[str, dict[str, float] | None] = {
-        key: None if found is None else _of(curve, found.pose[judged])
-        for key, found in poses.items()
-    }
-    return told | {"achieved": _of(curve, achieved[judged])}
 
 
-def _of(curve: Path, poses: Array) -> dict[str, float]:
+def strays(curve: Path, poses: Array) -> Strays:
+    """How far poses stray from a path, and from its yaw.
+
+    Args:
+        curve: Nominal poses.
+        poses: In time order, shape (T, 3).
+
+    Returns:
+        `position` [m] and `yaw` [rad].
+    """
     rows = np.linspace(0, len(poses) - 1, min(len(poses), MOST)).round().astype(int)
     return straying(curve, poses[rows])
 

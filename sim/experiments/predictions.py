@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
 from models import IdealTwists, QuasiStaticTwists, TwistModel, ground_of
 from sim.experiments.identification import identify
 from sim.preparation.setup import Setup, prepare
+
+STATIC = 3  # feet at most whose loads follow from the weight alone
 
 
 def _quasi_static(setup: Setup) -> TwistModel:
@@ -39,3 +41,17 @@ def twist_model(setup: Setup, name: str) -> TwistModel:
         name: One of `MODELS`.
     """
     return MODELS[name](setup)
+
+
+def follows_commands(setup: Setup, name: str, strata: Collection[str]) -> bool:
+    """Whether a prediction is the same for all frictions, servos and floors.
+
+    The quasi-static one is where no more than three feet stand at a time.
+
+    Args:
+        setup: Robot, world and limits.
+        name: One of `MODELS`.
+        strata: Strata on which legs swing.
+    """
+    feet = max((setup.robot.planted(on).sum() for on in strata), default=0)
+    return name == "ideal" or (name == "quasi_static" and feet <= STATIC)

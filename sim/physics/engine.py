@@ -106,9 +106,9 @@ class Engine:
         return record
 
     def _check_commands(self, ctrl: Array) -> None:
-        bad = np.argwhere(~np.isfinite(ctrl))
-        if len(bad):
-            step, channel = bad[0]
+        finite = np.isfinite(ctrl)
+        if not finite.all():
+            step, channel = np.argwhere(~finite)[0]
             name = self.model.actuator(int(channel)).name
             raise self._failure(
                 f"command of {name!r} is {ctrl[step, channel]}", int(step)

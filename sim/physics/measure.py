@@ -8,9 +8,8 @@ over the time in contact.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -21,6 +20,8 @@ from sim.world.sensors import CONTACT_FIELDS, contact_sensor
 
 LOADED = 0.01  # of the weight
 BOUNCE = 0.02  # [s]
+# Of the fields of a contact: found 1, force 3, position 3, relative velocity 3.
+NORMAL, PLACE, SLIDING = 1, (4, 5), (8, 9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,11 +40,8 @@ class Sensors:
     def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
         mass = model.body(robot.root).subtreemass[0]
         self.weight = float(mass * np.linalg.norm(model.opt.gravity))
-        self._feet = [
-            [model.sensor(contact_sensor(geom)) for geom in robot.card.legs[leg].foot]
-            for leg in robot.legs
-        ]
         self.feet = len(robot.legs)
+        self._slots = _slots(model, robot)
         self._center_of_mass = model.sensor("center_of_mass").adr[0]
 
     def read(self, sensordata: Array) -> Readings:
@@ -52,8 +50,18 @@ class Sensors:
         Args:
             sensordata: Shape (n, nsensordata).
         """
-        feet = [self._foot(sensordata, sensors) for sensors in self._feet]
-        force, speed, point = (np.stack(c, axis=1) for c in zip(*feet, strict=True))
+        normals = [
+            np.maximum(sensordata[:, at + NORMAL], 0.0) * real
+            for at, real in self._slots
+        ]
+        force: Array = sum(normals, np.zeros(1))
+        whole = np.where(force > 0, force, 1.0)
+        speed, point = np.zeros(force.shape), np.zeros((*force.shape, 2))
+        for (at, _), normal in zip(self._slots, normals, strict=True):
+            share = normal / whole
+            speed += share * np.hypot(*(sensordata[:, at + k] for k in SLIDING))
+            for axis, place in enumerate(PLACE):
+                point[..., axis] += share * sensordata[:, at + place]
         at = self._center_of_mass
         return Readings(force, speed, point, sensordata[:, at : at + 3].copy())
 
@@ -61,24 +69,22 @@ class Sensors:
         """Whether each foot carries more than `LOADED` of the weight, (n, F), bool."""
         return readings.force > LOADED * self.weight
 
-    @staticmethod
-    def _foot(sensordata: Array, sensors: Sequence[Any]) -> tuple[Array, Array, Array]:
-        """Sum over a foot's contacts, each weighted by its normal force."""
-        slots = np.concatenate(
-            [
-                sensordata[:, s.adr[0] : s.adr[0] + s.dim[0]].reshape(
-                    len(sensordata), -1, CONTACT_FIELDS
-                )
-                for s in sensors
-            ],
-            axis=1,
-        )  # (n, contacts, 10): found, force 3, position 3, velocity 3
-        normal = np.maximum(slots[:, :, 1], 0.0)
-        total = normal.sum(axis=1)
-        share = normal / np.where(total > 0, total, 1.0)[:, None]
-        speed = np.hypot(slots[:, :, 8], slots[:, :, 9])
-        point = np.einsum("nc,nci->ni", share, slots[:, :, 4:6])
-        return total, (share * speed).sum(axis=1), point
+
+def _slots(model: mujoco.MjModel, robot: Robot) -> list[tuple[Array, Array]]:
+    """Where in sensordata each foot's k-th contact is, and whether it has as many.
+
+    Returns:
+        For every k an address and a flag a foot, shape (F,) each.
+    """
+    feet = []
+    for leg in robot.legs:
+        sensors = (model.sensor(contact_sensor(g)) for g in robot.card.legs[leg].foot)
+        ranges = [(s.adr[0], s.adr[0] + s.dim[0]) for s in sensors]
+        feet.append([at for ends in ranges for at in range(*ends, CONTACT_FIELDS)])
+    most = max(map(len, feet))
+    addresses = np.array([at + at[:1] * (most - len(at)) for at in feet]).T
+    real = np.array([[k < len(at) for at in feet] for k in range(most)])
+    return list(zip(addresses, real, strict=True))
 
 
 class ContactLog(NamedTuple):

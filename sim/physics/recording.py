@@ -196,7 +196,7 @@ class Recorder:
 
     def _keep(self, states: Moments, last: bool) -> None:
         step = states.step
-        walking = states.at(step >= self.walk_starts)
+        walking = states.at(slice(int(step.searchsorted(self.walk_starts)), None))
         if len(walking.step):
             feet = carrying(walking.point, walking.contact, walking.center_of_mass)
             self._margin.see(walking.point, feet, walking.center_of_mass[:, :2])
@@ -207,7 +207,7 @@ class Recorder:
         self._inspections = self._inspections[ahead[1] :]
         if last:
             sampled[-1] = inspected[-1] = True
-        kept = sampled | inspected
+        kept = np.flatnonzero(sampled | inspected)
         self._kept.append(states.at(kept))
         self._marks.append(Marks(sampled[kept], inspected[kept]))
 

@@ -8,9 +8,10 @@ from typing import Protocol, TypeVar
 from planner import Plan
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup
-from sim.preparation.shared import OF_THE_PHYSICS, Shared, everything_but
+from sim.preparation.shared import OF_THE_PHYSICS, OF_THE_WAY, Shared, everything_but
 
 T = TypeVar("T")
+FEW = 2  # walks whose arrays are kept, a number for every step or moment
 
 
 class Keep(Protocol):
@@ -30,6 +31,16 @@ def is_shareable(setup: Setup) -> bool:
     return plain and free and once and not setup.servo.resolution
 
 
+def anew(kind: str, make: Callable[[], T]) -> T:
+    """Make a thing and keep nothing.
+
+    Args:
+        kind: What kind of thing.
+        make: Makes it.
+    """
+    return make()
+
+
 def keeper(setup: Setup, shared: Shared | None) -> Keep:
     """Keeps what follows from a walk's commands alone, whatever the physics made of it.
 
@@ -39,9 +50,23 @@ def keeper(setup: Setup, shared: Shared | None) -> Keep:
     """
     scenario = setup.scenario
     if shared is None or scenario.replan or not is_shareable(setup):
-        return lambda kind, make: make()
+        return anew
     plan = everything_but(scenario, OF_THE_PHYSICS)
     key = (plan, setup.limits, scenario.sample_every)
+    return lambda kind, make: shared.kept(kind, key, make, FEW)
+
+
+def world_keeper(setup: Setup, shared: Shared | None) -> Keep:
+    """Keeps what is measured in a world, whatever is walked in it.
+
+    Args:
+        setup: Whose world.
+        shared: What earlier walks have made; None keeps nothing.
+    """
+    scenario = setup.scenario
+    if shared is None or scenario.bumps:  # which lie along the way
+        return anew
+    key = everything_but(scenario, OF_THE_WAY)
     return lambda kind, make: shared.kept(kind, key, make)
 
 

@@ -44,19 +44,22 @@ class Shared:
     def __init__(self) -> None:
         self._kept: dict[str, OrderedDict[Hashable, Any]] = {}
 
-    def kept(self, kind: str, key: Hashable, make: Callable[[], T]) -> T:
+    def kept(
+        self, kind: str, key: Hashable, make: Callable[[], T], most: int = MOST
+    ) -> T:
         """A thing that was made before, or that is made now.
 
         Args:
             kind: What kind of thing.
             key: Everything that it depends on.
             make: Makes it.
+            most: How many of its kind are kept.
         """
         of_kind = self._kept.setdefault(kind, OrderedDict())
         if key not in of_kind:
             of_kind[key] = make()
         of_kind.move_to_end(key)
-        if len(of_kind) > MOST:
+        if len(of_kind) > most:
             of_kind.popitem(last=False)
         found: T = of_kind[key]
         return found

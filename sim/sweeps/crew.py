@@ -6,16 +6,20 @@ died of. Such a point is tried once more, and then given up.
 
 from __future__ import annotations
 
+import atexit
 import logging
+import os
+import signal
 import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
 
 import dask
 from distributed import Client, Future, KilledWorker, LocalCluster, wait
+from distributed.deploy.spec import close_clusters
 
 from sim.errors import SweepError, UsageError, one_line
 from sim.sweeps.identity import differences, software
@@ -165,7 +169,8 @@ def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     dask.config.set({"distributed.logging.distributed": "critical"})
     with ExitStack() as stack:
-        at = _local(stack, workers) if scheduler is None else scheduler
+        local = _local(stack, workers) if scheduler is None else None
+        at = scheduler if local is None else local
         try:
             client = stack.enter_context(Client(at, timeout=ANSWER))
         except (OSError, TimeoutError, ValueError) as error:
@@ -175,14 +180,21 @@ def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
                 "start one with `dask scheduler`, and give its address",
             ) from error
         stack.enter_context(_blame(client))
-        yield Crew(client)
+        try:
+            yield Crew(client)
+        except KeyboardInterrupt:
+            if local is not None:
+                _kill(local)
+            raise
 
 
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that listen to this machine alone."""
-    scratch = stack.enter_context(tempfile.TemporaryDirectory())
-    return stack.enter_context(
-        LocalCluster(
+    scratch = stack.enter_context(
+        tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+    )
+    try:
+        cluster = LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
             host="127.0.0.1",
@@ -191,7 +203,21 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
             local_directory=scratch,
             silence_logs=logging.CRITICAL,
         )
-    )
+    except KeyboardInterrupt:
+        # It cannot close a cluster that is half started, nor should it complain.
+        atexit.unregister(close_clusters)
+        logging.getLogger("asyncio").setLevel(logging.CRITICAL)
+        raise
+    return stack.enter_context(cluster)
+
+
+def _kill(cluster: LocalCluster) -> None:
+    """Kill workers that would finish their points first; what is done is written."""
+    for nanny in cluster.workers.values():
+        nanny.auto_restart = False
+        if nanny.pid is not None:
+            with suppress(ProcessLookupError):
+                os.kill(nanny.pid, signal.SIGKILL)
 
 
 @contextmanager

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Hashable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +12,9 @@ from typing import Any, Protocol
 from models import geometry_of, shipped_robots
 from planner import did_you_mean
 from sim.errors import UsageError
+from sim.preparation.shared import OF_THE_PHYSICS, everything_but
 from sim.scenarios.file import to_table
+from sim.scenarios.scenario import Scenario
 from sim.sweeps.crew import Task, hired
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import Shard, SweepFolder, about, agree
@@ -72,16 +74,19 @@ class Points:
         sweep: What the sweep's file says.
         tables: Scenario of each point, as a table of plain values.
         digests: Digest of each point's settings; equal points have equal ones.
+        plans: The first point that has the same plan as each.
     """
 
     sweep: Sweep
     tables: Mapping[int, Mapping[str, Any]]
     digests: Mapping[int, str]
+    plans: Mapping[int, int]
 
     def tasks(self, known: Container[str]) -> list[Task]:
-        """What is to be walked, those that differ least one after another."""
+        """What is to be walked; walks of one plan come one after another."""
         todo = {d: p for p, d in self.digests.items() if d not in known}
-        return [Task(d, self.tables[p], self.sweep.without) for d, p in todo.items()]
+        order = sorted(todo.items(), key=lambda pair: (self.plans[pair[1]], pair[1]))
+        return [Task(d, self.tables[p], self.sweep.without) for d, p in order]
 
     def rows(self, known: Mapping[str, Outcome]) -> Iterator[dict[str, Any]]:
         """Rows of the table.
@@ -110,7 +115,17 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
         sweep,
         {point: to_table(scenario) for point, scenario in scenarios.items()},
         {point: digest(s, sweep.without) for point, s in scenarios.items()},
+        _plans(scenarios),
     )
+
+
+def _plans(scenarios: Mapping[int, Scenario]) -> dict[int, int]:
+    """The first point that differs from each in its physics alone."""
+    first: dict[Hashable, int] = {}
+    return {
+        point: first.setdefault(everything_but(scenario, OF_THE_PHYSICS), point)
+        for point, scenario in scenarios.items()
+    }
 
 
 def carry_on(

@@ -23,6 +23,7 @@ from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_segment
+from sim.planning.sharing import Keep, anew
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
 from sim.preparation.laying import lay
@@ -34,10 +35,19 @@ from sim.walking.replanning import replanned
 
 
 class Walker:
-    """Carries out flows in the physics and keeps track of the robot's pose."""
+    """Carries out flows in the physics and keeps track of the robot's pose.
 
-    def __init__(self, setup: Setup, progress: Progress = silent) -> None:
+    Args:
+        setup: What to walk.
+        progress: Told how far the walk is.
+        keep: Keeps commands for walks that have the same.
+    """
+
+    def __init__(
+        self, setup: Setup, progress: Progress = silent, keep: Keep = anew
+    ) -> None:
         self.setup = setup
+        self._keep = keep
         engine = Engine(setup.model)
         sensors = Sensors(setup.model, setup.robot)
         self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
@@ -126,11 +136,18 @@ class Walker:
         lead = self._rehearsed(schedule)
         self._stretches.append(Stretch(schedule, self.pose, lead))
         self._shape = schedule.end
-        pieces = self._drive.commands(schedule, lead)
+        pieces = self._commands(schedule, lead)
         for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began
+
+    def _commands(self, schedule: Schedule, lead: Lead | None) -> Iterable[Array]:
+        """Commands of a stretch, which walks with the same schedule have in common."""
+        pieces = self._drive.commands(schedule, lead)
+        if self._keep is anew or not self._drive.plain:
+            return pieces
+        return self._keep(f"commands from step {schedule.start}", lambda: list(pieces))
 
     def _rehearsed(self, schedule: Schedule) -> Lead | None:
         """Torques to lead by, once they are known to be within what servos have."""

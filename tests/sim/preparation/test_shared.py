@@ -119,7 +119,11 @@ def test_a_walk_that_shares_has_the_numbers_of_one_that_does_not(plain):
         (first, ()),
         (changed(first, "servo_stiffness"), LESS),
         (replace(first, swing_speed=1.5), ()),  # in the same world, identified anew
-        (replace(first, path=line((0.005, 0.004, 0.0))), LESS),
+        (replace(first, path=line((0.005, 0.004, 0.0))), ()),  # measured before
+        (changed(first, "friction"), LESS),  # with the predictions of the first
+        (changed(changed(first, "payload"), "foot_friction"), LESS),
+        (replace(first, fields="paper"), LESS),
+        (changed(replace(first, fields="paper"), "friction"), LESS),
     ]
     for point, without in points:
         done = simulate(point, shared=shared, without=without).summary

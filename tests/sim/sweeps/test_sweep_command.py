@@ -9,6 +9,7 @@ import time
 import duckdb
 import pandas
 import polars
+import psutil
 import pytest
 
 from sim.simulation import simulate
@@ -201,10 +202,11 @@ def test_an_unknown_number_of_a_shape_is_refused_before_anything_is_made(tmp_pat
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.full
 def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_path):
-    varies = "[grid]\nfriction = { from = 0.2, to = 1.0, count = 40 }\n"
-    file, ledger = write_sweep(tmp_path, varies), tmp_path / "out" / "ledger.jsonl"
+    varies = "[list]\nhold = [0.1, 60.0]\ntimestep = [0.002, 0.0001]\n"  # minutes
+    file = write_sweep(tmp_path, varies)
+    file.write_text(file.read_text().replace("timestep = 0.002\nhold = 0.1\n", "", 1))
+    ledger = tmp_path / "out" / "ledger.jsonl"
     process = subprocess.Popen(
         command("sweep", file, "--out", tmp_path / "out", "--workers", 1),
         env=ENV,
@@ -214,8 +216,11 @@ def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_pat
     )
     while process.poll() is None and not (ledger.exists() and ledger.stat().st_size):
         time.sleep(0.05)
+    workers = psutil.Process(process.pid).children(recursive=True)
     process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=60)
+    _, said = process.communicate(timeout=30)
+    assert workers
+    assert not psutil.wait_procs(workers, timeout=30)[1]
     assert process.returncode == 130
     assert len(said.splitlines()) == 1
-    assert "of 40 points are done, go on with --resume" in said
+    assert "1 of 2 points are done, go on with --resume" in said

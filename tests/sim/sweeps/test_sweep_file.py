@@ -4,6 +4,8 @@ import pytest
 
 from sim.errors import UsageError
 from sim.sweeps.file import read_sweep
+from sim.sweeps.folder import Shard
+from sim.sweeps.sweeping import points_of
 from tests.sweeps import write_sweep
 
 
@@ -67,3 +69,13 @@ def test_what_may_be_left_out_is_said(tmp_path):
     path.write_text('scenario = "line"\nwithout = ["identifed"]\n')
     with pytest.raises(UsageError, match="give a list of identified and creep_floor"):
         read_sweep(str(path))
+
+
+def test_walks_of_one_plan_come_one_after_another(tmp_path):
+    varies = '[grid]\nfriction = [0.5, 1.0]\nstance = ["centred", "paper"]\n'
+    points = points_of(read_sweep(str(write_sweep(tmp_path, varies))), Shard())
+    tasks = [task.table for task in points.tasks(known=())]
+    found = [(task["stance"], task["friction"]) for task in tasks]
+    assert found == [
+        ("centred", 0.5), ("centred", 1.0), ("paper", 0.5), ("paper", 1.0)
+    ]  # fmt: skip
