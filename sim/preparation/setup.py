@@ -189,6 +189,7 @@ def prepare(
     if robot is None or robot.geometry != (scenario.geometry or {}):
         robot = _robot(scenario, shared)
     described, extended, kinematics = _mathematics(robot, scenario, shared)
+    require_gait(scenario, robot, described)
     servo = servo_settings(scenario, robot.card)
     world, model = (
         made(robot, scenario) if shared is None else shared.world(scenario, robot)
@@ -233,7 +234,6 @@ def _mathematics(
 
     def make() -> tuple[Equations, ExtendedSystem, Kinematics]:
         described = equations(robot, scenario.fields)
-        require_gait(scenario, robot, described)
         with explained(robot, described):
             extended = _extended(described, scenario)
         return described, extended, Kinematics(robot)

@@ -9,6 +9,7 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.evaluation.assessment import summarise
 from sim.preparation.setup import prepare
+from sim.preparation.shared import Shared
 from sim.scenarios.file import dumps, load_scenario
 from sim.simulation import simulate
 
@@ -37,6 +38,13 @@ CRAWL = ["1234", "123", "1234", "124", "1234", "134", "1234", "234", "1234"]
 def test_a_gait_that_the_robot_cannot_follow_is_refused(changes, what):
     with pytest.raises(UsageError, match=what):
         prepare(load_scenario("line", {"segments": 2} | changes))
+
+
+def test_a_gait_is_refused_whatever_was_prepared_before(hexapod):
+    shared, plain = Shared(), {"segments": 2, "gait": TRIPODS}
+    prepare(load_scenario("line", plain), hexapod, shared)
+    with pytest.raises(UsageError, match="chooses the order"):
+        prepare(load_scenario("line", plain | {"optimise": "time"}), hexapod, shared)
 
 
 def test_a_gait_is_written_into_the_scenario_and_read_back():
