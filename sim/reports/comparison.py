@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ from sim.progress import Progress, silent
 from sim.reports import verdict
 from sim.reports.maps import magnified, plan_view
 from sim.reports.record import PREDICTIONS, Record
-from sim.reports.tables import NONE, Table, number
+from sim.reports.tables import NONE, Table, flat, number
 from sim.reports.templates import render
 
 MM = 1e3
@@ -37,7 +37,7 @@ class Comparison:
 
 def compare(runs: Sequence[Record]) -> Comparison:
     """Compare the runs of several folders."""
-    settings = [dict(_flat(run.settings)) for run in runs]
+    settings = [dict(flat(run.settings)) for run in runs]
     keys = [
         k for k in dict.fromkeys(k for s in settings for k in s) if k not in IGNORED
     ]
@@ -87,15 +87,6 @@ def names(runs: Sequence[Record]) -> list[str]:
     if len(set(short)) == len(short):
         return short
     return [f"{run.folder.parent.name}/{run.title}" for run in runs]
-
-
-def _flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, object]]:
-    """Settings by dotted names."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{head}{key}.")
-        else:
-            yield head + key, value
 
 
 def _said(value: object) -> str:

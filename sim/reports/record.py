@@ -52,7 +52,6 @@ class Record:
     folder: Path
     summary: Mapping[str, Any]
     settings: Mapping[str, Any]  # of scenario.toml
-    settings_text: str
     card: Card
     card_text: str
     phases: tuple[Phase, ...]
@@ -145,8 +144,7 @@ def read_run(folder: Path) -> Record:
 
 
 def _read(folder: Path) -> Record:
-    text = read_file(folder / "scenario.toml").decode()
-    settings = parse_toml(text)
+    settings = parse_toml(read_file(folder / "scenario.toml").decode())
     path = body_path.decode(settings["path"])
     with (
         open_file(folder / "trajectory.npz") as states,
@@ -157,7 +155,6 @@ def _read(folder: Path) -> Record:
         folder=folder,
         summary=json.loads(read_file(folder / "summary.json")),
         settings=settings,
-        settings_text=text,
         card=read_card(folder / "model.toml"),
         card_text=read_file(folder / "model.toml").decode(),
         phases=_phases(folder / "flows.csv"),

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sim.reports.record import PREDICTIONS, Phase, Record
+from sim.scenarios.file import toml_value
+from sim.scenarios.scenario import settings as every
 
 MM = 1e3
 MINUS = "\N{MINUS SIGN}"
 NONE = "\N{EN DASH}"
-SETTING = re.compile(r"(?:# )?([\w.]+) = ?(.*?)(?:\s+# (.*))?")
 SHIFTED = {  # what the phases of a walk are called in the table of sources
     "hold": "standing still on S{}",
     "lift": "lift-off to S{}",
@@ -134,18 +134,31 @@ def counts(run: Record) -> Table:
 
 def settings(run: Record) -> Table:
     """Every setting with its value and its meaning, as scenario.toml has them."""
-    rows, section = [], ""
-    for line in run.settings_text.splitlines():
-        if line.startswith("["):
-            section = line.strip("[]") + "."
-        elif match := SETTING.fullmatch(line):
-            name, value, about = match[1], match[2].strip(), match[3] or ""
-            rows.append((section + name, value or "not set", about))
+    given = dict(run.settings)
+    rows = [
+        (name, toml_value(given.pop(name)) if name in given else "not set", about)
+        for name, about in ((item.name, item.metadata["about"]) for item in every())
+    ]
+    rows += [(name, toml_value(value), "") for name, value in flat(given)]
     servo = run.summary.get("servo") or {}
     for key, value in servo.items():
         said = "not set" if value is None else str(value)
         rows.append((f"servo: {key}", said, "as it was simulated"))
     return Table(("setting", "value", "meaning"), rows)
+
+
+def flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, object]]:
+    """Settings by dotted names, as `path.goal`.
+
+    Args:
+        table: As scenario.toml has them.
+        head: What the names begin with.
+    """
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{head}{key}.")
+        else:
+            yield head + key, value
 
 
 def versions(run: Record) -> Table:

@@ -128,11 +128,11 @@ def dumps(scenario: Scenario) -> str:
     lines = []
     for item in settings():
         key, about = item.name, item.metadata["about"]
-        said = f"{key} = {_toml(table[key])}" if key in table else f"# {key} ="
+        said = f"{key} = {toml_value(table[key])}" if key in table else f"# {key} ="
         lines.append(f"{said:30}  # {about}")
     for head, inner in (("[path]", path), *(("[[obstacles]]", o) for o in standing)):
         lines += ["", head]
-        lines += [f"{key} = {_toml(value)}" for key, value in inner.items()]
+        lines += [f"{key} = {toml_value(value)}" for key, value in inner.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -223,14 +223,15 @@ def _keys() -> tuple[str, ...]:
     return (*(item.name for item in settings()), "path", "obstacles")
 
 
-def _toml(value: object) -> str:
+def toml_value(value: object) -> str:
+    """A value as TOML writes it."""
     if isinstance(value, str):  # JSON's escapes are TOML's, but for DEL
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
-        inner = (f"{key} = {_toml(number)}" for key, number in value.items())
+        inner = (f"{key} = {toml_value(number)}" for key, number in value.items())
         return f"{{ {', '.join(inner)} }}"
     if isinstance(value, Iterable):
-        return f"[{', '.join(map(_toml, value))}]"
+        return f"[{', '.join(map(toml_value, value))}]"
     return repr(value)

@@ -52,10 +52,10 @@ def write_replay(
         FilesError: If the page cannot be written.
     """
     walk = read_walk(folder)
-    page = _page(walk, progress)
+    page = _page(walk, progress).encode()
     path = folder / NAME
     with whole(path, len(page)) as part:
-        part.write_text(page)
+        part.write_bytes(page)
     return path
 
 

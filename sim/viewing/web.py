@@ -7,9 +7,11 @@ another address is asked for; a browser elsewhere comes through a tunnel.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import mujoco
 
@@ -75,27 +77,40 @@ def _launch(
     started: Callable[[str], object],
 ) -> Any:
     """Start the viewer in a thread; its handle."""
-    from mujoco.studio import launch_thread, viewer_protocol, web_viewer
+    from mujoco.studio import launch_thread, viewer_protocol
     from mujoco.studio.app import App
 
     from sim.viewing.plugins import Panel, Player, Scene
 
     host, port = address
     socket = _bound(host, port)
-    # The viewer offers no choice of the interface: it is given a socket bound already.
-    web_viewer.web_server.bind_public_socket = lambda *_: socket
-    web_viewer._print_url_banner = lambda *_: None
-    web_viewer.print = lambda *words, **how: None
     logging.getLogger("WebServer").addFilter(lambda told: told.levelno > logging.INFO)
     config = viewer_protocol.ViewerConfig(title=walk.shown.scenario.name, gfx="web")
     plugins = [App(), Scene(walk, Marks(walk.shown, model)), Panel(playback)]
 
     def show(endpoint: Any) -> None:
-        viewer = web_viewer.WebViewer(config, endpoint, plugins=plugins)
-        started(f"http://{_named(host)}:{socket.getsockname()[1]}/")
-        viewer_protocol.run_viewer_loop(viewer)
+        with _viewer_on(socket) as viewer:
+            window = viewer(config, endpoint, plugins=plugins)
+            started(f"http://{_named(host)}:{socket.getsockname()[1]}/")
+            viewer_protocol.run_viewer_loop(window)
 
     return launch_thread.launch_thread(show, sim_plugins=[Player(walk, playback)])
+
+
+@contextmanager
+def _viewer_on(socket: Any) -> Iterator[Any]:
+    """The class of viewers, silent and on a socket that is bound already.
+
+    The viewer itself offers no choice of the interface that it listens on.
+    """
+    from mujoco.studio import web_viewer
+
+    with (
+        patch.object(web_viewer.web_server, "bind_public_socket", lambda *_: socket),
+        patch.object(web_viewer, "_print_url_banner", lambda *_: None),
+        patch.object(web_viewer, "print", lambda *_, **__: None, create=True),
+    ):
+        yield web_viewer.WebViewer
 
 
 def _named(host: str) -> str:

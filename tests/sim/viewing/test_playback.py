@@ -35,7 +35,7 @@ def test_time_passes_at_its_speed_stops_and_ends_with_the_walk():
 
 
 def test_a_folder_that_is_no_run_is_refused(tmp_path):
-    with pytest.raises(UsageError, match="no such scenario file"):
+    with pytest.raises(UsageError, match="no such run folder"):
         read_recorded(tmp_path)
 
 

@@ -1,0 +1,19 @@
+"""The table of settings says what the scenario's file says."""
+
+from sim.reports.record import read_run
+from sim.reports.tables import settings
+
+
+def test_settings_stand_in_the_table_as_in_the_file(folder):
+    file = folder / "scenario.toml"
+    lines = file.read_text().splitlines()
+    lines = [line for line in lines if not line.startswith("description")]
+    file.write_text('description = "10 # 2 feet"\n' + "\n".join(lines))
+    rows = {
+        name: (value, about) for name, value, about in settings(read_run(folder)).rows
+    }
+    assert rows["description"][0] == '"10 # 2 feet"'
+    assert rows["hold"][0] == str(read_run(folder).settings["hold"])
+    assert rows["path.goal"][0] == "[0.03, 0.0, 0.0]"
+    assert rows["slope"][0] == "not set"
+    assert all(about for name, (_, about) in rows.items() if "." not in name)
