@@ -37,7 +37,7 @@ WALKS: Mapping[str, Job] = {}
 def paper() -> Sheet:
     """The biped's configuration space, its graph and that of the paper's hexapod."""
     figure, axes = sheet_of(
-        "abc", 3.0, width_ratios=[1.1, 1, 1],
+        "abc", 3.2, width_ratios=[1.1, 1, 1],
         per_subplot_kw={"a": {"projection": "3d", "computed_zorder": False}},
     )  # fmt: skip
     draw_sheets(axes["a"], (0.0, 1.0))

@@ -235,6 +235,7 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
             alpha=0.8,
             label=f"tripod {tripod}, legs {'-'.join(map(str, legs))}",
         )
+    axes.plot([], [], color=NOMINAL, linewidth=0.5, label="one leg's, in order")
     as_map(axes, "$l$")
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.02), handletextpad=0.2)
 

@@ -196,7 +196,7 @@ def _draw_bands(axes: Axes, walked: Walked) -> None:
         for rim in rims:
             axes.plot(*rim.T, **dict(style) | {"label": "_"})
     as_map(axes, "mm")
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower right")
 
 
 def _fill_between(axes: Axes, rims: Array, colour: str) -> None:
@@ -261,7 +261,7 @@ def _draw_envelope(axes: Axes, walked: PaperWalk) -> None:
     _fill_between(axes, rims, IDEAL)
     axes.plot([0, GOAL[0]], [0, GOAL[1]], "--", color=WEIGHT, linewidth=0.7)
     as_map(axes, "$l$")
-    axes.legend(loc="upper left")
+    axes.legend(loc="lower right")
 
 
 def _draw_tube(axes: Axes, measured: Tube) -> None:

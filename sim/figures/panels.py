@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from models import equations, load, shipped_system
 from planner import Array, Flow, StratifiedPanels, play, stratified_panels
@@ -144,7 +145,9 @@ def _draw_height(
     levels = np.linspace(values.min() if one_sign else -most, most, LEVELS)
     colours = "Purples" if one_sign else "PuOr"
     drawn = axes.contourf(angles, angles, values, levels, cmap=colours, alpha=0.55)
-    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, format="%.3g")
+    ticks = MaxNLocator(nbins=5).tick_values(levels[0], levels[-1])
+    within = [tick for tick in ticks if levels[0] <= tick <= levels[-1]]
+    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=within, format="%.3g")
     bar.set_label(f"[{unit}]")
     bar.ax.tick_params(labelsize=6)
     axes.set(xlabel=r"$\varphi_1$  [rad]", ylabel=r"$\varphi_2$  [rad]")
