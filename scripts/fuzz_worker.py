@@ -25,9 +25,7 @@ from pathlib import Path
 from models import ModelError
 
 CODES = {0, 2, 3, 4, 6}
-PROGRESS = re.compile(  # what long work says of itself
-    r"[a-z][a-z0-9 ,.]*?(?: +\d+%(?:, about \d+ s left)?|, \d+ s so far)$"
-)
+PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
 MEMORY = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
 
 

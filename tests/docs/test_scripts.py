@@ -2,7 +2,15 @@
 
 import pytest
 
-from scripts import brackets, short_walks, show_outputs
+from scripts import (
+    adopted_robots,
+    brackets,
+    convergence,
+    planner_table,
+    short_walks,
+    show_outputs,
+    torture,
+)
 
 PAGE = """Before.
 
@@ -65,3 +73,39 @@ def test_a_plan_is_told_by_its_time_and_what_it_strays_by():
     assert point.seconds > 1.0
     assert 0.0 < point.position < 0.02
     assert f"{point.seconds:9.1f}" in str(point)
+
+
+def test_a_row_of_the_planners_table_says_what_the_page_says(monkeypatch):
+    """The peers' columns are left out: they take seconds each, and may be missing."""
+    cells = planner_table.row("heisenberg").split(" | ")
+    page = (show_outputs.ROOT / "docs" / "planner-table.md").read_text()
+    (shown,) = (line for line in page.splitlines() if line.startswith("| heisenberg |"))
+    assert cells[:8] == shown.strip("| ").split(" | ")[:8]
+
+
+@pytest.mark.full
+@pytest.mark.physics
+def test_a_point_of_the_convergence_study_is_where_the_page_has_it():
+    """At the default speed the turning walk is 0.14 % of its path off."""
+    found = convergence.judged("swing_speed", 0.5)
+    assert 100 * found.ratio == pytest.approx(0.14, abs=0.005)
+    assert found.bounces == 0
+
+
+@pytest.mark.full
+@pytest.mark.physics
+def test_an_adopted_robot_walks_as_its_row_says(tmp_path, capsys):
+    adopted_robots.main(["--only", "daisy"])
+    (row,) = capsys.readouterr().out.splitlines()
+    page = (show_outputs.ROOT / "docs" / "adopted-robots.md").read_text()
+    (shown,) = (line for line in page.splitlines() if line.startswith("| daisy |"))
+    assert len(row.split("|")) == len(shown.split("|"))
+    assert row.split("|")[1:5] == shown.split("|")[1:5]
+    assert "arrived" in row
+
+
+@pytest.mark.full
+@pytest.mark.physics
+def test_a_row_of_the_table_of_faults_ends_as_it_says(capsys):
+    assert torture.main(["12"]) == 0
+    assert "| 12 |" in capsys.readouterr().out

@@ -12,6 +12,7 @@ import pytest
 from planner.numerics.budget import tick
 from sim import progress
 from sim.progress import PATIENCE, Lines, at_most, bar, left, silent, stage
+from tests.commands import PROGRESS
 
 PROGRAM = (
     "import time\n"
@@ -68,6 +69,7 @@ def test_a_pipe_is_told_now_and_then_how_far_it_is_and_how_long_it_will_take(cap
         tell("walking", second / 100)
     lines = capsys.readouterr().err.splitlines()
     assert lines == ["walking  15%, about 79 s left", "walking  30%, about 68 s left"]
+    assert all(PROGRESS.fullmatch(line) for line in lines)
 
 
 def test_a_stage_that_ends_soon_is_not_worth_a_line(capsys):
@@ -92,6 +94,7 @@ def test_a_stage_that_says_nothing_of_itself_is_told_as_well(capsys):
     tell.remind()
     lines = capsys.readouterr().err.splitlines()
     assert lines == ["comparing, 15 s so far", "comparing, 30 s so far"]
+    assert all(PROGRESS.fullmatch(line) for line in lines)
 
 
 def test_reminders_come_of_themselves_and_end(capsys, monkeypatch):

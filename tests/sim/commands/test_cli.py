@@ -17,7 +17,7 @@ from sim import cli
 from sim.commands.parsing import COMMANDS
 from sim.errors import exit_code, one_line
 from sim.scenarios.file import load_scenario, shipped_scenarios
-from tests.commands import COMMAND, OUTSIDE, refusal
+from tests.commands import COMMAND, OUTSIDE, refusal, told
 
 SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
 """A walk of two segments and a few seconds."""
@@ -211,7 +211,7 @@ def test_physics_runs_whatever_mujoco_gl_says(stratawalk):
 def test_run_without_a_driver_warns_in_one_line_and_walks(stratawalk, tmp_path):
     done = stratawalk(*SHORT, MUJOCO_GL="disabled")
     assert done.returncode == 0
-    (line,) = done.stderr.splitlines()
+    (line,) = told(done.stderr)
     assert line.startswith("stratawalk: warning: no film: ")
     assert (tmp_path / "runs" / "line-001" / "summary.json").exists()
 
@@ -242,7 +242,7 @@ def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     process.send_signal(sent)
     _, stderr = process.communicate(timeout=30)
     assert process.returncode == code
-    (line,) = stderr.splitlines()
+    (line,) = told(stderr)
     assert line.startswith("stratawalk: error: ")
     assert [p.name for p in (tmp_path / "here").iterdir() if ".part" in p.name] == []
 
