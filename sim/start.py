@@ -35,6 +35,7 @@ def main() -> int:
     for number in ENDS:  # all is done and said
         signal.signal(number, signal.SIG_IGN)
     if code in INTERRUPTED:  # taking all libraries down would take another second
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # some complain of being stopped
         atexit._run_exitfuncs()
         os._exit(code)
     return code

@@ -169,6 +169,17 @@ def test_a_signal_while_the_command_loads_is_one_line(tmp_path, number, code):
     refusal(done)
 
 
+def test_a_library_that_was_stopped_halfway_says_nothing_more(stratawalk, tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "import atexit, os, signal\n"
+        "atexit.register(lambda: 1 / 0)\n"
+        "os.kill(os.getpid(), signal.SIGINT)\n"
+    )
+    done = stratawalk("check", "mine.py")
+    assert done.returncode == 130
+    assert refusal(done).startswith("interrupted: Ctrl-C")
+
+
 def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
     name = robot(
         "<worldbody>",
