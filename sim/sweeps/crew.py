@@ -167,6 +167,7 @@ def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
         UsageError: If no scheduler answers at that address.
     """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]
     dask.config.set({"distributed.logging.distributed": "critical"})
     with ExitStack() as stack:
         local = _local(stack, workers) if scheduler is None else None
