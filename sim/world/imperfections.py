@@ -12,7 +12,7 @@ from math import cos, sin
 import mujoco
 import numpy as np
 
-from models import Robot
+from models import Robot, compile_model
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
@@ -49,10 +49,12 @@ def add_imperfections(
         _tilt(spec, *scenario.slope)
     if scenario.floor_stiffness is not None:
         _soften(spec.geom(floor), scenario.floor_stiffness)
-    if scenario.foot_friction is not None:
-        _set_foot_friction(spec, robot, scenario)
     if slack := scenario.play + scenario.dead_band:
+        rigid = _mobility(spec, robot)
         _loosen(spec, robot, slack)
+        _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
+    if scenario.foot_friction is not None:
+        _set_foot_friction(spec, robot, spec.geom(floor), scenario)
 
 
 def _require_offsets(robot: Robot, scenario: Scenario) -> None:
@@ -92,8 +94,30 @@ def _soften(floor: mujoco.MjsGeom, stiffness: float) -> None:
     floor.solref = [-stiffness, damping * stiffness / -before]
 
 
-def _set_foot_friction(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> None:
-    """Friction of each foot, which then counts instead of the floor's."""
+def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
+    """Make the floor give way to loose legs as far as to rigid ones.
+
+    The engine takes stiffness and damping of contacts as accelerations, so that a floor
+    gives way the more, the lighter what stands on it is.
+    """
+    floor.solref = [ratio * number for number in floor.solref]
+
+
+def _mobility(spec: mujoco.MjSpec, robot: Robot) -> float:
+    """How easily a force moves a foot, as the engine takes it, on average [1/kg]."""
+    model = compile_model(spec.copy(), str(robot.path))
+    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
+    bodies = model.geom_bodyid[[model.geom(name).id for name in feet]]
+    return float(model.body_invweight0[bodies, 0].mean())
+
+
+def _set_foot_friction(
+    spec: mujoco.MjSpec, robot: Robot, floor: mujoco.MjsGeom, scenario: Scenario
+) -> None:
+    """Friction of each foot, which then counts instead of the floor's.
+
+    All that a contact has is taken from one geom, so feet get the floor's stiffness.
+    """
     values = scenario.foot_friction or ()
     if len(values) != len(robot.legs):
         raise UsageError(
@@ -104,8 +128,9 @@ def _set_foot_friction(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) ->
     for leg, value in zip(robot.legs, values, strict=True):
         for name in robot.card.legs[leg].foot:
             foot = spec.geom(name)
-            foot.friction = (value, *foot.friction[1:])
-            foot.priority = 2
+            foot.friction = (value, *floor.friction[1:])
+            foot.solref, foot.solimp = floor.solref, floor.solimp
+            foot.condim, foot.priority = floor.condim, floor.priority + 1
 
 
 def _loosen(spec: mujoco.MjSpec, robot: Robot, play: float) -> None:

@@ -64,6 +64,27 @@ def test_friction_of_a_foot_wins_over_that_of_the_floor(standing):
     assert found == pytest.approx({f"foot_{i + 1}": v for i, v in enumerate(values)})
 
 
+@pytest.mark.parametrize("stiffness", [None, 3000.0])
+def test_contacts_of_feet_with_friction_of_their_own_are_as_stiff(standing, stiffness):
+    models = [
+        standing(floor_stiffness=stiffness, foot_friction=given).model
+        for given in (None, [0.7] * 6)
+    ]
+
+    def contacts(model):
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+        data.qpos[2] -= 1e-4
+        mujoco.mj_forward(model, data)
+        return [(*c.solref, *c.solimp, c.dim, c.friction[0]) for c in data.contact]
+
+    plain, own = map(contacts, models)
+    assert len(plain) == len(own) == 6
+    for before, now in zip(plain, own, strict=True):
+        assert before[:-1] == now[:-1]
+        assert (before[-1], now[-1]) == (1.0, 0.7)
+
+
 def test_as_many_frictions_as_feet_are_asked_for(standing):
     with pytest.raises(UsageError, match="foot_friction has 2 values for 6 feet"):
         standing(foot_friction=[0.5, 0.6])
@@ -170,3 +191,18 @@ def test_a_zero_for_each_joint_is_asked_for(standing):
         standing(zero_offset=[0.01, 0.02])
     with pytest.raises(UsageError, match="a number from 0 to 0.2, or a list of num"):
         standing(zero_offset=[0.3] * 12)
+
+
+def test_a_floor_gives_way_to_loose_legs_as_far_as_to_rigid_ones(standing):
+    def sunk(**changes):
+        model = standing(floor_stiffness=1e4, **changes).model
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+        for _ in range(2000):
+            mujoco.mj_step(model, data)
+        return -np.mean([contact.dist for contact in data.contact])
+
+    rigid, loose = sunk(), sunk(play=0.01)
+    assert rigid == pytest.approx(0.6e-3, rel=0.05)
+    # the mobility of feet is that of bodies on average: 0.65 mm was measured
+    assert loose == pytest.approx(rigid, rel=0.15)
