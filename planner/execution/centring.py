@@ -71,7 +71,8 @@ def centred(
     if visits or goal is not None:
         for coordinate in sorted({i for i, _ in shape.recoveries.values()}):
             last = None if goal is None else float(goal[coordinate])
-            _centre(shape, visits, coordinate, float(start[coordinate]), last, ends)
+            angle = float(start[coordinate])
+            visits = _centre(shape, visits, coordinate, angle, last, ends)
     ordered: list[list[Flow]] = [[] for _ in segments]
     for visit in visits:
         for name, duration in visit.recoveries.items():
@@ -105,64 +106,73 @@ def _centre(
     angle: float,
     last: float | None,
     ends: tuple[str, str],
-) -> None:
-    """Add recoveries that centre the strokes of one coordinate on zero."""
+) -> list[_Visit]:
+    """Visits with recoveries that centre the strokes of one coordinate on zero."""
     recoveries = {
         shape.system.stratum_of[name]: (name, rate)
         for name, (moved, rate) in shape.recoveries.items()
         if moved == coordinate
     }
     rates = {name: float(rate[coordinate]) for name, rate in shape.rates.items()}
-    previous, i = -1, 0
-    while i < len(visits):
-        if load := visits[i].load(rates):
+    done, previous = list[_Visit](), -1
+
+    def recover(amount: float, following: _Visit) -> None:
+        if abs(amount) > NEGLIGIBLE:
+            between = previous + 1, following
+            place = _place(shape.system, done, recoveries, between, ends[0])
+            name, rate = recoveries[place.stratum]
+            place.recoveries[name] = amount / rate
+
+    for visit in visits:
+        if load := visit.load(rates):
             middle, net = load
-            if abs(-middle - angle) > NEGLIGIBLE:
-                place, added = _place(
-                    shape.system, visits, recoveries, (previous, i), ends
-                )
-                name, rate = recoveries[place.stratum]
-                place.recoveries[name] = (-middle - angle) / rate
-                i += added
-            angle, previous = net - middle, i
-        i += 1
-    if last is not None and abs(last - angle) > NEGLIGIBLE:
-        place, _ = _place(
-            shape.system, visits, recoveries, (previous, len(visits)), ends
-        )
-        name, rate = recoveries[place.stratum]
-        place.recoveries[name] = (last - angle) / rate
+            recover(-middle - angle, visit)
+            angle, previous = net - middle, len(done)
+        done.append(visit)
+    if last is not None:
+        recover(last - angle, _Visit(ends[1], done[-1].segment if done else 0))
+    return done
 
 
 def _place(
     system: StratifiedSystem,
-    visits: list[_Visit],
+    done: list[_Visit],
     recoveries: Mapping[str, tuple[str, float]],
-    between: tuple[int, int],
-    ends: tuple[str, str],
-) -> tuple[_Visit, bool]:
-    """The latest visit between two others that allows the recovery, or a new visit.
+    between: tuple[int, _Visit],
+    depart: str,
+) -> _Visit:
+    """The latest of the visits done that allows the recovery, or a new one.
 
     A new visit is inserted where it adds fewest contact switches.
+
+    Args:
+        system: Whose contacts they are.
+        done: Visits in time order.
+        recoveries: Field and rate of the recovery on each stratum that allows it.
+        between: Index of the first that comes into question, and the visit that follows
+            all of them.
+        depart: Stratum before the first visit.
     """
-    first, last = between
-    for visit in reversed(visits[first + 1 : last]):
+    first, following = between
+    for visit in reversed(done[first:]):
         if visit.stratum in recoveries:
-            return visit, False
+            return visit
 
     def before(k: int) -> str:
-        return visits[k - 1].stratum if k else ends[0]
+        return done[k - 1].stratum if k else depart
+
+    def after(k: int) -> _Visit:
+        return done[k] if k < len(done) else following
 
     def added(place: tuple[int, str]) -> int:
         k, stratum = place
-        after = visits[k].stratum if k < len(visits) else ends[1]
-        through = system.switches(before(k), stratum) + system.switches(stratum, after)
-        return through - system.switches(before(k), after)
+        then = after(k).stratum
+        through = system.switches(before(k), stratum) + system.switches(stratum, then)
+        return through - system.switches(before(k), then)
 
     k, stratum = min(
-        ((k, stratum) for k in range(first + 1, last + 1) for stratum in recoveries),
+        ((k, stratum) for k in range(first, len(done) + 1) for stratum in recoveries),
         key=added,
     )
-    segment = visits[min(k, len(visits) - 1)].segment if k else 0
-    visits.insert(k, _Visit(stratum, segment))
-    return visits[k], True
+    done.insert(k, _Visit(stratum, after(k).segment if k else 0))
+    return done[k]

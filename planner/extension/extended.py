@@ -108,7 +108,7 @@ class ExtendedSystem:
     ) -> Array:
         """Inputs of least norm, relative to the sizes of the elements if given."""
         unit = matrix if sizes is None else matrix / sizes
-        left, singular, right = np.linalg.svd(unit, full_matrices=False)
+        left, singular, right = _decomposed(unit)
         needed = self.system.bottom_dimension
         largest = singular[..., :1] if sizes is None else 1.0
         kept = singular > largest / CONDITION  # (..., min(n, p))
@@ -221,3 +221,15 @@ def _inverse(matrix: Array) -> Array | None:
         axis=-1
     )
     return inverse if bool((size < CONDITION).all()) else None
+
+
+def _decomposed(matrix: Array) -> tuple[Array, Array, Array]:
+    """Singular value decompositions; of equal matrices in a row it is computed once."""
+    flat = matrix.reshape(-1, *matrix.shape[-2:])
+    new = np.append(True, (flat[1:] != flat[:-1]).any(axis=(-2, -1)))[: len(flat)]
+    parts = np.linalg.svd(flat[new], full_matrices=False)
+    repeated = np.cumsum(new) - 1
+    left, singular, right = (
+        part[repeated].reshape(*matrix.shape[:-2], *part.shape[1:]) for part in parts
+    )
+    return left, singular, right

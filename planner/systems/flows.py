@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from operator import itemgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -45,6 +46,10 @@ class Word(NamedTuple):
     durations: Sequence[float]
 
 
+_place = itemgetter(0, 1)  # stratum and field of a flow
+_duration = itemgetter(2)
+
+
 def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
     """Check that a system has the strata and fields that flows name.
 
@@ -52,7 +57,7 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
         ValueError: A stratum or a field is unknown, a field belongs to another stratum,
             or a duration is not finite.
     """
-    for stratum, field in dict.fromkeys(flow[:2] for flow in flows):
+    for stratum, field in dict.fromkeys(map(_place, flows)):
         if stratum not in system.strata:
             known = unknown(stratum, system.strata)
             raise ValueError(f"flow on stratum {stratum!r}, which {known}")
@@ -62,9 +67,9 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
             raise ValueError(
                 f"flow along {field} on S{stratum}; the field belongs to S{owner}"
             )
-    for flow in flows:
-        if not math.isfinite(flow.duration):
-            raise ValueError(f"the duration of flow {flow} is not finite")
+    if not all(map(math.isfinite, map(_duration, flows))):
+        flow = next(flow for flow in flows if not math.isfinite(flow.duration))
+        raise ValueError(f"the duration of flow {flow} is not finite")
 
 
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:

@@ -19,7 +19,12 @@ from planner.systems.strata import StratifiedSystem
 
 Commute = Callable[[str, str], bool]
 Pattern = tuple[str, ...]  # the fields of a word
-Joined = tuple[str, str, tuple[int, ...]]  # stratum, field, places of flows in one
+Joined = tuple[str, str, int, tuple[int, ...]]
+"""Stratum and field, and the places of the first and the other flows that are one."""
+
+
+Costs = tuple[tuple[str, int], ...]
+"""Switches on the way to each stratum, beyond those to the cheapest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +40,10 @@ class Arrangement:
     order: tuple[int, ...]
     end: str
     switches: int
+
+
+Links = dict[str, tuple[str, int, Arrangement]]
+"""Where each stratum is reached from, by which word and in which order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,11 +143,14 @@ class Grouper:
         key = (word.fields, order)
         if key not in self._joined:
             self._joined[key] = self._join(*key)
-        flows = [
-            Flow(stratum, name, sum([word.durations[k] for k in places]))
-            for stratum, name, places in self._joined[key]
-        ]
-        return [flow for flow in flows if flow.duration]
+        durations, found = word.durations, list[Flow]()
+        for stratum, name, first, others in self._joined[key]:
+            duration = durations[first]
+            for k in others:
+                duration += durations[k]
+            if duration:
+                found.append(Flow(stratum, name, duration))
+        return found
 
     def _join(self, pattern: Pattern, order: tuple[int, ...]) -> tuple[Joined, ...]:
         """Which flows of a pattern become one flow, in a given order."""
@@ -152,7 +164,12 @@ class Grouper:
                 joined[i].append(k)
         names = [pattern[places[0]] for places in joined]
         strata = [self.system.stratum_of[name] for name in names]
-        return tuple(zip(strata, names, map(tuple, joined), strict=True))
+        return tuple(
+            (stratum, name, first, tuple(others))
+            for stratum, name, (first, *others) in zip(
+                strata, names, joined, strict=True
+            )
+        )
 
     def _partner(self, fields: Sequence[str], name: str) -> int | None:
         """The last flow along the field, if the flows since then let it be joined.
@@ -221,30 +238,44 @@ def regroup(
         StratumError: The graph of strata does not join the strata of the words.
     """
     system = grouper.system
-    best: dict[str, int] = {start: 0}  # fewest switches on the way to each stratum
-    back: list[dict[str, tuple[str, int, Arrangement]]] = []
+    best: Costs = ((start, 0),)
+    back: list[Links] = []
+    known: dict[tuple[tuple[Pattern, ...], Costs], tuple[Costs, Links]] = {}
     for ways in segments:
         tick()
-        patterns = [way.fields for way in ways]
-        reached: dict[str, int] = {}
-        links: dict[str, tuple[str, int, Arrangement]] = {}
-        for here, cost in best.items():
-            for k, pattern in enumerate(patterns):
-                for found in grouper.arrangements(pattern, here):
-                    total = cost + found.switches
-                    if total < reached.get(found.end, total + 1):
-                        reached[found.end] = total
-                        links[found.end] = (here, k, found)
-        if not reached:
-            _refuse(system, best, patterns)
-        best = reached
+        key = tuple([way.fields for way in ways]), best
+        if key not in known:
+            known[key] = _onward(grouper, *key)
+        best, links = known[key]
         back.append(links)
-    end = min(best, key=lambda stratum: best[stratum] + system.switches(stratum, goal))
+    end, _ = min(best, key=lambda each: each[1] + system.switches(each[0], goal))
     chosen = []
     for ways, links in zip(reversed(segments), reversed(back), strict=True):
         end, k, found = links[end]
         chosen.append(grouper.flows(ways[k], found.order))
     return chosen[::-1]
+
+
+def _onward(
+    grouper: Grouper, patterns: Sequence[Pattern], best: Costs
+) -> tuple[Costs, Links]:
+    """The fewest switches to each stratum after one more segment, and how.
+
+    They are counted from the cheapest on, so that alike segments come out alike.
+    """
+    reached: dict[str, int] = {}
+    links: Links = {}
+    for here, cost in best:
+        for k, pattern in enumerate(patterns):
+            for found in grouper.arrangements(pattern, here):
+                total = cost + found.switches
+                if total < reached.get(found.end, total + 1):
+                    reached[found.end] = total
+                    links[found.end] = (here, k, found)
+    if not reached:
+        _refuse(grouper.system, [here for here, _ in best], patterns)
+    least = min(reached.values())
+    return tuple((end, total - least) for end, total in reached.items()), links
 
 
 def _refuse(
