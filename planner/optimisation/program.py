@@ -138,7 +138,8 @@ class Program:
                 last = j == STEPS - 1
                 states.append(X[:, after] if last else steps[:, j::STEPS])
                 places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STEPS))
-            asked.margins(task, stage, self._start, X[:, k], X[:, after])
+            ends_of = X[:, k], X[:, after]
+            asked.margins(task, stage, self._start, ends_of, width - TIGHTER)
         asked.corridor(task, self.path, states, places, width)
         asked.add(S[1:] - S[:-1], 0.0, np.inf)
         lengths = forward + backward, up + down

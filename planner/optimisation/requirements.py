@@ -76,26 +76,47 @@ class Requirements:
         self.add(within.map(where.numel())(every, where, everywhere), -np.inf, 0.0)
 
     def margins(
-        self, task: Task, stage: Stage, start: Array, begins: Any, ends: Any
+        self,
+        task: Task,
+        stage: Stage,
+        start: Array,
+        states: tuple[Any, Any],
+        width: Any,
     ) -> None:
-        """Keep the task's margins as stages begin, have recovered, and end."""
-        if not task.margins:
+        """Keep the task's margins and rooms as stages begin, have recovered, and end.
+
+        What rooms lack is made up for by the width of the corridor beyond its least.
+
+        Args:
+            task: Whose margins they are.
+            stage: The stage.
+            start: State that gives the coordinates that no stage moves, shape (n,).
+            states: Where stages begin and end.
+            width: Of the corridor, in tolerances, beyond the least.
+        """
+        if not task.margins and not task.rooms:
             return
         ca, n = solver(), len(task.moved)
-        begin, end = ca.SX.sym("begin", n), ca.SX.sym("end", n)
+        begin, end, more = ca.SX.sym("begin", n), ca.SX.sym("end", n), ca.SX.sym("more")
         recovered = {r.coordinate for r in stage.recoveries}
         mixed = [
             end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)
         ]
-        parts, shortest = list[Any](), float(task.sizes(start).min())
+        parts, unit = list[Any](), task.unit(start)
         for state in (begin, ca.vertcat(*mixed), end):
             whole = [ca.SX(float(v)) for v in start]
             for k, i in enumerate(task.moved):
                 whole[i] = state[k]
             for margin in task.margins:
-                parts += [part / shortest for part in margin(stage, whole)]
-        function = ca.Function("margins", [begin, end], [ca.vertcat(*parts)])
-        self.add(function.map(begins.shape[1])(begins, ends), 0.0, np.inf)
+                parts += [part / unit for part in margin(stage, whole)]
+            for room in task.rooms:
+                parts += [part / unit + more for part in room(stage, whole)]
+        if not parts:
+            return
+        function = ca.Function("margins", [begin, end, more], [ca.vertcat(*parts)])
+        count = states[0].shape[1]
+        mapped = function.map(count)(*states, ca.repmat(width, 1, count))
+        self.add(mapped, 0.0, np.inf)
 
     def times(
         self, task: Task, stages: Sequence[Stage], times: Any, D: Any, A: Any

@@ -21,7 +21,7 @@ from planner.numerics.arrays import Array
 from planner.numerics.budget import tick, unlimited
 from planner.numerics.interruption import answer
 from planner.optimisation.guesses import Coarse, guesses
-from planner.optimisation.program import Program
+from planner.optimisation.program import TIGHTER, Program
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 
@@ -231,6 +231,9 @@ class Search:
             )
         kept = " and ".join(f"{found.width * t.most:.3g}" for t in self.task.tolerances)
         asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
+        lacking = (found.width - TIGHTER) * self.task.unit(self.path(0.0))
+        closer = f", and comes up to {lacking:.3g} closer to obstacles than it may"
+        kept += closer if self.task.rooms else ""
         return BoundError(
             f"no plan was found within {asked} of the path at {window.ends[0]:.0%} of "
             f"it; the nearest found there keeps {kept}"

@@ -32,6 +32,8 @@ class Task:
         centred: Whether every stroke starts from legs set anew around zero, whose
             recoveries are laid later.
         margins: What else must hold in every stage.
+        rooms: Distances that must not be negative in any stage; where no plan keeps
+            them and the tolerances, both give way together.
     """
 
     system: StratifiedSystem
@@ -42,6 +44,7 @@ class Task:
     together: bool = False
     centred: bool = False
     margins: tuple[Margin, ...] = ()
+    rooms: tuple[Margin, ...] = ()
 
     def stage(self, number: int) -> Stage:
         """The stage of a number; stages follow each other in a cycle."""
@@ -84,6 +87,10 @@ class Task:
             sizes[group] = sizes[group].max()
         found: Array = np.where(sizes > 0, sizes, 1.0)[self.moved]
         return found
+
+    def unit(self, start: Array) -> float:
+        """The least that a unit of a stroke moves a coordinate by."""
+        return float(self.sizes(start).min())
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,12 @@ def real_twists(setup: Setup) -> TwistModel:
     return twist_model(setup, name)
 
 
+def least_clearance(setup: Setup) -> float | None:
+    """The clearance that a scenario asks for [m]; None if there is nothing to keep."""
+    least = setup.scenario.min_clearance
+    return least if setup.scenario.obstacles and least >= 0 else None
+
+
 @dataclass(frozen=True)
 class Judge:
     """Judges flows of one setup."""
@@ -94,25 +100,15 @@ class Judge:
         margin = self._predictor(schedule)(inspections(schedule) - 1).margin
         return max(0.0, least - float(margin.min()))
 
-    def require_clearance(self, plan: Plan) -> None:
-        """Refuse a plan that comes too close to an obstacle.
-
-        Raises:
-            BoundError: If it does.
-        """
-        setup = self.setup
-        least = setup.scenario.min_clearance
+    def clearance_lack(self, plan: Plan) -> float:
+        """What the least predicted clearance lacks to the one asked for [m], if any."""
+        least = least_clearance(self.setup)
         schedule = self.schedule(list(plan.segments()))
-        if not setup.scenario.obstacles or least < 0 or not schedule.phases:
-            return
-        stage = ForeseenStretch(self._predictor(schedule))
-        found = ClearanceBound(surroundings(setup), least).least_of(stage)
-        if found < least:
-            raise BoundError(
-                f"the shortest plan found comes within {1e3 * found:.1f} mm of an "
-                f"obstacle, where {1e3 * least:.1f} mm are required; give a smaller "
-                "path_tolerance"
-            )
+        if least is None or not schedule.phases:
+            return 0.0
+        bound = ClearanceBound(surroundings(self.setup), least)
+        stretch = ForeseenStretch(self._predictor(schedule))
+        return max(0.0, least - bound.least_of(stretch))
 
     def require_sound(self, plan: Plan) -> None:
         """Refuse a plan that tips the robot over, or makes its legs collide.

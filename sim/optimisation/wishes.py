@@ -25,6 +25,7 @@ from planner import (
     play,
 )
 from sim.motion.straying import straying
+from sim.optimisation.clearances import clearances
 from sim.optimisation.judging import Judge, real_twists
 from sim.optimisation.margins import margins
 from sim.preparation.setup import Setup
@@ -34,7 +35,7 @@ LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not
 ROUGH = 1e-6  # [m/rad], [rad/rad] of fields; the aim makes up for what they leave out
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
 SAMPLES = 8  # of a flow of the stratified plan
-GUARD = 1e-4  # [m] of the margin, for what lies between the ends of strokes
+GUARD = 1e-4  # [m] of margin and clearance, for what lies between the ends of strokes
 
 
 @lru_cache(maxsize=4)
@@ -77,15 +78,26 @@ def straying_of(setup: Setup, plan: Plan) -> dict[str, float]:
     return straying(setup.scenario.path.curve, states[:, :3])
 
 
-def wish_of(
-    setup: Setup, within: tuple[float, float], least_margin: float | None
-) -> Wish:
+@dataclass(frozen=True)
+class Least:
+    """What an optimised plan has to keep.
+
+    Attributes:
+        margin: Stability margin [m], if any.
+        clearance: From obstacles [m], if any.
+    """
+
+    margin: float | None = None
+    clearance: float | None = None
+
+
+def wish_of(setup: Setup, within: tuple[float, float], least: Least) -> Wish:
     """The task, and how its flows are judged.
 
     Args:
         setup: What to walk.
         within: Tolerances of position [m] and yaw [rad].
-        least_margin: Stability margin to keep [m], if any.
+        least: Margin and clearance to keep.
     """
     scenario, described = setup.scenario, real_equations(setup)
     system, stance = described.system, described.stance
@@ -98,7 +110,9 @@ def wish_of(
     recoveries = {r.field for stage in stages for r in stage.recoveries}
     cheap = CHEAP if scenario.optimise == "strokes" else 1.0
     yaw = within[1] if within[1] < pi else inf
-    asked = () if least_margin is None else (margins(setup, least_margin + GUARD),)
+    asked = () if least.margin is None else (margins(setup, least.margin + GUARD),)
+    clear = least.clearance
+    rooms = () if clear is None else (clearances(setup, clear + GUARD, within[0]),)
     task = Task(
         system=system,
         stages=stages,
@@ -113,6 +127,7 @@ def wish_of(
         together=scenario.together,
         centred=stance == "stepped",
         margins=asked,
+        rooms=rooms,
     )
     judge = Judge(setup)
     objective = scenario.optimise

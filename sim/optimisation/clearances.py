@@ -1,0 +1,188 @@
+"""The clearance from obstacles as expressions that a solver can differentiate.
+
+Two convex shapes that are apart are closest at a corner of one of them. Seen from
+above, the distances of the robot's corners from the obstacles, and of the obstacles'
+corners from the robot's sides, are therefore all that is needed. Their derivatives are
+continuous outside of an obstacle. The least of them is smoothed, and is never
+overestimated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, reduce
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+import shapely
+
+from planner import Stage
+from sim.obstacles.clearance import surroundings
+from sim.optimisation.outlines import BODY, MovingPart, Place, discs, moving_parts
+from sim.preparation.setup import Setup
+
+FIRST_ANGLE = 3  # of the state, after the pose
+SOFT = 5e-4  # [m] within which the least of several distances is smoothed
+TINY = 1e-12  # [m^2], keeps the root of a square differentiable
+POINTS = 201  # of the path, to which obstacles may be near
+FAR = 10.0  # [m], of a corridor that counts as without end
+
+Sides = Sequence[tuple[Place, Place]]
+
+
+@dataclass(frozen=True)
+class Near:
+    """What a robot on its way can come near to of one convex piece of an obstacle."""
+
+    sides: Sides
+    corners: Sequence[Place]
+
+
+def clearances(
+    setup: Setup, least: float, within: float
+) -> Callable[[Stage, Sequence[Any]], list[Any]]:
+    """What body and legs are farther from all obstacles than a least clearance [m].
+
+    Args:
+        setup: Robot, path and obstacles.
+        least: Clearance to keep [m].
+        within: How far the body may stray from the path [m].
+
+    Returns:
+        Expressions that must not be negative, from a stage and a state's entries.
+    """
+    pieces = list(near_pieces(setup, within))
+    groups = setup.robot.group_of_leg
+
+    @lru_cache
+    def shapes(stratum: str) -> list[list[MovingPart]]:
+        parts = moving_parts(setup, stratum)
+        return [list(own) for _, own in groupby(parts, key=lambda part: part.leg)]
+
+    def of(stage: Stage, state: Sequence[Any]) -> list[Any]:
+        import casadi as ca
+
+        turn = ca.cos(state[2]), ca.sin(state[2])
+        rows = []
+        for parts in shapes(stage.stratum):
+            leg = parts[0].leg
+            gain = float(setup.robot.swing_gain[leg])
+            swing = 0.0 if leg == BODY else gain * state[FIRST_ANGLE + groups[leg]]
+            angle = ca.cos(swing), ca.sin(swing)
+            found = list(_distances(parts, angle, (*state[:2], *turn), pieces))
+            rows += [_soft_least(found) - least] if found else []
+        return rows
+
+    return of
+
+
+def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
+    """Sides and corners of obstacles that the robot can reach from its path.
+
+    Args:
+        setup: Robot, path and obstacles.
+        within: How far the body may stray from the path [m].
+    """
+    outline = surroundings(setup).outline
+    swings = [limits for limits in zip(*setup.equations.limits.values(), strict=True)]
+    angles = np.array([*swings, np.zeros(len(setup.robot.groups))])
+    still = np.zeros((len(angles), 3)), angles, np.zeros_like(angles)
+    reach = max(map(outline.radius, outline.configurations(*still)))
+    reach += min(within, FAR) + setup.scenario.min_clearance
+    way = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, POINTS))[:, :2]
+    path, points = shapely.linestrings(way), shapely.points(way)
+    for obstacle in setup.scenario.obstacles:
+        for piece in obstacle.pieces:
+            hull = shapely.orient_polygons(shapely.Polygon(piece.corners))
+            corners = hull.exterior.coords[:-1]
+            sides = [
+                (begin, end)
+                for begin, end in zip(corners, corners[1:] + corners[:1], strict=True)
+                if shapely.distance(shapely.linestrings([begin, end]), path) < reach
+                and (_outward(begin, end, shapely.get_coordinates(points).T) > 0).any()
+            ]
+            reached = [
+                corner
+                for corner in corners
+                if shapely.distance(shapely.Point(corner), path) < reach
+            ]
+            if sides:
+                yield Near(sides, reached)
+
+
+def _distances(
+    parts: Sequence[MovingPart],
+    angle: tuple[Any, Any],
+    pose: tuple[Any, Any, Any, Any],
+    pieces: Sequence[Near],
+) -> Iterator[Any]:
+    """Distances between parts of one leg, or the body, and pieces of obstacles."""
+    x, y, cos, sin = pose
+    for disc in discs(list(parts)):
+        ((u, v),) = disc.corners(*angle)
+        place = x + cos * u - sin * v, y + sin * u + cos * v
+        for piece in pieces:
+            yield distance(place, piece.sides) - disc.radius
+    for part in parts:
+        own = part.corners(*angle)
+        if len(own) < 2:
+            continue
+        sides = list(zip(own, own[1:] + own[:1], strict=True))
+        for corner in (corner for piece in pieces for corner in piece.corners):
+            u, v = corner[0] - x, corner[1] - y
+            local = cos * u + sin * v, cos * v - sin * u
+            found = distance(local, sides) if len(own) > 2 else apart(local, sides)
+            yield found - part.radius
+
+
+def distance(point: Place, sides: Sides) -> Any:
+    """Signed distance of a point from a convex polygon.
+
+    Args:
+        point: Its place.
+        sides: Sides in counter-clockwise order; some may be left out.
+
+    Returns:
+        CasADi's expression [m]; inside, minus the distance from the nearest side.
+    """
+    import casadi as ca
+
+    beyond = reduce(ca.fmax, [_outward(*side, point) for side in sides])
+    return ca.if_else(beyond > 0, apart(point, sides), beyond)
+
+
+def apart(point: Place, sides: Sides) -> Any:
+    """Distance of a point from the nearest of several segments [m]."""
+    import casadi as ca
+
+    nearest = reduce(ca.fmin, [_square(point, *side) for side in sides])
+    return ca.sqrt(nearest + TINY)
+
+
+def _square(point: Place, begin: Place, end: Place) -> Any:
+    """Squared distance of a point from a segment."""
+    import casadi as ca
+
+    along = end[0] - begin[0], end[1] - begin[1]
+    out = point[0] - begin[0], point[1] - begin[1]
+    share = (along[0] * out[0] + along[1] * out[1]) / (along[0] ** 2 + along[1] ** 2)
+    share = ca.fmin(ca.fmax(share, 0.0), 1.0)
+    return (out[0] - share * along[0]) ** 2 + (out[1] - share * along[1]) ** 2
+
+
+def _outward(begin: Place, end: Place, point: Any) -> Any:
+    """Distance of a point to the right of a line."""
+    along = end[0] - begin[0], end[1] - begin[1]
+    out = point[0] - begin[0], point[1] - begin[1]
+    length = (along[0] ** 2 + along[1] ** 2) ** 0.5
+    return (along[1] * out[0] - along[0] * out[1]) / length
+
+
+def _soft_least(values: Sequence[Any]) -> Any:
+    """A smooth lower bound on the least of several distances."""
+    import casadi as ca
+
+    least = reduce(ca.fmin, values)
+    return least - SOFT * ca.log(sum(ca.exp((least - v) / SOFT) for v in values))

@@ -1,0 +1,82 @@
+"""Clearances as expressions are those that shapely measures, from below."""
+
+import numpy as np
+import pytest
+
+from sim.obstacles.clearance import surroundings
+from sim.optimisation.clearances import SOFT, clearances, near_pieces
+from sim.optimisation.judging import Judge
+from sim.optimisation.outlines import BODY, moving_parts
+from sim.optimisation.planned import PlannedWalk
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
+
+ca = pytest.importorskip("casadi")
+
+WALL = {"kind": "wall", "points": [[-0.4, 0.23], [0.4, 0.23]]}
+BESIDE = {
+    "path.goal": [0.06, 0.0, 0.0],
+    "segments": 8,
+    "path_tolerance": 0.03,
+    "yaw_tolerance": 3.2,
+    "optimise": "time",
+    "obstacles": [WALL],
+}
+
+
+@pytest.fixture(scope="module")
+def passage():
+    return prepare(load_scenario("corridor"))
+
+
+def stage_on(stratum):
+    return type("Stage", (), {"stratum": stratum})
+
+
+@pytest.mark.parametrize("stratum", ["1", "2", "12"])
+def test_outside_of_obstacles_they_are_exact_but_for_the_smoothing(passage, stratum):
+    state = ca.SX.sym("state", 5)
+    entries = [state[i] for i in range(5)]
+    rows = clearances(passage, 0.0, 0.02)(stage_on(stratum), entries)
+    found = ca.Function("least", [state], [ca.mmin(ca.vertcat(*rows))])
+    rng, around = np.random.default_rng(0), surroundings(passage)
+    along = passage.scenario.path.curve.at(rng.uniform(size=60))
+    poses = along + rng.normal(size=(60, 3)) * [0.03, 0.03, 0.1]
+    swing = rng.uniform(-0.45, 0.45, (60, 2))
+    lift = np.array([g not in stratum for g in passage.robot.groups])
+    lift = np.tile(lift * passage.limits.lift_angle, (60, 1))
+    exact = around.sweep(around.outline.configurations(poses, swing, lift)).least
+    free = exact > 0
+    assert 20 < free.sum() < 60
+    least = np.array([float(found(x)) for x in np.hstack([poses, swing])])
+    over = exact - least
+    assert over[free].min() > -1e-7  # [m], TINY's root apart
+    assert over[free].max() < SOFT * np.log(30)  # of as many distances at most
+    assert least[~free].max() < 0.0
+
+
+def test_only_sides_and_corners_that_are_in_reach_are_looked_at(passage):
+    near = list(near_pieces(passage, 0.02))
+    assert [len(piece.sides) for piece in near] == [1, 1, 2]
+    assert [list(piece.corners) for piece in near[:2]] == [[], []]
+    assert near[2].corners == [pytest.approx((0.14, 0.21))]
+
+
+def test_parts_of_the_body_do_not_swing(passage):
+    parts = moving_parts(passage, "1")
+    fixed = [np.abs(p.terms[1:]).max() < 1e-9 for p in parts if p.leg == BODY]
+    assert fixed
+    assert all(fixed)
+
+
+def test_a_plan_keeps_away_from_a_wall_that_it_would_come_too_close_to(monkeypatch):
+    monkeypatch.setattr("planner.optimisation.search.CLOSELY", 1)
+    free = prepare(load_scenario("line", BESIDE | {"min_clearance": -1.0}))
+    close = PlannedWalk(free).plan()
+    asked = {"min_clearance": 0.02}
+    setup = prepare(load_scenario("line", BESIDE | asked))
+    judge = Judge(setup)
+    assert judge.clearance_lack(close) > 0.002
+    chosen = PlannedWalk(setup).choose()
+    assert chosen.fallback is None
+    assert judge.clearance_lack(chosen.plan) == 0.0
