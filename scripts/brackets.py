@@ -32,12 +32,13 @@ def draw_loops(axes: Any) -> None:
         axes.plot(x, y, color=BLUE, linewidth=1)
         axes.plot(x[-1], y[-1], "o", color=RED, markersize=4)
         axes.plot(0, -(t**2), "o", color=GREY, markersize=5, fillstyle="none")
-    axes.plot([], [], "o", color=RED, markersize=4, label="end of a loop of duration t")
+    axes.plot([], [], "o", color=RED, markersize=4, label="end of a loop")
     bracket = "$t^2$ times the bracket"
     axes.plot([], [], "o", color=GREY, markersize=5, fillstyle="none", label=bracket)
     axes.legend(fontsize=7, loc="lower right", frameon=False)
-    axes.set(title="A wheel drives, turns, and undoes both", xlabel="x", ylabel="y")
+    axes.set(title="A wheel drives and turns", xlabel="x", ylabel="y")
     axes.set_aspect("equal")
+    axes.set_ylim(-1.42, 0.08)  # room for the legend
 
 
 def draw_word(axes: Any) -> None:
@@ -50,10 +51,10 @@ def draw_word(axes: Any) -> None:
     for k, (tripod, _) in enumerate(word):
         x, y = states[k * FINE : (k + 1) * FINE + 1, :2].T
         axes.plot(x, y, color=BLUE if tripod == "1" else RED, linewidth=1.6)
-    axes.plot([], [], color=BLUE, label="tripod 1 stands and swings")
-    axes.plot([], [], color=RED, label="tripod 2 stands and swings")
+    axes.plot([], [], color=BLUE, label="tripod 1 swings")
+    axes.plot([], [], color=RED, label="tripod 2 swings")
     axes.annotate("", states[-1, :2], (0, 0), arrowprops={"arrowstyle": "->"})
-    axes.text(0.03, 0.24, "sideways", color=GREY, fontsize=8)
+    axes.text(0.03, 0.24, "sideways", color=GREY, fontsize=7)
     axes.legend(fontsize=7, loc="upper right", frameon=False)
     axes.set(title="A hexapod's bracket", xlabel="forward", ylabel="left")
     axes.set(xlim=(-0.15, 1.3), ylim=(-0.1, 0.85))
@@ -73,10 +74,13 @@ def draw_errors(axes: Any) -> None:
     ]  # fmt: skip
     axes.loglog(SEGMENTS, errors, "o-", color=GREEN, markersize=4)
     axes.loglog(SEGMENTS, errors[-1] * SEGMENTS[-1] / np.array(SEGMENTS), "--", c=GREY)
+    axes.lines[0].set_label("end of the plan")
+    axes.lines[1].set_label("one over n")
+    axes.legend(fontsize=7, loc="upper right", frameon=False)
     axes.set_xticks(SEGMENTS, [str(n) for n in SEGMENTS])
     axes.minorticks_off()
     axes.set(title="Cut finer, it ends nearer", xlabel="segments n")
-    axes.set_ylabel("distance of the end from the goal")
+    axes.set_ylabel("distance from the goal")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -90,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
     style = {"font.size": 8, "svg.hashsalt": "brackets", "svg.fonttype": "path"}
     with mpl.rc_context(style):
-        figure = Figure(figsize=(10.2, 3.4), layout="constrained")
+        figure = Figure(figsize=(7.6, 2.7), layout="constrained")
         panels = figure.subplots(1, 3)
         for axes, draw in zip(
             panels, (draw_loops, draw_word, draw_errors), strict=True

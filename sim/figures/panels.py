@@ -145,7 +145,7 @@ def _draw_height(
     levels = np.linspace(values.min() if one_sign else -most, most, LEVELS)
     colours = "Purples" if one_sign else "PuOr"
     drawn = axes.contourf(angles, angles, values, levels, cmap=colours, alpha=0.55)
-    ticks = MaxNLocator(nbins=5).tick_values(levels[0], levels[-1])
+    ticks = MaxNLocator(nbins=5, steps=[1, 2, 5, 10]).tick_values(*levels[[0, -1]])
     within = [tick for tick in ticks if levels[0] <= tick <= levels[-1]]
     bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=within, format="%.3g")
     bar.set_label(f"[{unit}]")
