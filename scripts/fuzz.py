@@ -38,7 +38,7 @@ from scripts.fuzz_worker import judged, limit_process, serve
 LIMIT = 60.0  # [s] a case may take, on the processor in any case
 START = 100.0  # [s] a process may take to begin
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
-FRESH = 300  # cases after which libraries have kept enough for another process
+FRESH = 1000  # cases after which libraries have kept enough for another process
 
 
 class Crew:
@@ -205,6 +205,8 @@ def _run(asked: argparse.Namespace, crew: Crew) -> int:
             took = time.monotonic() - began
             done[kind] += 1
             longest[kind] = max(longest.get(kind, (0.0, 0)), (round(took, 1), seed))
+            if done.total() % 1000 == 0:
+                print(f"{done.total()} cases so far", flush=True)
             if wrong is not None:
                 faults += 1
                 print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)

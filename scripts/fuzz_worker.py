@@ -9,6 +9,7 @@ hundredths of a second.
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import math
 import os
@@ -38,7 +39,6 @@ def serve(cases: Connection, limit: float) -> None:
     """
     os.setsid()
     quicken()
-    import_module("sim.cli")
     cases.send("ready")
     with tempfile.TemporaryFile() as below, contextlib.suppress(EOFError):
         for stream in (sys.stdout, sys.stderr):
@@ -70,7 +70,12 @@ def limit_process(seconds: float) -> None:
 
 
 def quicken() -> None:
-    """Try models in this process; no door leads to the part that is replaced."""
+    """Try models in this process, and make the parser of the command line once.
+
+    No door leads to the parts that are replaced.
+    """
+    cli = import_module("sim.cli")
+    cli.parser = functools.cache(cli.parser)  # type: ignore[attr-defined]
     inspection = import_module("models.description.inspection")
     trial = import_module("models.description.trial")
 
