@@ -43,16 +43,16 @@ def add_imperfections(
             servos as joints.
     """
     _require_offsets(robot, scenario)
-    if scenario.payload is not None:
-        _load(spec.body(robot.root), *scenario.payload)
-    if scenario.slope is not None:
-        _tilt(spec, *scenario.slope)
     if scenario.floor_stiffness is not None:
         _soften(spec.geom(floor), scenario.floor_stiffness)
     if slack := scenario.play + scenario.dead_band:
         rigid = _mobility(spec, robot)
         _loosen(spec, robot, slack)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
+    if scenario.payload is not None:
+        _load(spec.body(robot.root), *scenario.payload)
+    if scenario.slope is not None:
+        _tilt(spec, *scenario.slope)
     if scenario.foot_friction is not None:
         _set_foot_friction(spec, robot, spec.geom(floor), scenario)
 
