@@ -86,12 +86,15 @@ HEXAPOD_RADIAL = replace(
 )
 
 # The table-top robot of classrooms: twelve MG90-class servos in printed parts, six
-# equal radial legs on a round body. A servo weighs 13.4 g; six swing servos, two 18650
-# cells (48 g each), the electronics and the printed body make 0.30 kg, a lift servo and
-# the printed leg 25 g. As such robots are sold, with legs straight out, they walk and
-# turn and cannot step sideways. Here the horns are mounted turned, so that each tripod
-# has a pivot: where its inner leg swings half as far as the outer ones, which keeps all
-# of them on counts.
+# equal radial legs on a round body, such as the Vorpal (vorpalrobotics.com/wiki).
+# Masses: a servo weighs 13.4 g (data sheet of the MG90S), a cell 48.5 g (Panasonic
+# NCR18650B); six swing servos and two cells are 177 g, the printed body and the
+# electronics are taken as 123 g, the printed leg with its lift servo as 25 g. Sizes
+# are not published: legs of 60 mm on hips 60 mm from the middle are taken, so that
+# feet stand on a circle of 0.24 m.
+# As such robots are sold, with legs straight out, they walk and turn and cannot step
+# sideways. Here the horns are mounted turned, so that each tripod has a pivot: where
+# its inner leg swings half as far as the outer ones, which keeps all of them on counts.
 CLASSROOM_PIVOT = 0.044559963  # 0.0754 m from the inner foot, 0.1509 m from the others
 CLASSROOM_PIVOTS = {
     leg: (0.0, -CLASSROOM_PIVOT if leg in (1, 4, 5) else CLASSROOM_PIVOT)
