@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.numerics.budget import tick
+from planner.numerics.collector import uncollected
 from planner.planning.nominal import (
     default_nodes,
     extend_along,
@@ -238,12 +239,14 @@ def assemble(
         nominal: Configurations between segments, ends included, (segments + 1, n).
         execution: How to carry them out.
     """
-    ordered = execution.flows(extended, hall_coordinates, nominal)
+    with uncollected():
+        ordered = execution.flows(extended, hall_coordinates, nominal)
+        flows = tuple(chain.from_iterable(ordered))
     return Plan(
         system=extended.system,
         elements=extended.elements,
         basis=extended.steering.basis,
-        flows=tuple(flow for flows in ordered for flow in flows),
+        flows=flows,
         segment_ends=tuple(np.cumsum([len(flows) for flows in ordered]).tolist()),
         inputs=inputs,
         hall_coordinates=hall_coordinates,
