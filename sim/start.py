@@ -28,6 +28,7 @@ def main() -> int:
     _prepare_streams()
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # libraries' hints to programmers
+        os.environ["PYTHONWARNINGS"] = "ignore"  # in processes that are begun, too
     from sim import cli, interruption
 
     interruption.watch()

@@ -180,6 +180,20 @@ def test_a_library_that_was_stopped_halfway_says_nothing_more(stratawalk, tmp_pa
     assert refusal(done).startswith("interrupted: Ctrl-C")
 
 
+def test_hints_to_programmers_reach_nobody_else(stratawalk, tmp_path):
+    """Neither from the command's own process nor from one that it begins."""
+    (tmp_path / "mine.py").write_text(
+        "import subprocess, sys, warnings\n"
+        "hint = 'import warnings; warnings.warn(\"mind\")'\n"
+        "exec(hint)\n"
+        "subprocess.run([sys.executable, '-c', hint])\n"
+        "raise SystemExit('done')\n"
+    )
+    done = stratawalk("check", "mine.py")
+    assert done.returncode == 2
+    assert "SystemExit: done" in refusal(done)
+
+
 def test_ctrl_c_is_answered_while_a_users_model_compiles(robot, tmp_path):
     name = robot(
         "<worldbody>",
