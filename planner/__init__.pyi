@@ -23,6 +23,7 @@ from .execution.execution import (
     Execution as Execution,
     StanceRule as StanceRule,
 )
+from .execution.repositioning import reposition_legs as reposition_legs
 from .execution.stepping import (
     StabilityTest as StabilityTest,
     stepped as stepped,

@@ -23,7 +23,7 @@ from sim.planning.routes import routed
 from sim.planning.sharing import is_shareable, keeper, shared_plan, world_keeper
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_distance, check_effort
-from sim.preparation.reach import explained
+from sim.preparation.reach import explained, require_reach
 from sim.preparation.setup import Setup, prepare
 from sim.preparation.shared import Shared
 from sim.progress import Progress, at_most, silent, stage
@@ -136,6 +136,8 @@ def simulate(
         setup = prepare(scenario, robot, shared)
     with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
         check_distance(setup)
+        way = setup.robot, setup.equations, setup.nominal()
+        keeper(setup, shared)("reach", partial(require_reach, *way))
         setup = routed(setup)
         scenario = setup.scenario
         planned = PlannedWalk(within_bounds(setup), progress)

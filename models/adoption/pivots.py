@@ -82,8 +82,7 @@ def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups
     if not sure:
         raise ModelError(
             f"no two groups of its {count} legs can stand alone in turn: {source}; its "
-            "weight is not inside the feet of one while the others are lifted; write a "
-            "card with patterns, as that of the shipped quadruped, if it can row"
+            "weight is not inside the feet of one while the others are lifted"
         )
     sure.sort(key=lambda way: -round(way[0], 6))
     return [(group, other) for _, group, other in sure[:MOST_WAYS]]

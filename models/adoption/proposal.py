@@ -59,5 +59,5 @@ def propose(robot: Robot) -> Proposal | None:
         return None
     if found.lacking:
         return None
-    turned = max(float(np.abs(stand.turns).max()) for stand in draft.stands)
+    turned = float(np.abs(draft.gait.turns).max())
     return Proposal(turned, found)

@@ -14,8 +14,7 @@ from models.description.compiled import actuators_of
 from models.description.robot import Robot
 
 STIFF = 2500.0  # times the torque that a leg bears, for a radian
-FASTEST = 1000.0  # [rad/s] of a servo's own frequency, that the physics step follows
-SOFTEST = 100.0  # times the same torque, however light the joints are
+FASTEST = 700.0  # [rad/s] of a servo's own frequency, as that of the shipped robots
 
 
 def servo_for(robot: Robot) -> Servo:
@@ -32,18 +31,16 @@ def servo_for(robot: Robot) -> Servo:
     hips = np.array([pose.data.joint(leg.swing).xanchor[:2] for leg in legs])
     arm = float(np.linalg.norm(feet - hips, axis=1).max())
     joints = [joint for leg in legs for joint in leg.joints]
-    stiffness, damping = drafted_servo(pose, joints, arm, len(legs))
-    return Servo(stiffness, damping)
+    return drafted_servo(pose, joints, arm, len(legs))
 
 
-def drafted_servo(
-    pose: Pose, joints: Sequence[str], arm: float, legs: int
-) -> tuple[float, float]:
-    """Stiffness [N m/rad] and damping [N m s/rad] of a servo for some joints.
+def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> Servo:
+    """A servo for some joints, critically damped.
 
-    Half of the legs are to bear the weight with little sag, but the servo is no stiffer
-    than the physics step can follow: joints of little inertia, as URDF often has them,
-    get soft ones. The damping is critical.
+    Half of the legs are to bear the weight with little sag. A stiff servo has gears,
+    and behind them its rotor weighs more than the leg does. Files of mere links, as
+    URDF often are, leave that out, and on joints of so little inertia the physics step
+    cannot follow a stiff servo: feet would bounce. Such joints get the rotor as well.
 
     Args:
         pose: The model as it stands.
@@ -57,10 +54,10 @@ def drafted_servo(
     mujoco.mj_fullM(model, pose.data, inertia)
     own = np.diag(inertia)[[int(model.joint(name).dofadr[0]) for name in joints]]
     weight = 9.81 * float(model.body_subtreemass[pose.root])
-    torque = weight * arm / (legs / 2)
-    followed = float(own.min()) * FASTEST**2
-    stiffness = max(min(STIFF * torque, followed), SOFTEST * torque)
-    return stiffness, 2 * float(np.sqrt(stiffness * np.median(own)))
+    stiffness = STIFF * weight * arm / (legs / 2)
+    armature = max(stiffness / FASTEST**2 - float(own.min()), 0.0)
+    critical = 2 * float(np.sqrt(stiffness * (np.median(own) + armature)))
+    return Servo(stiffness, critical, armature=armature)
 
 
 def has_servo(model: mujoco.MjModel, joint: str) -> bool:

@@ -50,7 +50,7 @@ class StaticStability:
         """
         feet, center = self._combined(angles)
         standing = map(self.robot.planted, strata)
-        return np.stack([_least_load(feet[..., on, :], center) for on in standing])
+        return np.stack([least_load(feet[..., on, :], center) for on in standing])
 
     def at_rest_and_best(self) -> dict[str, tuple[float, float]]:
         """Least share with all legs at angle 0, and with legs anywhere in range.
@@ -96,8 +96,16 @@ class StaticStability:
         return Kinematics(self.robot)
 
 
-def _least_load(feet: Array, center: Array) -> Array:
-    """Smallest share of the weight on any of the feet, shape (...)."""
+def least_load(feet: Array, center: Array) -> Array:
+    """Smallest share of the weight on any of the feet; 0 or less where they tip.
+
+    Args:
+        feet: Feet on the ground, shape (..., F, 2) [m].
+        center: Centre of mass, shape (..., 2) [m].
+
+    Returns:
+        Shape (...).
+    """
     if feet.shape[-2] == 3:
         return _shares(feet, center).min(axis=-1)
     rows = static_loads(feet.reshape(-1, *feet.shape[-2:]), center.reshape(-1, 2))

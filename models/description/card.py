@@ -92,12 +92,28 @@ class Servo:
     stiffness: float  # [N m/rad]
     damping: float  # [N m s/rad]
     made: str = ""  # make of the servos that the robot is built with
+    armature: float = 0.0  # inertia of its rotor behind the gears [kg m^2]
 
     def __post_init__(self) -> None:
         if not (isfinite(self.stiffness) and self.stiffness > 0):
             raise ValueError(f"stiffness must be positive, got {self.stiffness}")
         if not (isfinite(self.damping) and self.damping >= 0):
             raise ValueError(f"damping must not be negative, got {self.damping}")
+        if not (isfinite(self.armature) and self.armature >= 0):
+            raise ValueError(f"armature must not be negative, got {self.armature}")
+        self._check_kind()
+
+    def __str__(self) -> str:
+        rotor = f" and rotors of {self.armature:.3g} kg m^2" if self.armature else ""
+        return f"{self.stiffness:.4g} N m/rad, {self.damping:.4g} N m s/rad{rotor}"
+
+    @property
+    def settings(self) -> dict[str, float]:
+        """What the card says of it, by key."""
+        rotor = {"armature": self.armature} if self.armature else {}
+        return {"stiffness": self.stiffness, "damping": self.damping, **rotor}
+
+    def _check_kind(self) -> None:
         if self.made and self.made not in SERVO_KINDS:
             raise ValueError(f"kind {self.made!r} {unknown(self.made, SERVO_KINDS)}")
 

@@ -33,7 +33,7 @@ KEYS = {
     "group": ("legs", "twist"),
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
-    "servo": ("stiffness", "damping", "kind"),
+    "servo": ("stiffness", "damping", "armature", "kind"),
     "start": (),
 }
 OPTIONAL = ("pattern",)
@@ -148,7 +148,8 @@ def _servo(servo: Table) -> Servo | None:
         key: own[key] if key in own and key not in table else table.number(key)
         for key in ("stiffness", "damping")
     }
-    return table.make(Servo, **given, made=kind)
+    armature = table.number("armature") if "armature" in table else 0.0
+    return table.make(Servo, **given, made=kind, armature=armature)
 
 
 def _joint_servos(table: Table) -> dict[str, JointServo]:

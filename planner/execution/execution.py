@@ -13,12 +13,12 @@ from typing import Literal, get_args
 
 from planner.errors import RangeError, StratumError, unknown
 from planner.execution.centring import centred
-from planner.execution.nearest_words import nearest_words
+from planner.execution.nearest_words import nearest_signs, nearest_words
 from planner.execution.stepping import StabilityTest, stepped
 from planner.extension.extended import ExtendedSystem
-from planner.extension.steering import Wording
+from planner.extension.steering import Spelled, Wording
 from planner.numerics.arrays import Array
-from planner.systems.flows import Flow
+from planner.systems.flows import Flow, Word
 from planner.systems.gait_order import regroup_in_gait
 from planner.systems.grouping import regroup
 from planner.systems.shape import ShapeLimits
@@ -34,6 +34,8 @@ CHOICES: Mapping[str, tuple[tuple[Wording, ...], ...]] = {
     "fewest": (("backward", "forward"), ("backward",), ("forward",)),
 }
 """Sets of words to choose from; the next set is tried if limits refuse the plan."""
+SIGNED: tuple[Spelled, ...] = ("backward", "forward")
+SIGNED_FROM = 3  # degree of words whose signs are tried; below, rectangles have corners
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +49,8 @@ class Execution:
         coordinates: Hall coordinates that the flows follow. `fewest` takes for each
             segment those with fewest contact switches, or those that end nearest to
             their goal where the degree of the approximation is raised beyond that of
-            the elements. `shortest` takes the words of least total duration,
+            the elements, and runs generators forward or backward as suits the fields.
+            `shortest` takes the words of least total duration,
             `symmetric` mirrors the words of every second segment, so that the errors
             of neighbours cancel.
         limits: Lowest and highest value of shape coordinates by name.
@@ -122,8 +125,7 @@ class Execution:
         if steering.raised and len(orders) > 1:
             ways = [nearest_words(extended, hall_coordinates, nominal)]
         else:
-            starts = nominal[:-1]
-            ways = [steering.words(hall_coordinates, o, starts) for o in orders]
+            ways = self._words(extended, hall_coordinates, nominal, orders)
         words = list(zip(*ways, strict=True))
         if self.gait:
             ordered = regroup_in_gait(extended.grouper, words, self.gait, ends[0])
@@ -138,6 +140,21 @@ class Execution:
             ordered = stepped(extended.shape, ordered, start, shape_after, *rules)
         extended.shape.require_within(self.limits, chain(*ordered), start)
         return ordered
+
+    def _words(
+        self,
+        extended: ExtendedSystem,
+        hall_coordinates: Array,
+        nominal: Array,
+        orders: Sequence[Wording],
+    ) -> list[list[Word]]:
+        """Words of all segments in each of the orders, with signs that suit them."""
+        steering, plain = extended.steering, [o for o in SIGNED if o in orders]
+        if steering.degree < SIGNED_FROM or self.coordinates != "fewest":
+            starts = nominal[:-1]
+            return [steering.words(hall_coordinates, o, starts) for o in orders]
+        signs = nearest_signs(extended, hall_coordinates, nominal, plain)
+        return [steering.scaled_words(hall_coordinates, o, signs) for o in plain]
 
     def _ends(self, extended: ExtendedSystem) -> tuple[str, str]:
         system = extended.system

@@ -2,8 +2,11 @@
 
 Words of an approximation of degree k miss brackets of degree k + 1. The error of two
 orders of the same flows may differ a hundredfold, and which one is the smaller depends
-on the goal, so each candidate is rolled out. That costs time, and is done only where
-the degree is raised above that of the elements, for the sake of accuracy.
+on the goal and on the signs of the fields, so the words are played, with each generator
+run forward or backward first. Therefore a plan is as good whichever signs a system is
+written with. That costs some rollouts a segment, which only a degree beyond that of the
+elements is worth: it is asked for where accuracy matters. Otherwise the signs are
+chosen once for all segments of a plan, on a sample of them.
 """
 
 from __future__ import annotations
@@ -14,13 +17,15 @@ import numpy as np
 
 from planner.errors import ConvergenceError
 from planner.extension.extended import ExtendedSystem
-from planner.extension.steering import Wording
+from planner.extension.steering import Spelled
 from planner.numerics.arrays import Array
 from planner.numerics.budget import tick
 from planner.systems.flows import Word, flow_map
 from planner.systems.strata import StratifiedSystem
 
-ORDERS: tuple[Wording, ...] = (
+SAMPLE = 8  # segments whose words are played
+AS_GOOD = 1.02  # times the smallest miss, with which the printed signs are kept
+ORDERS: tuple[Spelled, ...] = (
     "backward", "forward", "backward-turned", "forward-turned",
 )  # fmt: skip
 
@@ -36,14 +41,49 @@ def nearest_words(
         nominal: Configurations between segments, shape (segments + 1, n).
     """
     steering = extended.steering
-    starts, goals = nominal[:-1], nominal[1:]
-    ways = [steering.words(hall_coordinates, order, starts) for order in ORDERS]
+    ways = [
+        steering.scaled_words(hall_coordinates, order, signs)
+        for signs in steering.signs
+        for order in ORDERS
+    ]
     return [
         _nearest(extended.system, words, start, goal)
         for words, start, goal in zip(
-            zip(*ways, strict=True), starts, goals, strict=True
+            zip(*ways, strict=True), nominal[:-1], nominal[1:], strict=True
         )
     ]
+
+
+def nearest_signs(
+    extended: ExtendedSystem,
+    hall_coordinates: Array,
+    nominal: Array,
+    orders: Sequence[Spelled],
+) -> Array | None:
+    """Signs of the generators with which segments end nearest to their goals.
+
+    Args:
+        extended: System that the coordinates are of.
+        hall_coordinates: Backward coordinates, shape (segments, s).
+        nominal: Configurations between segments, shape (segments + 1, n).
+        orders: Orders that the words may have.
+
+    Returns:
+        Shape (m,); None where the printed signs are as good as any.
+    """
+    steering, count = extended.steering, len(hall_coordinates)
+    sample = np.unique(np.linspace(0, count - 1, SAMPLE).round().astype(int))
+    starts, goals = nominal[sample], nominal[sample + 1]
+
+    def miss(signs: Array, order: Spelled) -> float:
+        tick()
+        words = steering.scaled_words(hall_coordinates[sample], order, signs)
+        segments = zip(words, starts, goals, strict=True)
+        return sum(_miss(extended.system, *segment) for segment in segments)
+
+    misses = [min(miss(signs, order) for order in orders) for signs in steering.signs]
+    best = int(np.argmin(misses))
+    return None if misses[0] <= misses[best] * AS_GOOD else steering.signs[best]
 
 
 def _nearest(

@@ -7,8 +7,7 @@ makes the two cancel, the error falls as 1/n with the number of segments n, othe
 1/sqrt(n). Which corner this is depends on the signs and units of the fields. It is
 therefore determined from the fields and not taken from the order in the paper.
 
-Brackets of degree 3 and more keep the words of the paper, since no corner was found to
-reduce their error by more than a factor of two.
+Words of degree 3 and more are judged by where they end: `execution.nearest_words`.
 
 A choice is described by a scale for each generator: its flows are measured in units of
 the scale, and a negative scale runs the generator backward.

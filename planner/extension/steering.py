@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from numbers import Integral
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -35,10 +36,12 @@ Wording = Literal[
     "shortest",
     "alternating",
 ]
-TURNED: Mapping[str, Order] = {
+Spelled = Literal["backward", "forward", "backward-turned", "forward-turned"]
+TURNED: Mapping[Spelled, Order] = {
     "backward-turned": "backward",
     "forward-turned": "forward",
 }
+MOST_SIGNED = 4  # generators whose signs are tried, all combinations of them
 MOST_COORDINATES = 500  # of a segment; its words are far longer still
 
 
@@ -107,36 +110,61 @@ class Steering:
                 rectangles that leave the smallest error there; None takes those that
                 are printed.
         """
-        if order == "backward-turned" or order == "forward-turned":
-            spelled = spellings(
-                self.hall.elements,
-                hall_coordinates,
-                TURNED[order],
-                self.hall.vanishing,
-                turned=True,
-            )
-            return self._named(spelled)
         if order == "shortest":
             return self._short_words(hall_coordinates)
         if order == "alternating":
             return self._alternating_words(hall_coordinates)
         scales = None
-        if self.rectangles is not None and at is not None:
+        if self.rectangles is not None and at is not None and order not in TURNED:
             scales = self.rectangles.scales(hall_coordinates, at)
+        return self.scaled_words(hall_coordinates, order, scales)
+
+    def scaled_words(
+        self,
+        hall_coordinates: Array,
+        order: Spelled,
+        scales: Array | None = None,
+    ) -> list[Word]:
+        """Words whose flows are measured in other units, or run backward.
+
+        All of them realise the same coordinates. They differ in brackets beyond.
+
+        Args:
+            hall_coordinates: Backward coordinates, shape (segments, s).
+            order: As in `words`.
+            scales: A scale for each generator and segment, shape (segments, m), or for
+                all segments, shape (m,); None takes the words as they are printed.
+        """
         if scales is None:
             return self._named(self._spelled(hall_coordinates, order))
-        elements = self.hall.elements
-        spelled = self._spelled(hall_coordinates / weights(elements, scales), order)
+        unit = weights(self.hall.elements, scales)
+        spelled = self._spelled(hall_coordinates / unit, order)
+        each = np.broadcast_to(scales, (len(spelled), scales.shape[-1])).tolist()
         return self._named(
             [
                 (letters, [s[i - 1] * t for i, t in zip(letters, times, strict=True)])
-                for (letters, times), s in zip(spelled, scales.tolist(), strict=True)
+                for (letters, times), s in zip(spelled, each, strict=True)
             ]
         )
 
-    def _spelled(self, hall_coordinates: Array, order: Order) -> list[Spelling]:
+    @property
+    def signs(self) -> Array:
+        """Ways to run generators forward or backward, the printed one first, (w, m).
+
+        Generators that commute with all others run as they are printed, and so do all
+        where there are more than `MOST_SIGNED` of the rest.
+        """
+        tried = [i - 1 for i in self.hall.entangled]
+        tried = tried if len(tried) <= MOST_SIGNED else []
+        ways = np.ones((2 ** len(tried), len(self.hall.generators)))
+        ways[:, tried] = list(product((1, -1), repeat=len(tried)))
+        return ways
+
+    def _spelled(self, hall_coordinates: Array, order: Spelled) -> list[Spelling]:
         elements, vanishing = self.hall.elements, self.hall.vanishing
-        return spellings(elements, hall_coordinates, order, vanishing)
+        plain = TURNED.get(order, order)
+        turned = order in TURNED
+        return spellings(elements, hall_coordinates, plain, vanishing, turned=turned)
 
     def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
         names = self.hall.generators

@@ -66,7 +66,7 @@ def _tried(source: Source, allow_external: bool) -> Setup:
 def _draw(setup: Setup, draft: Draft, picture: Path) -> None:
     from sim.figures.from_above import draw
 
-    draw(setup, [stand.pivot for stand in draft.stands], picture)
+    draw(setup, draft.gait.pivots, picture)
 
 
 def _report(

@@ -50,7 +50,7 @@ def execute(options: argparse.Namespace) -> None:
     from sim.planning.bounds import within_bounds
     from sim.planning.routes import routed
     from sim.preparation.effort import check_distance
-    from sim.preparation.reach import explained
+    from sim.preparation.reach import explained, require_reach
     from sim.preparation.setup import prepare
     from sim.progress import at_most, bar, stage
 
@@ -65,6 +65,7 @@ def execute(options: argparse.Namespace) -> None:
     ):
         with at_most(progress, "planning", scenario.plan_time):
             check_distance(setup)
+            require_reach(setup.robot, setup.equations, setup.nominal())
             setup = within_bounds(routed(setup))
         system, flows, fallback = _planned(setup, progress)
         planning = time.perf_counter() - compiled

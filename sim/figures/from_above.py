@@ -1,4 +1,4 @@
-"""A robot from above: feet, hips, pivots and the support polygon of each group."""
+"""A robot from above: feet, pivots, and support polygons while others are lifted."""
 
 from __future__ import annotations
 
@@ -23,25 +23,28 @@ def draw(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
 
     Args:
         setup: Robot to draw.
-        pivots: Point that each group turns the body about, shape (2,) [m].
+        pivots: Points that groups turn the body about, shape (2,) [m]; none in a crawl.
         path: PNG to write.
     """
     robot, kinematics = setup.robot, setup.kinematics
+    card = robot.card
     stance = kinematics.stance(np.zeros(len(robot.groups)))
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(SIZE, SIZE), layout="constrained")
         axes = figure.add_subplot(aspect="equal")
-        for number, name in enumerate(robot.groups):
+        standing = [s for s in dict.fromkeys(card.gait) if s != card.bottom]
+        for number, name in enumerate(standing):
             colour = COLOURS[number % len(COLOURS)]
             on = robot.planted(name)[None]
             hull = support_polygons(stance.feet[None], on)[0]
             if hull.geom_type == "Polygon":
                 axes.fill(*np.array(hull.exterior.coords).T, color=colour, alpha=0.12)
-            x, y = pivots[number]
-            axes.plot(x, y, "x", color=colour, label=f"pivot of group {name}")
-            for foot in stance.feet[on[0]]:
-                axes.plot([x, foot[0]], [y, foot[1]], ":", color=colour, linewidth=0.8)
             axes.plot(*stance.feet[on[0]].T, "o", color=colour)
+        for pivot, name, colour in zip(pivots, robot.groups, COLOURS, strict=False):
+            axes.plot(*pivot, "x", color=colour, label=f"pivot of group {name}")
+            for foot in stance.feet[robot.planted(name)]:
+                spoke = np.array([pivot, foot]).T
+                axes.plot(*spoke, ":", color=colour, linewidth=0.8)
         for leg, foot in zip(robot.legs, stance.feet, strict=True):
             axes.annotate(str(leg), foot, xytext=(4, 4), textcoords="offset points")
         axes.plot(*stance.center_of_mass, "k+", label="centre of mass")

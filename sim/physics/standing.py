@@ -188,11 +188,30 @@ def _aloft(
 ) -> Iterator[tuple[str, str]]:
     """Legs whose feet touch nothing."""
     feet, touched = _feet(robot, model), _touched(robot, model, data)
-    if aloft := set(robot.legs) - {feet[own] for own, _ in touched if own in feet}:
+    aloft = set(robot.legs) - {feet[own] for own, _ in touched if own in feet}
+    if not aloft:
+        return
+    what = f"the foot of leg {min(aloft)} touches nothing"
+    if jammed := _jammed(robot, model, data):
+        one, other = (_name(model, geom) for geom in jammed)
         yield (
-            f"the foot of leg {min(aloft)} touches nothing",
-            "correct its angles in keyframe 'start', or the geoms of its foot",
+            f"{what}, while {one} and {other} of it push against each other",
+            "make room between them, or let them pass through each other (<exclude>)",
         )
+    yield what, "correct its angles in keyframe 'start', or the geoms of its foot"
+
+
+def _jammed(
+    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
+) -> tuple[int, int] | None:
+    """Two parts of the robot that are in contact with each other."""
+    root = model.body(robot.root).id
+    for contact in data.contact:
+        one, other = (int(geom) for geom in contact.geom)
+        owners = {int(model.body_rootid[model.geom_bodyid[g]]) for g in (one, other)}
+        if contact.efc_address >= 0 and owners == {root}:
+            return one, other
+    return None
 
 
 def _feet(robot: Robot, model: mujoco.MjModel) -> dict[int, int]:

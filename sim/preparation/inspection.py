@@ -107,10 +107,10 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
     if not without or robot.card.servo is not None:
         return robot, []
     servo = servo_for(robot)
+    settings = ", ".join(f"{key} = {x:.4g}" for key, x in servo.settings.items())
     names = ", ".join(map(repr, without[:3])) + (", ..." if without[3:] else "")
     said = (
         f"servos: joints {names} have no position servo, and the card gives none; "
-        f"write [servo] with stiffness = {servo.stiffness:.4g} and damping = "
-        f"{servo.damping:.4g}, with which it stands"
+        f"write [servo] with {settings}, with which it stands"
     )
     return replace(robot, card=replace(robot.card, servo=servo)), [said]

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import numpy as np
+
 from models import Equations, Mobility, Robot, mobility_of, propose
-from planner import PlannerError, limited
+from planner import AFFORDABLE, Array, Path, PlannerError, limited
 from sim.errors import SimulationError
 
+WAYS = ("x", "y", "theta")
+SAMPLES = 201  # poses of a path, between which its way is counted
 LOOKING = 30.0  # [s] for the reason and the remedy
 
 
@@ -42,11 +46,47 @@ def explained(robot: Robot, described: Equations) -> Iterator[None]:
             found = mobility_of(robot, described)
             if not found.lacking:
                 raise
-            raise SimulationError(
-                f"no plan, since it cannot {' or '.join(found.lacking)}",
-                str(robot),
-                f"{found.reason}; {_remedy(robot)}",
-            ) from error
+            raise _no_plan(robot, found) from error
+
+
+def require_reach(robot: Robot, described: Equations, path: Path) -> None:
+    """Refuse a path that would take thousands of strokes, before it is planned.
+
+    Args:
+        robot: Robot that is to walk it.
+        described: Its equations.
+        path: Poses of the body.
+
+    Raises:
+        SimulationError: A direction in which the path leads is out of reach.
+    """
+    found = mobility_of(robot, described)
+    if not found.lacking:
+        return
+    ways = dict(zip(WAYS, _ways_along(path), strict=True))
+    if any(
+        ways[c.direction] * c.strokes > AFFORDABLE
+        for c in found.costs
+        if ways[c.direction]
+    ):
+        raise _no_plan(robot, found)
+
+
+def _ways_along(path: Path) -> Array:
+    """How far a path leads forward, sideways and around, seen from the body, (3,)."""
+    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, SAMPLES)))[:, :3]
+    steps, yaw = np.diff(poses, axis=0), poses[:-1, 2]
+    forward = np.cos(yaw) * steps[:, 0] + np.sin(yaw) * steps[:, 1]
+    left = np.cos(yaw) * steps[:, 1] - np.sin(yaw) * steps[:, 0]
+    return np.abs([forward, left, steps[:, 2]]).sum(axis=1)
+
+
+def _no_plan(robot: Robot, found: Mobility) -> SimulationError:
+    return SimulationError(
+        f"no plan, since it cannot {' or '.join(found.lacking)}",
+        str(robot),
+        f"{found.reason}; {_remedy(robot)}",
+    )
 
 
 def _remedy(robot: Robot) -> str:

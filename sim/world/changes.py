@@ -10,7 +10,7 @@ import numpy as np
 
 from models import ON_JOINT, Robot
 from sim.scenarios.scenario import Scenario
-from sim.world.foreign_drives import other_drives
+from sim.world.foreign_drives import couplings, other_drives
 from sim.world.servos import joints_without_servo
 
 
@@ -37,6 +37,14 @@ def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
         yield (
             f"actuators {_listed(others)} move leg joints by tendons, sites or bodies; "
             "they are left out, since every leg joint has a servo"
+        )
+    if bound := couplings(robot):
+        names = [
+            robot.model.eq(number).name or f"number {number + 1}" for number in bound
+        ]
+        yield (
+            f"equations {_listed(names)} couple leg joints; they are switched off, "
+            "since every leg joint has a servo"
         )
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
     if replaced := [j for j in joints_without_servo(robot) if j in motors]:

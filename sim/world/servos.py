@@ -1,9 +1,9 @@
 """Position servos of the leg joints: the robot's own, or those of its card.
 
 Motors and other actuators of a leg joint are removed in favour of its servo, those that
-move it by a tendon or a site included. A servo
-behind a gear is replaced by the same servo on the joint itself, so that commands are
-angles.
+move it by a tendon or a site included, and equations that couple leg joints no longer
+hold. A servo behind a gear is replaced by the same servo on the joint itself, so that
+commands are angles.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from models import ON_JOINT, ModelError, Robot, actuator_of
-from sim.world.foreign_drives import other_drives
+from sim.world.foreign_drives import couplings, other_drives
 from sim.world.servo_settings import ServoSettings
 
 INHERITED = (
@@ -32,6 +32,8 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
     others = set(other_drives(robot))
     for actuator in [a for a in spec.actuators if a.name in others]:
         _remove(spec, actuator)
+    for number in couplings(robot):
+        spec.equalities[number].active = False
     for leg in robot.card.legs.values():
         for joint in leg.joints:
             servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
@@ -89,6 +91,7 @@ def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActua
     for setting in INHERITED:  # the file's defaults are for its own actuators
         setattr(actuator, setting, getattr(plain, setting))
     actuator.set_to_position(kp=servo.stiffness, kv=servo.damping)
+    actuator.armature = servo.armature
     return actuator
 
 

@@ -53,10 +53,10 @@ def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, tm
     robot, found = adopted(adoptee, tmp_path)
     described = equations(robot)
     stance = Kinematics(robot).stance(np.zeros(2))
-    for i, (name, stand) in enumerate(zip("12", found.stands, strict=True)):
+    for i, (name, place) in enumerate(zip("12", found.gait.pivots, strict=True)):
         forward, left, yaw = described.twists[f"g{name}_{name}"]
         pivot = np.array([-left, forward]) / yaw
-        assert pivot == pytest.approx(stand.pivot, abs=1e-4)
+        assert pivot == pytest.approx(place, abs=1e-4)
         on = robot.planted(name)
         # at rest no foot slips: it moves against the body as the floor does
         body = yaw * np.stack([-stance.feet[:, 1], stance.feet[:, 0]], axis=1)
@@ -94,9 +94,14 @@ def test_legs_without_a_vertical_axis_are_refused_for_that(tmp_path):
     assert "90 degrees off" in refusal(path)
 
 
-def test_legs_that_cannot_stand_in_two_groups_are_refused_for_that(tmp_path):
-    said = refusal(Adoptee("four", radial(4)).write(tmp_path))
-    assert "no two groups of its 4 legs can stand alone in turn" in said
+def test_legs_that_can_neither_stand_in_groups_nor_row_are_refused_for_both(tmp_path):
+    said = refusal(Adoptee("three", radial(3)).write(tmp_path))
+    assert "no two groups of its 3 legs can stand alone in turn, and its 3 legs" in said
+    path = Adoptee("stiff", radial(4)).write(tmp_path)
+    path.write_text(path.read_text().replace("-1.2 1.2", "-0.05 0.05"))
+    said = refusal(path)
+    assert "no two groups of its 4 legs can stand alone in turn, and its legs" in said
+    assert "some foot bears less than 6% of the weight while another one" in said
 
 
 def test_legs_that_cannot_meet_are_refused_for_that(tmp_path):

@@ -39,9 +39,11 @@ def test_servo_that_the_card_lacks_is_proposed_and_the_robot_stands_with_it(
     text, facts = shown(radial.write(tmp_path, servo=""))
     assert "1.300 kg" in text
     assert "joints 'swing_1', 'lift_1', 'swing_2', ... have no position servo" in text
-    numbers = facts["lacks"][0].split("stiffness = ")[1].split(" and damping = ")
-    stiffness, damping = float(numbers[0]), float(numbers[1].split(",")[0])
-    servo = f"[servo]\nstiffness = {stiffness}\ndamping = {damping}\n"
+    told = facts["lacks"][0].split("write [servo] with ")[1].split(", with which")[0]
+    assert [row.split(" = ")[0] for row in told.split(", ")] == [
+        "stiffness", "damping", "armature",
+    ]  # fmt: skip
+    servo = "\n".join(["[servo]", *told.split(", "), ""])
     assert (
         "servo" not in shown(radial.write(tmp_path, servo=servo))[0].split("lacks")[1]
     )

@@ -1,0 +1,218 @@
+"""A crawl: the legs row on the ground, then each is set back while the others stand.
+
+It is for robots of which no two groups of legs can stand alone, such as most on four
+legs. While one leg is in the air the weight must lie inside the feet of the others. On
+a body whose weight is above the point where the lines between opposite feet cross, it
+lies on the border for every leg. Legs are therefore turned at the start, which shifts
+the feet against the weight, and the posture is searched for in which they row farthest
+and can yet be set back one after another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from models.adoption.anatomy import Limb, Pose
+from models.adoption.pivots import LEAST_LOAD, MOST_SWING
+from models.contact.dissipation import least_dissipation_twist
+from models.contact.loads import static_loads
+from models.contact.static_stability import least_load
+from models.errors import ModelError
+from planner import Array, reposition_legs
+
+FEWEST, MOST = 4, 6  # legs of robots for which crawls are searched for
+PLACES = 9  # of the feet, along each axis
+SHARES = (1.0, 0.75, 0.5, 0.35, 0.25, 0.15)  # of the longest stroke
+SHORTEST = 0.04  # [rad] to either side, of a stroke
+SKEWED = 0.7  # worth of a stroke from a posture that is not the same left and right
+SPINS = (0.0, -0.4, 0.4, -0.8, 0.8)  # [rad] by which all legs are turned alike
+PUSHED = 0.3  # of the way that the fastest foot would push the body without slip
+IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
+
+
+@dataclass(frozen=True)
+class Crawl:
+    """Legs turned such that they can row.
+
+    Attributes:
+        turns: How far each leg is turned from how it stands, anticlockwise [rad].
+        forward: Anticlockwise swing of each leg that pushes the body ahead, at most 1.
+        turning: The same for a turn of the body to the left.
+        stroke: How far the fastest leg can swing either way [rad].
+        skewed: Whether the posture is not the same left and right.
+    """
+
+    turns: Array
+    forward: Array
+    turning: Array
+    stroke: float
+    skewed: bool
+
+    @property
+    def worth(self) -> float:
+        """Its stroke, less for legs much turned, and for left and right unlike."""
+        bent = float(np.abs(self.turns).max())
+        return self.stroke * np.exp(-bent) * (SKEWED if self.skewed else 1.0)
+
+
+@dataclass(frozen=True)
+class _Body:
+    """Hips, legs and weight from above, the legs where they stand."""
+
+    hips: Array  # (L, 2)
+    arms: Array  # from hip to foot, (L, 2)
+    weight: Array  # (2,)
+    shares: Array  # of the weight, that is each leg's, (L,)
+    leans: Array  # from hip to the leg's centre of mass, (L, 2)
+
+    @classmethod
+    def of(cls, pose: Pose, limbs: Sequence[Limb]) -> _Body:
+        model, data = pose.model, pose.data
+        bodies = [int(model.jnt_bodyid[model.joint(m.swing).id]) for m in limbs]
+        hips = np.array([limb.hip for limb in limbs])
+        return cls(
+            hips=hips,
+            arms=np.array([limb.toe[:2] for limb in limbs]) - hips,
+            weight=pose.weight[:2],
+            shares=model.body_subtreemass[bodies] / model.body_subtreemass[pose.root],
+            leans=data.subtree_com[bodies][:, :2] - hips,
+        )
+
+    def placed(self, places: Sequence[Array]) -> tuple[Array, Array]:
+        """Feet (P_1, ..., P_L, L, 2) and weight (P_1, ..., P_L, 2) for all turns."""
+        grid = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
+        moved = _turned(self.leans, grid) - self.leans
+        weight = self.weight + (self.shares[:, None] * moved).sum(axis=-2)
+        return self.hips + _turned(self.arms, grid), weight
+
+    def still(self, turns: Array) -> tuple[Array, Array]:
+        """Feet (L, 2) and weight (2,) with every leg turned one way."""
+        feet, weight = self.placed([turns[i : i + 1] for i in range(len(turns))])
+        return feet.reshape(-1, 2), weight.reshape(2)
+
+    def sweeps(self, turns: Array) -> Array:
+        """Velocity of each foot for an anticlockwise swing, (L, 2) [m/rad]."""
+        arms = _turned(self.arms, turns)
+        return np.stack([-arms[:, 1], arms[:, 0]], axis=1)
+
+
+def _turned(arms: Array, angles: Array) -> Array:
+    x, y = arms.T
+    c, s = np.cos(angles), np.sin(angles)
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
+
+
+def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) -> Crawl:
+    """The posture in which the legs can row farthest.
+
+    Args:
+        pose: The model as it stands.
+        limbs: Its legs.
+        ranges: How far each leg may turn clockwise and anticlockwise from how it
+            stands, shape (legs, 2) [rad].
+        source: Its file, for refusals.
+
+    Raises:
+        ModelError: However they are turned, they cannot be set back one by one.
+    """
+    if not FEWEST <= len(limbs) <= MOST:
+        raise ModelError(
+            f"its {len(limbs)} legs cannot be set back one at a time: {source}; crawls "
+            f"are drafted for {FEWEST} to {MOST} legs"
+        )
+    body = _Body.of(pose, limbs)
+    tries = [
+        replace(crawl, stroke=share * crawl.stroke)
+        for crawl in _postures(body, ranges)
+        for share in SHARES
+        if share * crawl.stroke > SHORTEST
+    ]
+    tries.sort(key=lambda crawl: -crawl.worth)
+    found = next((crawl for crawl in tries if _can_step(body, crawl, ranges)), None)
+    if found is None:
+        raise ModelError(
+            f"its legs cannot row and be set back one at a time: {source}; however "
+            "they are turned within their ranges, some foot bears less than "
+            f"{LEAST_LOAD:.0%} of the weight while another one is lifted"
+        )
+    return found
+
+
+def _postures(body: _Body, ranges: Array) -> Iterator[Crawl]:
+    """All feet shifted one way, as far as legs can, and all legs turned alike."""
+    sweeps = body.sweeps(np.zeros(len(ranges)))
+    lengths = (sweeps**2).sum(axis=1)
+    shifts = np.linspace(-1, 1, PLACES) * float(np.sqrt(lengths).max())
+    for x, y, spin in product(shifts, shifts, SPINS):
+        turns = sweeps @ (x, y) / lengths + spin
+        if (turns < ranges[:, 0]).any() or (turns > ranges[:, 1]).any():
+            continue
+        room = np.minimum(ranges[:, 1] - turns, turns - ranges[:, 0])
+        forward, turning = _patterns(body, turns)
+        used = np.maximum(np.abs(forward), np.abs(turning))
+        stroke = float((np.minimum(room, MOST_SWING) / used).min())
+        yield Crawl(turns, forward, turning, stroke, skewed=bool(y or spin))
+
+
+def _patterns(body: _Body, turns: Array) -> tuple[Array, Array]:
+    """Swings that take each foot where it would stay if the body moved as wished."""
+    sweeps = body.sweeps(turns)
+    feet, weight = body.still(turns)
+    spokes = feet - weight
+    back = np.broadcast_to((-1.0, 0.0), spokes.shape)
+    around = np.stack([spokes[:, 1], -spokes[:, 0]], axis=1)
+    wished = ((sweeps * way).sum(axis=1) for way in (back, around))
+    rates = (way / (sweeps**2).sum(axis=1) for way in wished)
+    forward, turning = (rate / np.abs(rate).max() for rate in rates)
+    return _busy(forward), _busy(turning)
+
+
+def _busy(gains: Array) -> Array:
+    return np.where(np.abs(gains) < IDLE, 0.0, gains)
+
+
+def _can_step(body: _Body, crawl: Crawl, ranges: Array) -> bool:
+    """Whether strokes move the body, and legs can be brought to their ends."""
+    return _pushes(body, crawl) and all(
+        _moves(body, crawl, side * crawl.stroke * gains, ranges)
+        for gains in (crawl.forward, crawl.turning)
+        for side in (-1, 1)
+    )
+
+
+def _pushes(body: _Body, crawl: Crawl) -> bool:
+    """Whether the body goes ahead and around, although some feet slide."""
+    sweeps = body.sweeps(crawl.turns)
+    feet, weight = body.still(crawl.turns)
+    loads = static_loads(feet[None], weight[None])
+    arm = float(np.linalg.norm(feet - weight, axis=1).mean())
+    for gains, unit in ((crawl.forward, (1, 0, 0)), (crawl.turning, (0, 0, arm))):
+        rates = sweeps * gains[:, None]
+        twist = least_dissipation_twist(feet[None], rates[None], loads)[0]
+        if twist @ unit < PUSHED * np.linalg.norm(rates, axis=1).max():
+            return False
+    return True
+
+
+def _moves(body: _Body, crawl: Crawl, ends: Array, ranges: Array) -> bool:
+    """Whether legs can be brought from rest to the ends of a stroke one at a time."""
+    places = []
+    for turn, end, span in zip(crawl.turns, ends, ranges, strict=True):
+        places.append(np.unique(np.round([0.0, end, *(span - turn)], 9)))
+    feet, weight = body.placed(
+        [turn + place for turn, place in zip(crawl.turns, places, strict=True)]
+    )
+    legs = range(len(ends))
+    others = [[other for other in legs if other != leg] for leg in legs]
+    loads = [least_load(feet[..., on, :], weight) for on in others]
+    now = [int(np.abs(place).argmin()) for place in places]
+    goal = [
+        int(np.abs(place - end).argmin())
+        for place, end in zip(places, ends, strict=True)
+    ]
+    steady = np.stack(loads) >= LEAST_LOAD
+    return reposition_legs(places, steady, now, goal) is not None

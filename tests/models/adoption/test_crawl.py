@@ -1,0 +1,70 @@
+"""Drafted crawls: four legs row, and every one can be set back while three stand."""
+
+import numpy as np
+import pytest
+
+from models.adoption.draft import draft_card
+from models.adoption.source import source_of
+from models.contact.static_stability import StaticStability
+from models.library import load
+from models.motion.mobility import mobility_of
+from models.motion.robot_equations import equations
+from planner.planning.algorithm import plan
+from planner.planning.paths import line
+from scripts.adoptees import Adoptee, parallel, radial
+
+FOUR = Adoptee("four", radial(4), drive="motor")
+OTHERS = (
+    FOUR,
+    Adoptee("dog", parallel(4, 0.16, 0.05), joints=2),
+    Adoptee("plus", [(0.1, 0, 0), (0, 0.1, 1.57), (-0.1, 0, 3.14), (0, -0.1, -1.57)]),
+)
+
+
+def adopted(adoptee, folder):
+    path = adoptee.write(folder)
+    found = draft_card(source_of(str(path)))
+    path.with_suffix(".toml").write_text(found.card)
+    return load(str(path)), found
+
+
+@pytest.fixture(scope="module", params=OTHERS, ids=lambda adoptee: adoptee.name)
+def robot(request, tmp_path_factory):
+    return adopted(request.param, tmp_path_factory.mktemp("crawl"))[0]
+
+
+def test_two_patterns_and_their_bracket_go_everywhere(robot):
+    described = equations(robot)
+    assert described.elements[:2] == ("g1234_forward", "g1234_turn")
+    assert not mobility_of(robot, described).lacking
+    forward, _, turned = described.twists["g1234_forward"]
+    assert forward > abs(turned) * np.linalg.norm(robot.model.stat.center[:2])
+    assert described.twists["g1234_turn"][2] > 0
+
+
+def test_no_foot_that_stands_bears_too_little_while_another_is_set_back(robot):
+    described = equations(robot)
+    goal = described.configurations(line((0, 0, 0), (0.03, 0.0, 0.0)))
+    planned = plan(described, goal, 1)
+    angles, system = np.zeros(4), described.system
+    stability = StaticStability(robot)
+    lifted = 0
+    for flow in planned.flows:
+        if flow.stratum != "1234":
+            lifted += 1
+            (load_,) = stability.least_loads([flow.stratum], angles.reshape(4, 1))
+            assert load_.min() >= robot.card.least_load - 1e-9
+        direction = np.array(described.swings[flow.field])
+        angles = angles + direction * flow.duration
+    assert system.bottom == "1234"
+    assert lifted >= 4
+    assert angles == pytest.approx(np.zeros(4), abs=1e-9)
+
+
+def test_weight_is_off_the_lines_between_opposite_feet(tmp_path):
+    """As drawn, the weight is where they cross, and no leg could be lifted."""
+    robot, found = adopted(FOUR, tmp_path)
+    assert np.abs(found.gait.turns).max() > 0.05
+    singles = [name for name in robot.card.gait if name != "1234"]
+    shares = StaticStability(robot).least_loads(singles, [np.zeros(1)] * 4)
+    assert np.abs(shares).min() > 0.01
