@@ -13,7 +13,7 @@ from models.adoption.card_text import card_text
 from models.adoption.crawl import find_crawl
 from models.adoption.gait_draft import GaitDraft, alternating, rowing
 from models.adoption.pivots import posed, two_groups
-from models.adoption.servo import drafted_servo, has_servo
+from models.adoption.servo import drafted_servo, has_servo, servo_stiffness
 from models.adoption.source import Source
 from models.adoption.standing import joint_span, standing_angles, stands
 from models.description.card import Servo
@@ -25,6 +25,8 @@ from models.description.compiled import (
 from models.description.robot import START
 from models.errors import ModelError
 from planner import Array
+
+SOFT = 0.05  # of the stiffness with which a servo sags little
 
 
 @dataclass(frozen=True)
@@ -72,9 +74,13 @@ def draft_card(source: Source) -> Draft:
         standing = float(pose.data.joint(limb.swing).qpos[0])
         angles[limb.swing] = standing + limb.turn * float(turn)
     pose.turned(angles)
-    servo = _servo(pose, limbs)
+    suited = _suited(pose, limbs)
+    every = [joint for limb in limbs for joint in limb.joints]
+    own = [joint for joint in every if has_servo(model, joint)]
+    servo = suited if len(own) < len(every) else None
     text = card_text(pose, limbs, gait, angles, servo)
-    return Draft(text, (*guesses, *_said(limbs, gait, servo)), limbs, gait)
+    guesses += [*_said(limbs, gait, servo), *_soft(model, own, suited)]
+    return Draft(text, tuple(guesses), limbs, gait)
 
 
 def _gait(pose: Pose, limbs: Sequence[Limb], source: str) -> GaitDraft:
@@ -122,16 +128,9 @@ def _room(pose: Pose, limb: Limb) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def _servo(pose: Pose, limbs: Sequence[Limb]) -> Servo | None:
-    """A servo for joints without a position servo; None if all have one.
-
-    Args:
-        pose: The model as it stands.
-        limbs: Its legs.
-    """
+def _suited(pose: Pose, limbs: Sequence[Limb]) -> Servo:
+    """A servo that suits the legs of a robot."""
     joints = [joint for limb in limbs for joint in limb.joints]
-    if all(has_servo(pose.model, joint) for joint in joints):
-        return None
     arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
     return drafted_servo(pose, joints, arm, len(limbs))
 
@@ -146,3 +145,16 @@ def _said(limbs: Sequence[Limb], gait: GaitDraft, servo: Servo | None) -> Iterat
     yield from gait.said
     if servo is not None:
         yield f"servos: joints without one hold with {servo}"
+
+
+def _soft(model: mujoco.MjModel, own: Sequence[str], suited: Servo) -> Iterator[str]:
+    """What to say of servos that would bend much under the load of a leg."""
+    found = {joint: servo_stiffness(model, joint) for joint in own}
+    soft = [joint for joint in own if found[joint] < SOFT * suited.stiffness]
+    if soft:
+        yield (
+            f"the servos of {soft[0]!r} and {len(soft) - 1} further joints are soft, "
+            f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
+            f"--set servo_stiffness={suited.stiffness:.3g} "
+            f"--set servo_damping={suited.damping:.3g} shows whether they are why"
+        )

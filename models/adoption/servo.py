@@ -67,8 +67,18 @@ def has_servo(model: mujoco.MjModel, joint: str) -> bool:
         model: Model of the robot.
         joint: Name of the joint.
     """
-    return any(
-        model.actuator_gainprm[a, 0] > 0
-        and np.isclose(model.actuator_biasprm[a, 1], -model.actuator_gainprm[a, 0])
-        for a in actuators_of(model, joint)
-    )
+    return servo_stiffness(model, joint) > 0
+
+
+def servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
+    """Stiffness of the position servo that drives a joint, 0 if none does [N m/rad].
+
+    Args:
+        model: Model of the robot.
+        joint: Name of the joint.
+    """
+    for actuator in actuators_of(model, joint):
+        gain, bias = model.actuator_gainprm[actuator, 0], model.actuator_biasprm
+        if gain > 0 and np.isclose(bias[actuator, 1], -gain):
+            return float(gain * model.actuator_gear[actuator, 0] ** 2)
+    return 0.0

@@ -11,7 +11,7 @@ import numpy as np
 from models import ON_JOINT, Robot
 from sim.scenarios.scenario import Scenario
 from sim.world.foreign_drives import couplings, other_drives
-from sim.world.servos import joints_without_servo
+from sim.world.servos import delayed_servos, joints_without_servo
 
 
 def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
@@ -49,6 +49,11 @@ def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
     motors = {a.target for a in spec.actuators if a.trntype in ON_JOINT}
     if replaced := [j for j in joints_without_servo(robot) if j in motors]:
         yield f"servos replace the motors of joints {_listed(replaced)}"
+    if late := delayed_servos(robot):
+        yield (
+            f"servos of joints {_listed(late)} follow commands through a filter, "
+            "behind the others; it is left out"
+        )
 
 
 def _margins(feet: list[mujoco.MjsGeom]) -> Iterator[str]:

@@ -37,8 +37,22 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
     for leg in robot.card.legs.values():
         for joint in leg.joints:
             servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
+            servo.dyntype = mujoco.mjtDyn.mjDYN_NONE
             _gear_down(servo)
             _tune(servo, asked)
+
+
+def delayed_servos(robot: Robot) -> list[str]:
+    """Leg joints of a robot whose position servos follow commands with a delay."""
+    joints = {joint for leg in robot.card.legs.values() for joint in leg.joints}
+    return [
+        a.target
+        for a in robot.read().actuators
+        if a.trntype in ON_JOINT
+        and a.target in joints
+        and _is_servo(a)
+        and a.dyntype != mujoco.mjtDyn.mjDYN_NONE
+    ]
 
 
 def joints_without_servo(robot: Robot) -> list[str]:
