@@ -5,8 +5,9 @@ orders of the same flows may differ a hundredfold, and which one is the smaller 
 on the goal and on the signs of the fields, so the words are played, with each generator
 run forward or backward first. Therefore a plan is as good whichever signs a system is
 written with. That costs some rollouts a segment, which only a degree beyond that of the
-elements is worth: it is asked for where accuracy matters. Otherwise the signs are
-chosen once for all segments of a plan, on a sample of them.
+elements is worth: it is asked for where accuracy matters. Signs are chosen once for all
+segments of a plan, on a sample of them, where there are many, or the elements alone are
+of degree 3 and more.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ ORDERS: tuple[Spelled, ...] = (
 def nearest_words(
     extended: ExtendedSystem, hall_coordinates: Array, nominal: Array
 ) -> list[Word]:
-    """The word of each segment, among all orders, that ends nearest to its goal.
+    """The word of each segment, in any order and signs, that ends nearest to its goal.
 
     Args:
         extended: System that the coordinates are of.
@@ -41,9 +42,12 @@ def nearest_words(
         nominal: Configurations between segments, shape (segments + 1, n).
     """
     steering = extended.steering
+    every: Sequence[Array | None] = list(steering.signs)
+    if len(hall_coordinates) > SAMPLE:
+        every = [nearest_signs(extended, hall_coordinates, nominal, ORDERS)]
     ways = [
         steering.scaled_words(hall_coordinates, order, signs)
-        for signs in steering.signs
+        for signs in every
         for order in ORDERS
     ]
     return [

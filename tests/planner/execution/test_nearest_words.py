@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 
 from planner.execution.execution import Execution
 from planner.execution.nearest_words import ORDERS, nearest_words
@@ -13,7 +14,9 @@ from planner.planning.algorithm import plan
 from planner.planning.paths import line
 from planner.planning.rollouts import play, rollout
 from planner.systems.flows import Flow
-from tests.systems import PAPER, hexapod
+from planner.systems.strata import StratifiedSystem
+from tests.planner.extension.test_rectangles import rescaled
+from tests.systems import LIFTED, PAPER, hexapod
 
 
 @pytest.mark.parametrize(("generators", "degree"), [(2, 2), (2, 5), (3, 3), (4, 2)])
@@ -43,7 +46,7 @@ def test_turned_words_end_with_the_last_generator():
 
 
 @pytest.mark.parametrize("goal", [[1, 1, 0], [-0.5, 0.7, 0.4], [0.5, -0.2, 0.7]])
-def test_no_other_order_ends_nearer(goal):
+def test_no_other_order_or_sign_ends_nearer(goal):
     system = hexapod()
     extended = extend(system, PAPER, degree=4)
     path = line(np.zeros(5), [*goal, 0, 0])
@@ -58,12 +61,55 @@ def test_no_other_order_ends_nearer(goal):
         ]
         return np.linalg.norm(play(system, flows, nominal[0])[-1] - nominal[-1])
 
-    misses = [miss(extended.steering.words(h, order, nominal[:-1])) for order in ORDERS]
+    misses = [
+        miss(extended.steering.scaled_words(h, order, np.array([first, second, 1, 1])))
+        for order in ORDERS
+        for first in (1, -1)
+        for second in (1, -1)
+    ]
     taken = plan(extended, path, 1)
     assert miss(nearest_words(extended, h, nominal)) == min(misses)
     end = rollout(taken)[-1]
     assert np.linalg.norm(end - nominal[-1]) == pytest.approx(min(misses), rel=1e-6)
     assert max(misses) > 1.5 * min(misses)  # it matters which
+
+
+@pytest.mark.parametrize("degree", [3, 4])
+@pytest.mark.parametrize("gains", [(-1, 1), (1, -1), (-1, -1)])
+def test_a_raised_degree_is_as_good_in_all_signs(degree, gains):
+    goal = [0.5, -0.2, 0.7, 0, 0]
+
+    def miss(gains, segments):
+        extended = extend(rescaled(hexapod(), gains), LIFTED, degree=degree)
+        end = rollout(plan(extended, line(np.zeros(5), goal), segments))[-1]
+        return np.linalg.norm(end - goal)
+
+    assert miss(gains, 3) == pytest.approx(miss((1, 1), 3), rel=1e-6)
+    assert miss(gains, 20) == pytest.approx(miss((1, 1), 20), rel=0.02)
+
+
+# [drive,[drive,turn]] and the like: elements of degree 3, their fields in all signs
+CAR = ("drive", "turn", "[drive,turn]", "[drive,[drive,turn]]")
+
+
+@pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
+@pytest.mark.parametrize("segments", [3, 24])
+def test_elements_of_degree_3_are_as_good_in_all_signs(signs, segments):
+    x, y, theta, phi = sympy.symbols("x y theta phi")
+    state = (x, y, theta, phi)
+
+    def miss(drive, turn):
+        columns = {
+            "drive": [drive * sympy.cos(theta), drive * sympy.sin(theta),
+                      drive * sympy.tan(phi), 0],
+            "turn": [0, 0, 0, turn],
+        }  # fmt: skip
+        extended = extend(StratifiedSystem(state, {"0": columns}, "0", {}), CAR)
+        goal = [0.05, -0.1, 0.2, 0.1]  # printed words differ by 2.1 times in 3 segments
+        end = rollout(plan(extended, line(np.zeros(4), goal), segments))[-1]
+        return np.linalg.norm(end - goal)
+
+    assert miss(*signs) == pytest.approx(miss(1, 1), rel=0.02)
 
 
 def test_more_segments_of_a_raised_degree_still_converge():
