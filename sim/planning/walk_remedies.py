@@ -41,7 +41,7 @@ def offers(setup: Setup) -> Iterator[Offer]:
     """Changes to try, the cheapest first.
 
     Args:
-        setup: What is walked; it is planned open loop.
+        setup: What is walked; where it is replanned, so are the changes.
     """
     scenario, degree = setup.scenario, setup.extended.steering.degree
     if scenario.words == "printed":
@@ -53,9 +53,11 @@ def offers(setup: Setup) -> Iterator[Offer]:
         count = times * scenario.segments
         finer = replace(setup, scenario=replace(scenario, segments=count))
         yield f"--segments {count}", lambda finer=finer: _miss(finer)  # type: ignore[misc]
-    yield "--replan", lambda: _replanned_miss(setup)
+    if not scenario.replan:
+        yield "--replan", lambda: _replanned_miss(setup)
     yield "a joint range half as wide again", lambda: _miss(_wider(setup))
-    yield "half of the way", lambda: _miss(setup, 0.5)
+    if not scenario.replan:
+        yield "half of the way", lambda: _miss(setup, 0.5)
 
 
 def _replanned_miss(setup: Setup) -> float:
@@ -78,6 +80,8 @@ def _wider(setup: Setup) -> Setup:
 
 def _miss(setup: Setup, share: float = 1.0) -> float:
     """What a plan for the first part of the way misses of its end."""
+    if setup.scenario.replan:
+        return _replanned_miss(setup)
     path = setup.nominal()
     if share < 1:
         corners = [corner for corner in path.corners if corner < share]

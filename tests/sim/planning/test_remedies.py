@@ -66,6 +66,18 @@ def test_what_is_said_to_help_a_robot_helps_it_as_much(facts):
     )
 
 
+def test_what_is_said_to_help_a_replanned_robot_is_replanned_too(facts):
+    replan = ("line", "--replan", "--set", "path.goal=[0.1, 0.1, 0]")
+    far = facts(*replan, "--segments", "1")
+    assert far["error"]["position"] > 0.5 * far["path_length"]
+    percent = float(re.search(r"--segments 4 ends (\S+) % off", far["helps"])[1])
+    assert "--replan" not in far["helps"]
+    cured = facts(*replan, "--segments", "4")
+    assert 100 * cured["error"]["position"] / cured["path_length"] == pytest.approx(
+        percent, rel=0.06
+    )
+
+
 def test_a_plan_that_arrives_is_left_alone(stratawalk):
     assert "helps" not in stratawalk("plan", "line", *SHORT, "--segments", "2")[1]
 
