@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 
 import mujoco
 
@@ -13,6 +15,8 @@ from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
+PACKAGE = r'package://([^/"]+)/([^"]+)'
+PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 FLOATING = f"""
   <link name="{ROOT}"/>
@@ -41,7 +45,9 @@ class Source:
         """A fresh, editable copy of the MJCF."""
         if self.text is None:
             return read_spec(self.path)
-        return mujoco.MjSpec.from_string(self.text)
+        spec = mujoco.MjSpec.from_string(self.text)
+        spec.meshdir = str(self.path.parent / spec.meshdir)
+        return spec
 
 
 def source_of(name: str, allow_external: bool = False) -> Source:
@@ -62,10 +68,26 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         raise UnknownRobotError(
             f"no such robot: {path}; give an MJCF or URDF file, or a folder with one"
         )
-    inspect_model(path, (), allow_external)
     if path.suffix.lower() == ".urdf":
-        return Source(path, path.with_suffix(".xml"), _from_urdf(path))
+        text = _unpacked(path)
+        _inspect(path, text, allow_external)
+        return Source(path, path.with_suffix(".xml"), _from_urdf(path, text))
+    inspect_model(path, (), allow_external)
     return Source(path, path, None)
+
+
+def _inspect(path: Path, text: str, allow_external: bool) -> None:
+    """Inspect a URDF; where its packages were found, as it is with their paths."""
+    if text == _read(path):
+        inspect_model(path, (), allow_external)
+        return
+    with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
+        file.write(text)
+        file.flush()
+        try:
+            inspect_model(Path(file.name), (), allow_external)
+        except ModelError as error:
+            raise ModelError(str(error).replace(file.name, str(path))) from error
 
 
 def _in_folder(folder: Path) -> Path:
@@ -80,9 +102,30 @@ def _in_folder(folder: Path) -> Path:
     )
 
 
-def _from_urdf(path: Path) -> str:
+def _in_package(folder: Path, name: re.Match[str]) -> str:
+    """A file that a URDF names by its ROS package, as a path from the URDF's folder.
+
+    The package is one of the folders that the URDF is in, or stands beside one of them.
+    """
+    package, inside = name.groups()
+    for above in list(folder.resolve().parents)[:PARENTS]:
+        found = above / package / inside
+        if found.is_file():
+            return os.path.relpath(found, folder.resolve())
+    return name.group()
+
+
+def _read(path: Path) -> str:
+    return path.read_text(encoding="utf-8", errors="replace")
+
+
+def _unpacked(path: Path) -> str:
+    """A URDF in which files of ROS packages are named by their paths."""
+    return re.sub(PACKAGE, lambda name: _in_package(path.parent, name), _read(path))
+
+
+def _from_urdf(path: Path, text: str) -> str:
     """MJCF of a URDF whose base floats, its parts named."""
-    text = path.read_text(encoding="utf-8", errors="replace")
     links = re.findall(r"<link\s+name=\"([^\"]+)\"", text)
     children = set(re.findall(r"<child\s+link=\"([^\"]+)\"", text))
     bases = [link for link in links if link not in children]
@@ -94,10 +137,12 @@ def _from_urdf(path: Path) -> str:
     joined = text.replace("</robot>", FLOATING.format(base=bases[0]) + "</robot>")
     try:
         spec = mujoco.MjSpec.from_string(joined)
-        spec.meshdir = spec.meshdir or str(path.parent)
+        own, spec.meshdir = spec.meshdir, str(path.parent / spec.meshdir)
         spec.compile()
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise ModelError(f"not a usable URDF file: {path}; {reason}") from error
     named(spec)
-    return str(spec.to_xml())
+    here = f' meshdir="{spec.meshdir}"'
+    # as seen from the folder that the MJCF is written to, wherever that is moved
+    return str(spec.to_xml()).replace(here, f' meshdir="{own}"' if own else "", 1)

@@ -95,7 +95,8 @@ def _report(
         print(f"{'' if number else 'guessed':12}{guess}")
     for number, path in enumerate(written):
         print(f"{'' if number else 'written':12}{path}")
+    trust = " --allow-external" if setup.robot.external else ""
     print(
         f"{'to do':12}read the card, correct what is wrong, and walk: "
-        f"stratawalk run line --robot {source.path}"
+        f"stratawalk run line --robot {source.path}{trust}"
     )

@@ -109,6 +109,41 @@ def test_legs_that_cannot_meet_are_refused_for_that(tmp_path):
     assert "cannot be turned so that they meet at pivots" in said
 
 
+def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path):
+    package = tmp_path / "bot"
+    for folder in ("urdf", "meshes"):
+        (package / folder).mkdir(parents=True)
+    corners = ("0 0 0", "0.01 0 0", "0 0.01 0", "0 0 0.01")
+    (package / "meshes" / "hull.obj").write_text(
+        "\n".join(
+            [
+                *(f"v {c}" for c in corners),
+                "f 1 3 2",
+                "f 1 2 4",
+                "f 1 4 3",
+                "f 2 3 4",
+                "",
+            ]
+        )
+    )
+    path = ADOPTEES[-1].write(package / "urdf")
+    hull = '<geometry><mesh filename="package://bot/meshes/hull.obj"/></geometry>'
+    text = path.read_text().replace(
+        "</link>", f"<collision>{hull}</collision></link>", 1
+    )
+    path.write_text(text)
+    with pytest.raises(ModelError, match="outside its own folder: .*box.urdf; .*hull"):
+        source_of(str(path))
+    source = source_of(str(path), allow_external=True)
+    assert [file.name for file in path.parent.iterdir()] == ["box.urdf"]
+    assert "../meshes/hull.obj" in source.text
+    assert str(tmp_path) not in source.text
+    assert len(draft_card(source).limbs) == 6
+    path.write_text(text.replace("package://bot", "package://other"))
+    with pytest.raises(ModelError, match="package.*other"):
+        source_of(str(path))
+
+
 def test_folder_is_that_of_its_robot_and_not_of_its_scene(tmp_path):
     ADOPTEES[0].write(tmp_path)
     (tmp_path / "scene.xml").write_text("<mujoco><include file='spider.xml'/></mujoco>")

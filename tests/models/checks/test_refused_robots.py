@@ -182,6 +182,13 @@ GROUNDS = {
         ["<worldbody>\n    <body", f"{GHOSTLY}<worldbody><body"],
         "does not stand: the foot of leg 1 touches nothing",
     ),
+    "its parts push a foot up": (
+        ['<joint class="swing" name="swing_2"/>',
+         '<joint class="swing" name="swing_2"/>'
+         '<geom name="bar" size="0.02" pos="-0.129 0.226 0" mass="0"/>',
+         '<geom class="link"', '<geom class="link" contype="1"'],
+        "touches nothing, while geom 'bar' and geom .* of it push against each",
+    ),
     "servos are too weak": (
         ['kp="1000" kv="2.81424945589"', 'kp="1" kv="0.1"', "le = 0.3", "le = 0.05"],
         "does not stand: its legs give way by .* mm, and a lifted foot rises by 5.. mm",

@@ -61,6 +61,37 @@ def test_actuators_on_tendons_of_legs_are_left_out_and_told(edited, scenario):
     assert "actuators 'pull' move leg joints by tendons" in told
 
 
+COUPLED = {
+    "joints": '<equality><joint joint1="lift_1" joint2="lift_4"/></equality>',
+    "a tendon": TENDON.partition("<sensor>")[0]
+    + '<equality><tendon name="rope" tendon1="strap"/></equality>',
+}
+
+
+@pytest.mark.parametrize("kind", COUPLED)
+def test_equations_between_leg_joints_no_longer_hold_and_are_told(
+    kind, edited, scenario
+):
+    robot = edited("<sensor>", f"{COUPLED[kind]}<sensor>")
+    assert robot.model.eq_active0.all()
+    assert not prepare(scenario(), robot).model.eq_active0.any()
+    (told,) = changes(robot, scenario())
+    name = "rope" if kind == "a tendon" else "number 1"
+    assert f"equations '{name}' couple leg joints; they are switched off" in told
+
+
+def test_servos_behind_a_filter_follow_at_once_and_are_told(edited, scenario):
+    slow = 'joint="swing_2" timeconst="0.1"'
+    robot = edited(
+        'joint="swing_2"/>\n    <position class="lift"',
+        slow + ('/>\n    <position class="lift"'),
+    )
+    assert robot.model.na == 1
+    assert prepare(scenario(), robot).model.na == 0
+    (told,) = changes(robot, scenario())
+    assert "servos of joints 'swing_2' follow commands through a filter" in told
+
+
 def test_margins_of_feet_throw_nothing_up(edited, scenario):
     robot = edited(FOOT, FOOT.replace("/>", ' margin="0.01"/>'))
     assert sinks(prepare(scenario(), robot)) < 1e-3
