@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from numbers import Integral
 from itertools import product
+from numbers import Integral
 from typing import Literal
 
 import numpy as np
