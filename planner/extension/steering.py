@@ -37,7 +37,9 @@ Wording = Literal[
     "alternating",
 ]
 Spelled = Literal["backward", "forward", "backward-turned", "forward-turned"]
-TURNED: Mapping[Spelled, Order] = {
+PLAIN: Mapping[Spelled, Order] = {
+    "backward": "backward",
+    "forward": "forward",
     "backward-turned": "backward",
     "forward-turned": "forward",
 }
@@ -115,7 +117,7 @@ class Steering:
         if order == "alternating":
             return self._alternating_words(hall_coordinates)
         scales = None
-        if self.rectangles is not None and at is not None and order not in TURNED:
+        if self.rectangles is not None and at is not None and PLAIN[order] == order:
             scales = self.rectangles.scales(hall_coordinates, at)
         return self.scaled_words(hall_coordinates, order, scales)
 
@@ -162,8 +164,7 @@ class Steering:
 
     def _spelled(self, hall_coordinates: Array, order: Spelled) -> list[Spelling]:
         elements, vanishing = self.hall.elements, self.hall.vanishing
-        plain = TURNED.get(order, order)
-        turned = order in TURNED
+        plain, turned = PLAIN[order], PLAIN[order] != order
         return spellings(elements, hall_coordinates, plain, vanishing, turned=turned)
 
     def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
