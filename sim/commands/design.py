@@ -52,8 +52,12 @@ def execute(options: argparse.Namespace) -> ExitCode:
     robot = robot_of(options, options.robot)
     found = list(islice(designs(robot.legs), options.designs))
     if not found:
-        what = f"{len(robot.legs)} legs make no two groups that can stand"
-        raise UsageError(what, options.robot, "take a robot of six legs or more")
+        what = (
+            f"{len(robot.legs)} legs make no two groups of which each carries the body "
+            "while the other is lifted"
+        )
+        remedy = "take six legs or more; `stratawalk check` judges fewer as they are"
+        raise UsageError(what, options.robot, remedy)
     rows = []
     with bar(quiet=options.json) as progress:
         for row in tried(robot, found, options.walks):
@@ -70,18 +74,24 @@ def execute(options: argparse.Namespace) -> ExitCode:
 
 
 def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:
-    """By the number of joints: how many designs there are, and the best that walked."""
+    """By the number of joints: designs, where they go, and the best that walked."""
+    from sim.studies.designing import DIRECTIONS
+
     by_joints = defaultdict(list)
     for row in rows:
         by_joints[row["joints"]].append(row)
     yield (
-        f"{'joints':>6}{'designs':>9}{'everywhere':>12}{'walked':>8}"
-        f"{'strokes/m':>11}{'margin':>9}{'off':>8}  best design"
+        f"{'joints':>6}{'designs':>9}{'ahead':>7}{'aside':>7}{'round':>7}{'all':>6}"
+        f"{'walked':>8}{'strokes/m':>11}{'margin':>9}{'off':>8}  best design"
     )
     for joints, some in sorted(by_joints.items()):
-        able = [row for row in some if row.get("strokes.y") is not None]
-        walked = [row for row in able if row.get("min_margin") is not None]
-        line = f"{joints:6}{len(some):9}{len(able):12}{len(walked):8}"
+        walked = [row for row in some if row.get("min_margin") is not None]
+        ways = [sum(row[f"goes.{way}"] for row in some) for way in DIRECTIONS]
+        able = sum(all(row[f"goes.{way}"] for way in DIRECTIONS) for row in some)
+        line = (
+            f"{joints:6}{len(some):9}{ways[0]:7}{ways[1]:7}{ways[2]:7}{able:6}"
+            f"{len(walked):8}"
+        )
         if walked:
             best = min(walked, key=lambda row: row["strokes_per_metre"])
             line += (

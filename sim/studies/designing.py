@@ -22,6 +22,7 @@ WALK = {
 }
 """How designs are tried: a step aside as long as one ahead."""
 WITHOUT = ("identified", "creep_floor")
+DIRECTIONS = ("ahead", "aside", "round")
 SAME = 1e-3  # of the larger motion; what two strokes differ by is rounding
 
 
@@ -34,8 +35,11 @@ class Twists:
     def __post_init__(self) -> None:
         self._known: dict[tuple[tuple[int, int], ...], np.ndarray | None] = {}
 
-    def may_go_everywhere(self, design: Design) -> bool:
-        """Whether both strokes and their bracket span the plane's motions.
+    def directions(self, design: Design) -> tuple[str, ...]:
+        """Which of `DIRECTIONS` both strokes and their bracket make together.
+
+        These three are all that there is: further brackets of two motions of the plane
+        are combinations of them.
 
         Args:
             design: What to look at.
@@ -47,10 +51,13 @@ class Twists:
         ]
         first, second = found
         if first is None or second is None:
-            return False
+            return ()
         across = _bracket(first, second)
-        size = np.linalg.svd(np.array([first, second, across]), compute_uv=False)
-        return bool(size[-1] > SAME * size[0] ** 2)
+        _, size, ways = np.linalg.svd(np.array([first, second, across]))
+        lost = ways[size <= SAME * size[0] ** 2]
+        lost = np.abs(ways[size <= SAME * size[0] ** 2]).max(axis=0, initial=0.0)
+        pairs = zip(DIRECTIONS, lost, strict=True)
+        return tuple(name for name, part in pairs if part < SAME)
 
     def _of(self, robot: Robot, name: str, key: tuple[tuple[int, int], ...]) -> Any:
         if key not in self._known:
@@ -79,14 +86,16 @@ def tried(
     """
     twists, left = Twists(robot), walks
     for number, design in enumerate(found):
+        ways = twists.directions(design)
         row: dict[str, Any] = {
             "design": number,
             "groups": str(design),
             "swing_joints": design.joints,
             "joints": design.joints + len(robot.legs),
+            **{f"goes.{name}": name in ways for name in DIRECTIONS},
             "status": "lacks a direction, or does not stand",
         }
-        if twists.may_go_everywhere(design):
+        if ways == DIRECTIONS:
             row |= _checked(design.built(robot))
             if row["status"] == "ok":
                 row |= _walked(design.built(robot)) if left > 0 else UNWALKED
