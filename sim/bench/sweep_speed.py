@@ -17,6 +17,7 @@ from mujoco import batch
 
 from sim.bench.row import Row, paired, seconds
 from sim.physics.engine import STRETCH
+from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared
 from sim.scenarios.file import load_scenario, to_table
 from sim.scenarios.scenario import Scenario
@@ -85,13 +86,16 @@ def workers(scenario: Scenario) -> Iterator[Row]:
     Args:
         scenario: What to walk, at as many frictions as there are tasks.
     """
-    took = {count: _time_of(scenario, count) for count in (1, 2)}
-    ratio = took[1] / took[2]
+    one, two = (_times_of(scenario, count) for count in (1, 2))
+    ratio = one[0] / two[0]
     yield Row("two workers of a sweep over one", ratio, "", ">= 1.8, if idle")
-    yield Row("short points in a second, by two workers", TASKS / took[2], "1/s")
+    yield Row("two bare batches at once over one, here and now", one[1] / two[1], "")
+    yield Row("short points in a second, by two workers", TASKS / two[0], "1/s")
 
 
-def _time_of(scenario: Scenario, count: int) -> float:
+def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
+    """Time of a sweep by some workers, and of their bare batches instead [s]."""
+
     def tasks(start: float, number: int) -> list[Task]:
         points = (replace(scenario, friction=start + 0.01 * n) for n in range(number))
         tables = [to_table(point) for point in points]
@@ -99,7 +103,25 @@ def _time_of(scenario: Scenario, count: int) -> float:
 
     with hired(count, None) as crew:
         list(crew.carry_out(tasks(0.5, 2 * count)))
-        return seconds(lambda: list(crew.carry_out(tasks(0.7, TASKS))))
+        ours = seconds(lambda: list(crew.carry_out(tasks(0.7, TASKS))))
+        share = [TASKS // count] * count
+        bare = crew.client.map(stand, share, pure=False)
+        return ours, max(crew.client.gather(bare))
+
+
+def stand(times: int) -> float:
+    """Step a standing robot in a bare batch, as a worker's load without a sweep.
+
+    Args:
+        times: How many stretches of steps.
+
+    Returns:
+        The time that it took [s].
+    """
+    model = prepare(load_scenario("line", TINY)).model
+    engine = batch.Batch(model, nsim=1, nthread=1)
+    engine.reset(keyframe=model.key("start").id)
+    return seconds(lambda: [engine.rollout(STRETCH) for _ in range(times)])
 
 
 def _peak(work: str) -> float:

@@ -61,6 +61,7 @@ class Crew:
         """
         waiting = iter(tasks)
         again: list[Task] = []
+        done: list[Outcome] = []
         seen, more = time.monotonic(), True
         while more or again or self.flying:
             for worker in self._free():
@@ -68,15 +69,18 @@ class Crew:
                 more = more and task is not None
                 if task is not None:
                     self._send(task, worker)
+            yield from done  # while the workers are busy with the next ones
+            done = []
             if self.flying:
                 seen = time.monotonic()
                 for task, outcome in self._finished():
                     if outcome is None:
                         again.append(task)
                     else:
-                        yield outcome
+                        done.append(outcome)
             elif more or again:
                 self._be_patient(seen)
+        yield from done
 
     def _free(self) -> list[str]:
         """Addresses of workers that may take part and have nothing to do."""
