@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +14,8 @@ import numpy as np
 from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.studies.results import CLASSES, LIMITS, Results
+from sim.scenarios.scenario import settings
+from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +23,15 @@ if TYPE_CHECKING:
 COLOURS = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#BBBBBB")
 LEAST = 1e-6  # share of the path; what is smaller is drawn there
 MOST = 12  # maps
+FEW = 12  # values at most that are places of a table
+CELL = 0.92  # of the way from one place to the next
+DARK = (0, 3, 4)  # classes on which white letters stand
+SHAPE = "geometry."
+UNITS = {
+    "kappa": "", "body_mass": "[kg]", "leg_mass": "[kg]", "swing_range": "[rad]",
+    "stiffness": "[N m/rad]", "damping": "[N m s/rad]", "armature": "[kg m²]",
+}  # fmt: skip
+"""Of the numbers of a robot's shape; the others are lengths."""
 HIGH = 3.2  # [in]
 
 
@@ -54,20 +66,52 @@ def draw_maps(results: Results, folder: Path) -> list[Path]:
 
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
-    """The worst class of the points at each place."""
+    """The worst of the points at each place: its class, and how far it was off."""
     x, y = (_place(axes, results, key, way) for key, way in ((across, "x"), (up, "y")))
-    worst: dict[tuple[float, float], int] = {}
-    for place, found in zip(zip(x, y, strict=True), results.classes, strict=True):
-        worst[place] = max(int(found), worst.get(place, 0))
-    places = np.array(list(worst))
-    size = float(np.clip(9000 / len(worst), 9, 260))
-    colours = [COLOURS[found] for found in worst.values()]
-    axes.scatter(
-        places[:, 0], places[:, 1], s=size, c=colours, marker="s", linewidths=0
+    there: dict[tuple[float, float], list[int]] = defaultdict(list)
+    for point, place in enumerate(zip(x, y, strict=True)):
+        there[place].append(point)
+    worst = {
+        place: max(some, key=lambda point: _badness(results, point))
+        for place, some in there.items()
+    }
+    note = ", the worst at each place" if len(results) > len(worst) else ""
+    axes.set_title(
+        f"farthest off the {_words(results)} prediction, % of the path{note}"
     )
-    several = len(results) > len(worst)
-    note = ", the worst of the points at each place" if several else ""
-    axes.set_title(f"off the {_words(results)} prediction{note}")
+    if all(map(_is_table, (results.columns[across], results.columns[up]))):
+        _fill_cells(axes, results, there, worst)
+    else:
+        size = float(np.clip(9000 / len(worst), 9, 260))
+        colours = [COLOURS[results.classes[point]] for point in worst.values()]
+        places = np.array(list(worst))
+        axes.scatter(places[:, 0], places[:, 1], s=size, c=colours, linewidths=0)
+
+
+def _fill_cells(
+    axes: Axes,
+    results: Results,
+    there: Mapping[tuple[float, float], Sequence[int]],
+    worst: Mapping[tuple[float, float], int],
+) -> None:
+    """A square for each place, with the share of the path written in it."""
+    from matplotlib.patches import Rectangle
+
+    axes.grid(visible=False)
+    for (x, y), point in worst.items():
+        found, share = results.classes[point], 100 * results.off[point]
+        corner = x - CELL / 2, y - CELL / 2
+        axes.add_patch(Rectangle(corner, CELL, CELL, color=COLOURS[found], linewidth=0))
+        told = f"{share:.2g}" if np.isfinite(share) else "no walk"
+        lost = sum(results.classes[one] == NO_WALK for one in there[x, y])
+        if 0 < lost < len(there[x, y]):
+            told = f"{lost} of {len(there[x, y])}:\n{told}"
+        ink = "white" if found in DARK else "black"
+        axes.text(x, y, told, color=ink, ha="center", va="center")
+
+
+def _badness(results: Results, point: int) -> tuple[int, float]:
+    return int(results.classes[point]), float(np.nan_to_num(results.off[point]))
 
 
 def _draw_curve(axes: Axes, results: Results, key: str) -> None:
@@ -85,20 +129,41 @@ def _draw_curve(axes: Axes, results: Results, key: str) -> None:
 def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
     """Where the points are along an axis, which is named and scaled for its setting."""
     values = results.columns[key]
-    getattr(axes, f"set_{way}label")(key)
-    if all(type(value) in (int, float) for value in values):
-        numbers = np.array(values, dtype=float)
-        if numbers.min() > 0 and numbers.max() > 20 * numbers.min():
-            getattr(axes, f"set_{way}scale")("log")
-        return numbers.tolist()
-    labels = _labels(values)
-    getattr(axes, f"set_{way}ticks")(range(len(labels)), labels)
-    getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
-    return [float(labels.index(str(value))) for value in values]
+    getattr(axes, f"set_{way}label")(_named(key))
+    if _is_table(values):
+        labels = _labels(values)
+        getattr(axes, f"set_{way}ticks")(range(len(labels)), labels)
+        getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
+        return [float(labels.index(_label(value))) for value in values]
+    numbers = np.array(values, dtype=float)
+    if numbers.min() > 0 and numbers.max() > 20 * numbers.min():
+        getattr(axes, f"set_{way}scale")("log")
+    return numbers.tolist()
+
+
+def _is_table(values: Sequence[Any]) -> bool:
+    """Whether values are few, or words, and get places side by side."""
+    words = not all(type(value) in (int, float) for value in values)
+    return words or len(set(values)) <= FEW
+
+
+def _named(key: str) -> str:
+    """A setting with its unit."""
+    if key.startswith(SHAPE):
+        return f"{key} {UNITS.get(key.removeprefix(SHAPE), '[m]')}".rstrip()
+    known = {item.name: item.metadata["about"] for item in settings()}
+    unit = re.search(r"\[[^]]*\]", known.get(key, ""))
+    return f"{key} {unit[0]}" if unit else key
 
 
 def _labels(values: Sequence[Any]) -> list[str]:
-    return list(dict.fromkeys(map(str, values)))
+    """Values as they are written at an axis, numbers in ascending order."""
+    numbers = all(type(value) in (int, float) for value in values)
+    return list(dict.fromkeys(map(_label, sorted(values) if numbers else values)))
+
+
+def _label(value: Any) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def _legend(axes: Axes, results: Results) -> None:
