@@ -24,6 +24,7 @@ NOT_TOLD = ("identified", "creep_floor")  # each costs experiments of its own
 DRAWS = range(3)
 LEGS, LOAD, ASIDE, ABOVE = 6, 0.1, 0.02, 0.02  # of the mass; [m]
 FLOOR = 1e5  # stiffness of the floor as it is
+SEGMENT = 0.00375  # of `line`, along x and along y [m]
 
 Settings = Mapping[str, object]
 
@@ -63,9 +64,16 @@ def rows() -> dict[str, Sequence[Settings]]:
     }
 
 
-def walked(changes: Settings) -> tuple[np.ndarray, int, float]:
-    """Where `line` ends with some settings changed, its bounces, its path's length."""
-    scenario = load_scenario("line", dict(changes))
+def walked(changes: Settings, segments: int = 40) -> tuple[np.ndarray, int, float]:
+    """Where `line` ends with some settings changed, its bounces, its path's length.
+
+    Args:
+        changes: Settings.
+        segments: How many of its 40 segments are walked.
+    """
+    end = segments * SEGMENT
+    way = {"segments": segments, "path.goal": [end, end, 0.0]}
+    scenario = load_scenario("line", way | dict(changes))
     summary = simulate(scenario, without=NOT_TOLD).summary
     achieved = np.array(summary["achieved"]["pose"])
     return achieved, summary["bounces"], summary["path_length"]
@@ -75,13 +83,14 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Walk every row and print it."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--only", default="", help="walk rows that begin with this")
-    only = parser.parse_args(arguments).only
-    perfect, _, length = walked({})
+    parser.add_argument("--segments", type=int, default=40, help="how many to walk")
+    given = parser.parse_args(arguments)
+    perfect, _, length = walked({}, given.segments)
     print("| wrong | moves the end by, per cent of the path | bounces |\n|---|---|---|")
     for wrong, walks in rows().items():
-        if not wrong.startswith(only):
+        if not wrong.startswith(given.only):
             continue
-        ends = [walked(changes) for changes in walks]
+        ends = [walked(changes, given.segments) for changes in walks]
         off = [100 * np.hypot(*(end - perfect)[:2]) / length for end, _, _ in ends]
         bounces = [count for _, count, _ in ends]
         print(
