@@ -1,4 +1,4 @@
-"""The key of a replay: the meaning of its colours, in a corner of the page."""
+"""The key of viewer and replay: the meaning of their colours."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def key(walk: FilmedWalk, playback: float) -> str:
     """
     lines = "".join(
         f'<div><span style="{MARK.format(colour)}"></span>{escape(label)}</div>'
-        for label, colour in _entries(walk)
+        for label, colour in entries(walk)
     )
     scenario = walk.scenario
     speed = "in real time" if playback == 1 else f"{playback:g} times real time"
@@ -37,7 +37,12 @@ def key(walk: FilmedWalk, playback: float) -> str:
     return f'<details open style="{BOX}"><summary>{title}</summary>{lines}</details>'
 
 
-def _entries(walk: FilmedWalk) -> list[tuple[str, Colour]]:
+def entries(walk: FilmedWalk) -> list[tuple[str, Colour]]:
+    """Each thing that is drawn, with its colour.
+
+    Args:
+        walk: What is shown.
+    """
     groups = noun(walk.legs_per_group)
     return [
         *([("nose, the front", walk.nose)] if walk.nose else []),

@@ -17,7 +17,8 @@ from sim.pictures.style import Colour
 
 POINTS = 120  # of a path
 PRINTS = 240  # footprints, the latest ones; the viewer draws 1024 geoms in all
-GHOST = 0.3  # opacity
+GHOST, FAINT = 0.5, 0.12  # opacity of its legs, and of its body
+INSIDE = 0.93  # size of the ghost, which the robot hides where it is as predicted
 # In units of the robot's reach.
 HIGH, THICK, EDGE, PRINT, GOAL = 0.008, 0.006, 0.008, 0.014, 0.06
 FLAT = np.eye(3).ravel()
@@ -32,6 +33,7 @@ class Marks:
         root = root_body(model, walk.model)
         self._address = int(model.jnt_qposadr[model.body_jntadr[root]])
         self._body = self._of_robot(root)
+        self._torso = np.flatnonzero(model.geom_bodyid == root)
         self._still = [*self._paths(), self._goal()]
         self._prints = landings(walk)
 
@@ -70,7 +72,7 @@ class Marks:
     def _goal(self) -> mujoco.MjvGeom:
         reach = self._walk.reach
         place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)
-        size = np.array([GOAL, GOAL, HIGH / 4]) * reach
+        size = np.array([GOAL, HIGH / 4, 0.0]) * reach
         return _geom(
             mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, style.rgba(style.NOMINAL, 0.5)
         )
@@ -99,10 +101,10 @@ class Marks:
     def _footprints(self, row: int) -> Iterator[mujoco.MjvGeom]:
         rows, feet = self._prints
         stop = int(np.searchsorted(rows, row, side="right"))
-        size = np.array([PRINT, PRINT, HIGH / 4]) * self._walk.reach
+        size = np.array([PRINT, HIGH / 4, 0.0]) * self._walk.reach
         for i in range(max(stop - PRINTS, 0), stop):
             foot = int(feet[i])
-            place = np.append(self._walk.contact_point[rows[i], foot], size[2])
+            place = np.append(self._walk.contact_point[rows[i], foot], size[1])
             colour = style.rgba(style.footprint(self._walk.group_of_foot[foot]))
             yield _geom(mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, colour)
 
@@ -131,9 +133,9 @@ class Marks:
                 continue  # the viewer knows meshes by a number of its own
             yield _geom(
                 mujoco.mjtGeom(model.geom_type[i]),
-                model.geom_size[i],
+                INSIDE * model.geom_size[i],
                 self._ghost.geom_xpos[i],
-                style.rgba(colour, GHOST),
+                style.rgba(colour, FAINT if i in self._torso else GHOST),
                 self._ghost.geom_xmat[i],
             )
 

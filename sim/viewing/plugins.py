@@ -13,6 +13,8 @@ import numpy as np
 from mujoco.studio import messages, plugin, sim
 from mujoco.studio.dear_imgui import dear_imgui as imgui
 
+from sim.pictures import style
+from sim.viewing.key import entries
 from sim.viewing.marks import Marks
 from sim.viewing.playback import Playback, RecordedWalk
 
@@ -119,16 +121,18 @@ class Scene(plugin.ViewerPlugin):
 
 
 class Panel(plugin.ViewerPlugin):
-    """A window with the time of the walk, play, pause and speed."""
+    """A window with the time of the walk, play, pause, speed, and a key of colours."""
 
-    def __init__(self, playback: Playback) -> None:
+    def __init__(self, walk: RecordedWalk, playback: Playback) -> None:
         self._playback = playback
+        ghost = style.PREDICTED[len(walk.shown.predicted) - 1]
+        self._key = [*entries(walk.shown), ("robot where it is predicted", ghost)]
 
     @messages.handler
     def on_gui(self, event: messages.BuildGuiEvent) -> None:
         """Draw the window and do what is asked for in it."""
         playback = self._playback
-        imgui.SetNextWindowPos(imgui.Vec2(*CORNER), imgui.Cond.FirstUseEver)
+        imgui.SetNextWindowPos(imgui.Vec2(*CORNER), imgui.Cond.Once)
         imgui.Begin("Walk")
         moved, moment = imgui.SliderFloat(
             "time [s]", playback.time, 0.0, playback.end, "%.1f"
@@ -141,6 +145,9 @@ class Panel(plugin.ViewerPlugin):
             imgui.SameLine()
             if imgui.Button(f"{speed:g}x"):
                 playback.speed = speed
+        imgui.Separator()
+        for label, colour in self._key:
+            imgui.TextColored(imgui.Vec4(*style.rgba(colour)), label)
         imgui.End()
 
 

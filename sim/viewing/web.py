@@ -15,10 +15,14 @@ from unittest.mock import patch
 
 import mujoco
 
+from models import root_body
 from sim.errors import UsageError
+from sim.pictures.filmed_walk import FilmedWalk
 from sim.viewing.marks import Marks
 from sim.viewing.playback import Playback, RecordedWalk, read_recorded
 
+TORSO = 0.35  # opacity of the body
+DISC, ARROW = 0.1, 0.04  # of a contact and its force, in units of the model's size
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
@@ -60,13 +64,30 @@ def serve(
         UsageError: If the folder holds no finished run, or the port is taken.
     """
     walk = read_recorded(folder)
-    model = mujoco.MjModel.from_xml_path(str(walk.shown.model))
+    model = looked_through(walk.shown)
     playback = Playback(end=float(walk.shown.time[-1]), speed=speed)
     handle = _launch(walk, model, playback, (host, port), started)
     with handle:
         handle.set_model(model)
         while handle.is_running():
             handle.sync()
+
+
+def looked_through(walk: FilmedWalk) -> mujoco.MjModel:
+    """The model of a walk, its body transparent and its contact forces slender.
+
+    Paths and support polygon lie under the body, and discs as wide as MuJoCo's own
+    would cover the footprints.
+
+    Args:
+        walk: What is shown.
+    """
+    model = mujoco.MjModel.from_xml_path(str(walk.model))
+    torso = model.geom_bodyid == root_body(model, walk.model)
+    model.geom_rgba[torso, 3] *= TORSO
+    scale = model.vis.scale
+    scale.contactwidth, scale.contactheight, scale.forcewidth = DISC, DISC / 4, ARROW
+    return model
 
 
 def _launch(
@@ -86,7 +107,7 @@ def _launch(
     socket = _bound(host, port)
     logging.getLogger("WebServer").addFilter(lambda told: told.levelno > logging.INFO)
     config = viewer_protocol.ViewerConfig(title=walk.shown.scenario.name, gfx="web")
-    plugins = [App(), Scene(walk, Marks(walk.shown, model)), Panel(playback)]
+    plugins = [App(), Scene(walk, Marks(walk.shown, model)), Panel(walk, playback)]
 
     def show(endpoint: Any) -> None:
         with _viewer_on(socket) as viewer:

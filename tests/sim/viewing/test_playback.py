@@ -6,8 +6,10 @@ import pytest
 
 from sim.errors import UsageError
 from sim.pictures import style
-from sim.viewing.marks import GOAL, Marks
+from sim.viewing.key import entries
+from sim.viewing.marks import FAINT, GHOST, GOAL, Marks
 from sim.viewing.playback import Playback, read_recorded
+from sim.viewing.web import TORSO, looked_through
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +93,7 @@ def test_the_ghost_stands_where_the_prediction_is(recorded, model):
         {tuple(np.round(g.rgba, 3)): g.pos.copy() for g in Marks(walk, model).at(5)}
         for walk in (shown, replace(shown, predicted=aside))
     ]
-    colour = tuple(np.round(np.float32(style.rgba(style.PREDICTED[1], 0.3)), 3))
+    colour = tuple(np.round(np.float32(style.rgba(style.PREDICTED[1], GHOST)), 3))
     there, moved = (places[colour] for places in ghosts)
     centre = list(shown.predicted.values())[-1][5]
     cos, sin = np.cos(0.5), np.sin(0.5)
@@ -104,3 +106,30 @@ def test_footprints_come_with_the_walk(recorded, model):
     marks = Marks(recorded.shown, model)
     counts = [len(marks.at(row)) for row in (0, len(recorded.shown.time) - 1)]
     assert counts[0] < counts[1]
+
+
+def test_footprints_and_goal_are_flat(recorded, model):
+    """The goal would hide the robot, and footprints are not pegs."""
+    drawn = Marks(recorded.shown, model).at(len(recorded.shown.time) - 1)
+    flat = [g for g in drawn if g.type == mujoco.mjtGeom.mjGEOM_CYLINDER]
+    assert len(flat) > 10
+    for geom in flat:  # radius, radius, half height
+        assert geom.size[2] < 0.2 * geom.size[0]
+        assert geom.pos[2] >= geom.size[2]
+
+
+def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
+    shown = looked_through(recorded.shown)
+    (torso,) = {int(g) for g in np.flatnonzero(shown.geom_rgba[:, 3] == TORSO)} & set(
+        np.flatnonzero(model.geom_rgba[:, 3] == 1.0)
+    )
+    assert torso == model.body_geomadr[model.body("body").id]
+    drawn = Marks(recorded.shown, shown).at(0)
+    (ghost,) = [g for g in drawn if g.rgba[3] == np.float32(FAINT)]
+    assert (ghost.size < model.geom_size[torso]).all()
+
+
+def test_colours_are_explained(recorded):
+    said = dict(entries(recorded.shown))
+    assert said["achieved path"] == style.ACHIEVED
+    assert said["legs of tripod 2, and paler their footprints"] == style.group(1)
