@@ -183,3 +183,9 @@ def test_a_compiled_model_leaves_room_for_its_copies(robot):
     sensor = '<user name="u" dim="300000000" datatype="real" needstage="pos"/>'
     with pytest.raises(ModelError, match="too large: .*; compiled it has 2.4 GB"):
         load(str(robot(f"<sensor>{sensor}</sensor>")))
+
+
+def test_numbers_are_looked_at_that_the_compiled_model_does_not_show(robot):
+    unused = '<default class="unused"><geom friction="nan"/></default>'
+    with pytest.raises(ModelError, match="friction of <geom> is 'nan'"):
+        load(str(robot(f"<default>{unused}</default>")))
