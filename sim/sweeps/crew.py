@@ -29,6 +29,13 @@ from sim.sweeps.worker import carry_out
 PATIENCE = 120.0  # [s] without any worker, before that is an error
 ANSWER = "15s"  # for the scheduler to come forward
 TRIES = 2  # of a point whose worker dies
+# A search for a plan keeps the rest of its process waiting, on a busy machine for
+# minutes; that is no death. Processes that do die close their connections.
+QUIET = {
+    "distributed.logging.distributed": "critical",
+    "distributed.scheduler.worker-ttl": None,
+    "distributed.comm.timeouts.tcp": "600s",
+}
 SHARED = ("mujoco", "stratawalk", "numpy", "scipy", "machine", "code")
 """Versions that must be the same on every worker."""
 
@@ -79,7 +86,7 @@ class Crew:
                     else:
                         done.append(outcome)
             elif more or again:
-                self._be_patient(seen)
+                seen = self._be_patient(seen)
         yield from done
 
     def _free(self) -> list[str]:
@@ -88,7 +95,7 @@ class Crew:
         for worker in there:
             if worker not in self.greeted:
                 self.greeted[worker] = self._submit(worker, software)
-        for worker, answer in self.greeted.items():
+        for worker, answer in list(self.greeted.items()):
             if worker not in self.welcome | self.refused.keys() and answer.done():
                 self._judge(worker, answer)
         busy = {worker for _, worker in self.flying.values()}
@@ -97,8 +104,11 @@ class Crew:
     def _judge(self, worker: str, answer: Future) -> None:
         """Let a worker take part if it computes with what we compute with."""
         if answer.status != "finished":
-            if not isinstance(answer.exception(), KilledWorker):
-                self.refused[worker] = one_line(answer.exception())
+            error = answer.exception() if answer.status == "error" else None
+            if error is None or isinstance(error, KilledWorker):
+                del self.greeted[worker]  # its successor is asked anew
+            else:
+                self.refused[worker] = one_line(error)
             return
         ours, theirs = software(), answer.result()
         both = ({key: told[key] for key in SHARED} for told in (ours, theirs))
@@ -140,7 +150,8 @@ class Crew:
         reason = f"its worker died, {TRIES} times: it was killed, or out of memory"
         return task, Outcome(task.digest, reason, software=software())
 
-    def _be_patient(self, since: float) -> None:
+    def _be_patient(self, since: float) -> float:
+        """Wait a little for a worker; when there was hope of one last [s]."""
         unlike = {w: why for w, why in self.refused.items() if w in self.greeted}
         there = self.client.scheduler_info(n_workers=-1)["workers"]
         if there and there.keys() <= unlike.keys():
@@ -150,6 +161,8 @@ class Crew:
                 worker,
                 "install the same versions everywhere, and go on with --resume",
             )
+        if there.keys() - unlike.keys():  # it is loading what it is asked about
+            since = time.monotonic()
         if time.monotonic() - since > PATIENCE:
             raise SweepError(
                 f"no worker for {PATIENCE:.0f} s",
@@ -157,6 +170,7 @@ class Crew:
                 "start some with `dask worker`, and go on with --resume",
             )
         time.sleep(0.05)
+        return since
 
 
 @contextmanager
@@ -172,7 +186,7 @@ def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
     """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]
-    dask.config.set({"distributed.logging.distributed": "critical"})
+    dask.config.set(QUIET)
     with ExitStack() as stack:
         local = _local(stack, workers) if scheduler is None else None
         at = scheduler if local is None else local
