@@ -120,7 +120,7 @@ def test_footprints_and_goal_are_flat(recorded, model):
 
 def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
     shown = looked_through(recorded.shown)
-    torso = model.geom_bodyid == model.body("body").id
+    torso = model.geom_bodyid == model.body("torso").id
     opacity, before = shown.geom_rgba[:, 3], model.geom_rgba[:, 3]
     assert opacity[torso] == pytest.approx(TORSO * before[torso])
     assert np.array_equal(opacity[~torso], before[~torso])
