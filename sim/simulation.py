@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -63,12 +64,14 @@ class Simulation:
         creep_floor: Slip of a robot that stands still for the same time [m], if it was
             measured.
         timing: Seconds by stage.
+        missed: How far from the goal each walk ended [m], the last one last.
     """
 
     prepared: Prepared
     evaluation: Evaluation
     creep_floor: float | None
     timing: dict[str, float]
+    missed: tuple[float, ...]
 
     @property
     def plan(self) -> Plan | None:
@@ -85,7 +88,8 @@ class Simulation:
         """The numbers of summary.json."""
         numbers = summarise(self.evaluation, self.creep_floor)
         fallback = self.prepared.fallback
-        return numbers | {"fallback": fallback, "timing": self.timing}
+        told = {"fallback": fallback, "missed": list(self.missed)}
+        return numbers | told | {"timing": self.timing}
 
     def __str__(self) -> str:
         return describe(self.summary)
@@ -142,6 +146,7 @@ def simulate(
         scenario = setup.scenario
         planned = PlannedWalk(within_bounds(setup), progress)
     timing["simulate"] = 0.0
+    missed: list[float] = []
     for attempt in range(scenario.correct):
         with _timed(timing, "plan"), limited(scenario.plan_time):
             prepared = _prepared(scenario, planned, aside, shared)
@@ -159,13 +164,14 @@ def simulate(
                 witness.walked(walker)
         timing["plan"] += walk.seconds["plan"]
         timing["simulate"] += walk.seconds["simulate"]
+        missed.append(math.dist(walker.pose[:2], scenario.path.goal[:2]))
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
         with stage(progress, "measuring the solver's creep"):
             stand = "creep_floor" not in without
             floor = _creep(prepared.setup, walk.duration, shared) if stand else None
-    return Simulation(prepared, evaluation, floor, timing)
+    return Simulation(prepared, evaluation, floor, timing, tuple(missed))
 
 
 def _prepared(

@@ -74,6 +74,9 @@ def _headline(summary: Mapping[str, Any]) -> list[str]:
     ]
     if fallback := summary.get("fallback"):
         lines.append(f"{'fell back':13}on the stratified plan: {fallback}")
+    if len(missed := summary.get("missed", ())) > 1:
+        misses = ", then ".join(f"{1e3 * miss:.3g}" for miss in missed)
+        lines.append(f"{'corrected':13}the goal was missed by {misses} mm")
     lines += _strays(summary)
     if summary["saturated_segments"]:
         scaled = "segments scaled down to the joint range"

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from models.motion.real_contacts import FittedTwists, contact_fields
 from planner.errors import ConvergenceError, PlannerError
 from planner.planning.rollouts import rollout
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, relative
-from sim.planning.aiming import segment_ends, steer_along
+from sim.planning.aiming import segment_ends, steer_along, steer_towards
 from sim.planning.open_loop import plan_open_loop, plan_segment
 from sim.preparation.laying import joined
 from sim.preparation.setup import prepare
@@ -108,3 +109,22 @@ def test_flows_of_one_field_join_across_segments_and_cancel():
     first = [Flow("1", "g1_1", 0.1), Flow("2", "g2_2", 0.2)]
     second = [Flow("2", "g2_2", -0.2), Flow("1", "g1_1", 0.3)]
     assert joined([first, second]) == [(0, Flow("1", "g1_1", 0.4))]
+
+
+def same_flows(one, other):
+    assert [flow[:2] for flow in one] == [flow[:2] for flow in other]
+    durations = np.array([[flow.duration for flow in flows] for flows in (one, other)])
+    assert durations[0] == pytest.approx(durations[1], abs=1e-6)  # of 3e-9 m/rad
+
+
+def test_fields_of_the_real_contacts_steer_as_the_contacts_themselves(turning):
+    twists = twist_model(turning, "quasi_static")
+    described, groups = turning.equations, turning.robot.groups
+    fields = FittedTwists(contact_fields(described, groups, twists))
+    on = steer_along(turning, twists), steer_along(turning, fields)
+    same_flows(*(plan.flows for plan in on))
+    here, there = np.zeros(3), np.array([0.005, 0.004, 0.05])
+    steps = (
+        steer_towards(turning, t, 0, there, here, (0.1, -0.1)) for t in (twists, fields)
+    )
+    same_flows(*(step.plan.flows for step in steps))
