@@ -4,6 +4,7 @@ Three ways to plan each scenario are compared by their predicted motion: the pap
 printed words and the shortest words, in more and fewer segments, and optimised plans
 that may stray as far as the printed plan does, and twice as far. Nothing is walked in
 the physics. A plan is better than another where it is lower and farther to the left.
+The dotted line is a lower bound on the time of any walk that strays as far.
 
 Example:
     python -m scripts.short_walks --plot docs/short-walks.png
@@ -16,7 +17,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim import Judge, PlannedWalk, load_scenario, prepare
+import numpy as np
+
+from sim import Judge, PlannedWalk, least_time, load_scenario, prepare
 
 SCENARIOS = ("line", "ellipse", "diagonal")
 SEGMENTS: Mapping[str, Sequence[int]] = {
@@ -105,11 +108,19 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
                 )
                 x, y = zip(*on, strict=True)
                 axes.plot(x, y, style, color=colour, label=way, markersize=3)
+            axes.plot(*_bound(name, points), ":", color="0.4", label="lower bound")
             axes.set(title=name, xlabel="farthest from the path [mm]")
             axes.set(xlim=(0, None), ylim=(0, None))
         panels[0].set_ylabel("time [s]")
-        panels[-1].legend()
+        panels[1].legend()
         figure.savefig(path, dpi=160)
+
+
+def _bound(name: str, points: Sequence[Point]) -> tuple[list[float], list[float]]:
+    """Deviations [mm], and the least time that walks with them take [s]."""
+    setup = prepare(load_scenario(name))
+    strays = np.linspace(0.0, max(p.position for p in points), 15).tolist()
+    return [1e3 * s for s in strays], [least_time(setup, s) for s in strays]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

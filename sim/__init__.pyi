@@ -23,6 +23,7 @@ from .figures.style import (
 )
 from .filming import film as film
 from .optimisation.judging import Judge as Judge
+from .optimisation.lower_bound import least_time as least_time
 from .optimisation.planned import PlannedWalk as PlannedWalk
 from .preparation.setup import prepare as prepare
 from .run_folder import write as write

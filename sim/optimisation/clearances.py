@@ -54,28 +54,40 @@ def clearances(
         Expressions that must not be negative, from a stage and a state's entries.
     """
     pieces = list(near_pieces(setup, within))
-    groups = setup.robot.group_of_leg
+    size = FIRST_ANGLE + len(setup.robot.groups)
 
     @lru_cache
-    def shapes(stratum: str) -> list[list[MovingPart]]:
-        parts = moving_parts(setup, stratum)
-        return [list(own) for _, own in groupby(parts, key=lambda part: part.leg)]
+    def least_distances(stratum: str) -> Any:
+        import casadi as ca
+
+        state = ca.SX.sym("state", size)
+        rows = _least_distances(setup, stratum, state, pieces)
+        return ca.Function("clearances", [state], [ca.vertcat(*rows)])
 
     def of(stage: Stage, state: Sequence[Any]) -> list[Any]:
         import casadi as ca
 
-        turn = ca.cos(state[2]), ca.sin(state[2])
-        rows = []
-        for parts in shapes(stage.stratum):
-            leg = parts[0].leg
-            gain = float(setup.robot.swing_gain[leg])
-            swing = 0.0 if leg == BODY else gain * state[FIRST_ANGLE + groups[leg]]
-            angle = ca.cos(swing), ca.sin(swing)
-            found = list(_distances(parts, angle, (*state[:2], *turn), pieces))
-            rows += [_soft_least(found) - least] if found else []
-        return rows
+        found = least_distances(stage.stratum)(ca.vertcat(*state[:size]))
+        return [found[i] - least for i in range(found.shape[0])]
 
     return of
+
+
+def _least_distances(
+    setup: Setup, stratum: str, state: Any, pieces: Sequence[Near]
+) -> Iterator[Any]:
+    """The least distance of the body, and of each leg, from obstacles."""
+    import casadi as ca
+
+    pose = state[0], state[1], ca.cos(state[2]), ca.sin(state[2])
+    parts, groups = moving_parts(setup, stratum), setup.robot.group_of_leg
+    for leg, own in groupby(parts, key=lambda part: part.leg):
+        gain = float(setup.robot.swing_gain[leg])
+        swing = 0.0 if leg == BODY else gain * state[FIRST_ANGLE + groups[leg]]
+        angle = ca.cos(swing), ca.sin(swing)
+        found = list(_distances(list(own), angle, pose, pieces))
+        if found:
+            yield _soft_least(found)
 
 
 def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
