@@ -94,7 +94,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
             rows.append(row_of(adoptee, Path(folder)))
         print(rows[-1], flush=True)
     if options.out is not None and options.only is None:
-        options.out.write_text(PAGE + "\n".join([*rows, ""]))
+        options.out.write_text(PAGE + "\n".join([*rows, ""]) + below(options.out))
+
+
+def below(page: Path) -> str:
+    """The sections of a page below its table, which are written by hand."""
+    _, heading, rest = (
+        page.read_text().partition("\n## ") if page.exists() else ("",) * 3
+    )
+    return heading + rest
 
 
 if __name__ == "__main__":

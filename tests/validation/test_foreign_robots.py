@@ -4,11 +4,15 @@ import mujoco
 import numpy as np
 import pytest
 
+from models.adoption.draft import draft_card
+from models.adoption.source import source_of
 from models.library import load
+from scripts.adoptees import ADOPTEES
 from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
+from sim.simulation import simulate
 from sim.world.model import build, load as load_world
 from sim.world.sensors import SELF_CONTACT
 from tests import foreign
@@ -64,6 +68,26 @@ def test_small_and_large_robots_are_predicted_as_closely(size, tmp_path):
     assert summary["contact_switches_achieved"] == summary["contact_switches"]
     farthest = summary["error"]["quasi_static"]["farthest"]
     assert farthest < 0.003 * summary["distance_walked"]  # 0.001 measured for both
+
+
+def adopted(adoptee, folder):
+    """Its MJCF, with the card that is drafted for it beside it."""
+    source = source_of(str(adoptee.write(folder)))
+    if source.text is not None:
+        source.path.write_text(source.text)
+    source.path.with_suffix(".toml").write_text(draft_card(source).card)
+    return str(source.path)
+
+
+def test_a_urdf_of_light_links_walks_on_stiff_servos_without_bouncing(tmp_path):
+    box = adopted(next(a for a in ADOPTEES if a.name == "box"), tmp_path)
+    path = line((0.03, 0.03, 0.0))
+    scenario = Scenario(name="short", robot=box, path=path, segments=5, timestep=1e-3)
+    summary = simulate(scenario).summary
+    assert summary["servo"]["stiffness"] > 900
+    # without the rotors of its servos 1339, and 80 % off
+    assert (summary["verdict"], summary["bounces"]) == ("arrived", 0)
+    assert summary["error"]["quasi_static"]["position"] < 0.005 * path.length  # 0.0008
 
 
 def test_it_starts_from_keyframe_home_with_its_knees_held(tmp_path, scenario):

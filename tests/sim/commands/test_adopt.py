@@ -35,6 +35,17 @@ def test_urdf_is_given_an_mjcf(tmp_path, capsys):
     assert len(report["robot"]["legs"]) == 6
 
 
+def test_a_model_folder_with_a_scene_is_adopted_by_its_name(tmp_path, capsys):
+    SPIDER.write(tmp_path)
+    (tmp_path / "scene.xml").write_text(
+        '<mujoco><include file="spider.xml"/><worldbody><geom name="floor" '
+        'type="plane" size="0 0 0.05"/></worldbody></mujoco>'
+    )
+    assert main(["adopt", str(tmp_path)]) == 0
+    assert f"--robot {tmp_path / 'spider.xml'}\n" in capsys.readouterr().out
+    assert (tmp_path / "spider.toml").is_file()
+
+
 @pytest.mark.parametrize("name", ["spider.toml", "spider.png"])
 def test_nothing_is_written_over(tmp_path, capsys, name):
     path = SPIDER.write(tmp_path)
