@@ -91,6 +91,16 @@ def test_commands_of_sweeps_run(line, swept, tmp_path, monkeypatch):
         assert printed(words, tmp_path)
 
 
+@pytest.mark.physics
+def test_the_table_of_a_sweep_is_read_as_shown(swept, monkeypatch):
+    (block,) = (b.text for b in blocks("text") if b.text.startswith("import pandas"))
+    monkeypatch.chdir(swept)
+    names = {}
+    exec(compile(block, "sweeps.md", "exec"), names)
+    assert len(names["rows"]) == 2
+    assert len(names["held"]) <= 2
+
+
 def test_the_sweep_shown_is_one(tmp_path):
     (block,) = (b.text for b in blocks("toml") if "[sobol]" in b.text)
     (tmp_path / "friction.toml").write_text(block)
