@@ -2,7 +2,9 @@
 
 import os
 import re
+import struct
 import time
+import zlib
 
 import numpy as np
 import pytest
@@ -38,6 +40,29 @@ def stl(faces, content):
     return bytes(80) + np.uint32(faces).tobytes() + content
 
 
+def png(width, height, pixels):
+    """A grey picture that claims to be so large; its pixels are packed."""
+
+    def chunk(kind, data):
+        check = zlib.crc32(kind + data)
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", check)
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
+    parts = chunk(b"IHDR", head), chunk(b"IDAT", pixels), chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
+def packed(count):
+    """So many zeros: a gigabyte of them takes a megabyte."""
+    packer, block = zlib.compressobj(9), bytes(10**6)
+    whole = b"".join(packer.compress(block) for _ in range(count // 10**6))
+    return whole + packer.compress(bytes(count % 10**6)) + packer.flush()
+
+
+def picture(name):
+    return f'<asset><hfield name="h" file="{name}" size="1 1 1 1"/></asset>'
+
+
 def mesh(name):
     return f'<asset><mesh name="m" file="{name}"/></asset>'
 
@@ -47,6 +72,10 @@ FILES = {
     "endless.stl": stl(2**32 - 1, bytes(50)),
     "flat.stl": stl(1, bytes(50)),
     "nan.stl": stl(1, np.full(12, np.nan, np.float32).tobytes() + bytes(2)),
+    "vast.png": png(2**31 - 1, 2**31 - 1, zlib.compress(b"0")),
+    "large.png": png(10**5, 10**5, zlib.compress(b"0")),
+    "vast.msh": struct.pack("<4i", *[2**31 - 1] * 4) + bytes(100),
+    "a.zip": b"PK\x03\x04" + bytes(100),
     "s.skn": np.full(4, 2**30, np.int32).tobytes() + bytes(100),
     "loop.xml": b'<mujoco><include file="mine.xml"/></mujoco>',
     "inner.xml": b'<mujoco><include file="pipe"/></mujoco>',
@@ -56,6 +85,18 @@ QUICK = {
     "a device for an include": ('<include file="/dev/zero"/>', "/dev/zero"),
     "a device for a mesh": (mesh("/dev/zero"), "not a file: /dev/zero"),
     "an include of itself": ('<include file="loop.xml"/>', "already included"),
+    "a picture of more points than a number holds": (picture("vast.png"), "too many"),
+    "a picture that is larger than its file": (picture("large.png"), "large.png"),
+    "a mesh that is larger than its file": (mesh("vast.msh"), "too large sizes"),
+    "an archive for an include": ('<include file="a.zip"/>', "a.zip"),
+    "frames within frames": (
+        f"<worldbody>{'<frame>' * 20_000}{'</frame>' * 20_000}</worldbody>",
+        "nesting is too deep",
+    ),
+    "a name with a zero byte": (
+        '<worldbody><geom name="a\0b" size="1"/></worldbody>',
+        "not a usable MJCF file",
+    ),
     "a skin of a billion points": (
         '<deformable><skin name="s" file="s.skn"/></deformable>',
         "skin|too large",
@@ -112,6 +153,18 @@ def test_entities_are_never_expanded(robot):
     path = robot(text=HEXAPOD.replace('name="nose"', 'name="&a;&x;"', 1))
     path.write_text(head + path.read_text())
     assert load(str(path)).model.geom("&a;&x;").id >= 0
+
+
+@pytest.mark.full
+def test_a_picture_of_a_gigabyte_in_a_megabyte_is_refused_in_time(robot):
+    path, side = robot(picture("bomb.png")), 30_000
+    bomb = png(side, side, packed(side * (side + 1)))
+    (path.parent / "bomb.png").write_bytes(bomb)
+    assert len(bomb) < 10**6
+    began = time.monotonic()
+    with pytest.raises(ModelError, match="too large: .*"):
+        load(str(path))
+    assert time.monotonic() - began < LIMIT
 
 
 @pytest.mark.full
