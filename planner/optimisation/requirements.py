@@ -85,7 +85,8 @@ class Requirements:
     ) -> None:
         """Keep the task's margins and rooms as stages begin, have recovered, and end.
 
-        What rooms lack is made up for by the width of the corridor beyond its least.
+        Rooms are kept where strokes begin and end. What they lack is made up for by the
+        width of the corridor beyond its least.
 
         Args:
             task: Whose margins they are.
@@ -103,13 +104,15 @@ class Requirements:
             end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)
         ]
         parts, unit = list[Any](), task.unit(start)
-        for state in (begin, ca.vertcat(*mixed), end):
+        recovered_first = ca.vertcat(*mixed)
+        setting_out = begin if task.together else recovered_first
+        for state in (begin, recovered_first, end):
             whole = [ca.SX(float(v)) for v in start]
             for k, i in enumerate(task.moved):
                 whole[i] = state[k]
             for margin in task.margins:
                 parts += [part / unit for part in margin(stage, whole)]
-            for room in task.rooms:
+            for room in task.rooms if state is setting_out or state is end else ():
                 parts += [part / unit + more for part in room(stage, whole)]
         if not parts:
             return

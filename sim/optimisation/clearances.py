@@ -136,7 +136,8 @@ def _distances(
         ((u, v),) = disc.corners(*angle)
         place = x + cos * u - sin * v, y + sin * u + cos * v
         for piece in pieces:
-            yield distance(place, piece.sides) - disc.radius
+            away = distance if piece.corners else beyond  # no end of a side in reach
+            yield away(place, piece.sides) - disc.radius
     for part in parts:
         own = part.corners(*angle)
         if len(own) < 2:
@@ -145,7 +146,7 @@ def _distances(
         for corner in (corner for piece in pieces for corner in piece.corners):
             u, v = corner[0] - x, corner[1] - y
             local = cos * u + sin * v, cos * v - sin * u
-            found = distance(local, sides) if len(own) > 2 else apart(local, sides)
+            found = distance(local, sides) if len(own) > 2 else apart(local, sides[:1])
             yield found - part.radius
 
 
@@ -161,8 +162,15 @@ def distance(point: Place, sides: Sides) -> Any:
     """
     import casadi as ca
 
-    beyond = reduce(ca.fmax, [_outward(*side, point) for side in sides])
-    return ca.if_else(beyond > 0, apart(point, sides), beyond)
+    out = beyond(point, sides)
+    return ca.if_else(out > 0, apart(point, sides), out)
+
+
+def beyond(point: Place, sides: Sides) -> Any:
+    """Signed distance of a point from the lines that sides are on [m], if convex."""
+    import casadi as ca
+
+    return reduce(ca.fmax, [_outward(*side, point) for side in sides])
 
 
 def apart(point: Place, sides: Sides) -> Any:

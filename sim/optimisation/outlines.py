@@ -6,8 +6,8 @@ the swing. Three samples therefore determine it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 import mujoco
@@ -27,7 +27,7 @@ SAME = 1e-7  # [m] between places that are taken for one
 BODY = -1  # in place of a leg's index
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MovingPart:
     """A convex part, widened by a radius, that swings with one leg or with none.
 
@@ -92,20 +92,37 @@ def moving_parts(setup: Setup, stratum: str) -> list[MovingPart]:
     return parts
 
 
-def discs(parts: list[MovingPart]) -> Iterator[MovingPart]:
-    """The corners of parts, one at a time, without those that others cover."""
+def discs(parts: list[MovingPart]) -> list[MovingPart]:
+    """The corners of parts, one at a time, that make up their convex hull."""
     found = list[MovingPart]()
     for part in sorted(parts, key=lambda part: -part.radius):
         for k in range(part.terms.shape[1]):
             disc = MovingPart(part.leg, part.terms[:, k : k + 1], part.radius)
             if not any(_covers(other, disc) for other in found):
                 found.append(disc)
-    yield from found
+    return [
+        disc
+        for disc in found
+        if not any(_between(disc, *pair) for pair in combinations(found, 2))
+    ]
 
 
 def _covers(disc: MovingPart, other: MovingPart) -> bool:
     apart = np.linalg.norm(disc.sampled - other.sampled, axis=-1).max()
     return bool(apart + other.radius <= disc.radius + SAME)
+
+
+def _between(disc: MovingPart, one: MovingPart, other: MovingPart) -> bool:
+    """Whether a disc lies within the hull of two others."""
+    if disc in (one, other):
+        return False
+    begin, way = one.sampled, other.sampled - one.sampled
+    squares = (way**2).sum(axis=-1)
+    share = ((disc.sampled - begin) * way).sum(axis=-1) / squares
+    off = np.linalg.norm(begin + share[..., None] * way - disc.sampled, axis=-1)
+    radius = one.radius + share * (other.radius - one.radius)
+    inside = (share >= 0) & (share <= 1) & (off + disc.radius <= radius + SAME)
+    return bool(inside.all())
 
 
 def _hull(points: Array) -> list[int]:
