@@ -43,13 +43,3 @@ def test_the_goal_is_met_at_once_and_met_exactly_when_corrected(walked):
     at_once, corrected = walked[0]["missed"]
     assert at_once <= 1e-3
     assert corrected <= 1e-4
-
-
-@pytest.mark.parametrize("name", ["corridor", "detour"])
-def test_obstacles_are_kept_clear_of(name):
-    asked = {"optimise": "time", "replan": False, "plan_time": 3600.0}
-    summary = simulate(load_scenario(name, asked)).summary
-    assert summary["fallback"] is None
-    assert summary["wall_contacts"] == 0
-    assert summary["predicted"]["quasi_static"]["min_clearance"] >= 0.005
-    assert summary["verdict"] == "arrived"
