@@ -33,7 +33,7 @@ from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK
 from sim.planning.sharing import Keep, anew, keeper, world_keeper
 from sim.preparation.shared import Shared
-from sim.progress import Progress, silent
+from sim.progress import Progress, silent, stage
 from sim.versions import versions
 from sim.walking.finished import Stretch, Walk
 
@@ -93,8 +93,7 @@ def evaluate(
         "commanded", lambda: [list(_commanded(walk, s)) for s in walk.stretches]
     )
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
-    for done, name in enumerate(MODELS):
-        progress("comparing", done / len(MODELS))
+    for name in MODELS:
         if name in without:
             unpredicted[name] = "left out"
             continue
@@ -103,13 +102,13 @@ def evaluate(
             keeps[name] = keep if alike else anew
             twists = partial(measured, name, partial(twist_model, walk.setup, name))
             follow = partial(_predicted, walk, twists, given)
-            predicted[name] = keeps[name](name, follow)
+            with stage(progress, f"following {name.replace('_', '-')}"):
+                predicted[name] = keeps[name](name, follow)
         except MeasurementError as error:
             unpredicted[name] = str(error)
     achieved = achieved_motion(walk)
     poses = {name: found.pose for name, found in predicted.items()}
     deviation = _deviation(walk, keeps, {**poses, "achieved": achieved.pose})
-    progress("comparing", 1.0)
     return Evaluation(
         walk,
         achieved,
