@@ -6,6 +6,7 @@ import pytest
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
 from models.contact.static_stability import StaticStability
+from models.errors import ModelError
 from models.library import load
 from models.motion.mobility import mobility_of
 from models.motion.robot_equations import equations
@@ -59,6 +60,26 @@ def test_no_foot_that_stands_bears_too_little_while_another_is_set_back(robot):
     assert system.bottom == "1234"
     assert lifted >= 4
     assert angles == pytest.approx(np.zeros(4), abs=1e-9)
+
+
+UNDER = """<mujoco><worldbody><body name="trunk" pos="0 0 0.3"><freejoint/>
+  <geom type="box" size="0.1 0.1 0.02" contype="0" conaffinity="0"/>{}
+</body></worldbody></mujoco>"""
+HOOK = """<body pos="{1} {2} 0"><joint name="yaw{0}" axis="0 0 1"/>
+  <geom type="sphere" size="0.01" contype="0" conaffinity="0"/>
+  <body pos="0.05 0 0"><joint name="pitch{0}" axis="0 1 0"/>
+    <geom name="toe{0}" type="sphere" size="0.01" pos="-0.05 0 -0.1"/></body></body>"""
+
+
+def test_feet_below_the_joints_that_swing_them_push_nothing(tmp_path):
+    places = [(0.1, 0.1), (0.1, -0.1), (-0.1, 0.1), (-0.1, -0.1)]
+    path = tmp_path / "under.xml"
+    hooks = "".join(HOOK.format(k, *place) for k, place in enumerate(places))
+    path.write_text(UNDER.format(hooks))
+    with pytest.raises(
+        ModelError, match="foot 'toe.' is right below the joint that sw"
+    ):
+        draft_card(source_of(str(path)))
 
 
 def test_weight_is_off_the_lines_between_opposite_feet(tmp_path):
