@@ -26,9 +26,16 @@ def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
             model = spec.compile()
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
-        raise ModelError(f"MJCF does not compile: {source}; {reason}") from error
+        raise ModelError(
+            f"{_language(source)} does not compile: {source}; {reason}"
+        ) from error
     check_model(model, source)
     return model
+
+
+def _language(source: str) -> str:
+    """What a model is written in."""
+    return "URDF" if source.lower().endswith(".urdf") else "MJCF"
 
 
 def silence_the_engine() -> None:
@@ -49,7 +56,8 @@ def read_spec(path: Path) -> mujoco.MjSpec:
         return mujoco.MjSpec.from_file(str(path))
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
-        raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
+        kind = _language(str(path))
+        raise ModelError(f"not a usable {kind} file: {path}; {reason}") from error
 
 
 def parse_spec(text: str, folder: Path) -> mujoco.MjSpec:
