@@ -86,4 +86,5 @@ def test_a_hobby_robot_that_replans_arrives_within_a_hundredth_of_its_path(draw)
     changes = imperfections("hobby", robot, draw) | {"replan": True}
     summary = walked("line", **changes)
     goal = summary["error"]["goal"]["position"]
+    # of the first 8 segments, 0.8 and 0.5 mm were measured
     assert goal < 0.01 * summary["path_length"]
