@@ -93,7 +93,7 @@ class Search:
         here, place, first = self.path(0.0), 0.0, 0
         length, done = self._length(), list[Solution]()
         width = min(1.0, LONGEST / length)
-        count = int(np.clip(BEGIN * width * length, FEWEST, MOST))
+        count = _first_count(width * length)
         while place < 1.0:
             last = place + 1.01 * width >= 1.0
             ends = (place, 1.0 if last else place + width)
@@ -104,6 +104,7 @@ class Search:
                 width /= np.clip(lacking, 2.0, NARROWER)
                 if width * length < SHORTEST:
                     raise self._refusal(window, found)
+                count = _first_count(width * length)
                 continue
             count = len(found.strokes)
             done.append(found if last else found.until(float(np.mean(ends))))
@@ -238,3 +239,8 @@ class Search:
             f"no plan was found within {asked} of the path at {window.ends[0]:.0%} of "
             f"it; the nearest found there keeps {kept}"
         )
+
+
+def _first_count(length: float) -> int:
+    """Stages to begin with, of a window in units that a stroke moves by."""
+    return int(np.clip(BEGIN * length, FEWEST, MOST))
