@@ -7,11 +7,40 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 
 from sim.progress import bar, may_draw
 from sim.sweeps.sweeping import Show, unseen
+
+
+@dataclass
+class Pace:
+    """Points a second, from the first that is finished on: workers are slow to start.
+
+    Attributes:
+        clock: Gives the time [s].
+    """
+
+    clock: Callable[[], float] = time.monotonic
+    _known: int | None = field(default=None, init=False)
+    _since: float | None = field(default=None, init=False)
+
+    def __call__(self, done: int) -> float:
+        """The pace so far, 0 until there is one.
+
+        Args:
+            done: Points that are done, those of an earlier process included.
+        """
+        now = self.clock()
+        if self._known is None:
+            self._known = done
+        if self._since is None and done > self._known:
+            self._known, self._since = done, now
+        if self._since is None or now <= self._since:
+            return 0.0
+        return (done - self._known) / (now - self._since)
 
 
 @contextmanager
@@ -44,15 +73,12 @@ def sweep_bar(quiet: bool = False) -> Iterator[Show]:
         TextColumn("{task.fields[rate]}, {task.fields[failed]} failed, left"),
         TimeRemainingColumn(),
     )
-    began, first = time.monotonic(), [-1]
+    pace = Pace()
     with Progress(*columns, console=Console(file=sys.stderr), transient=True) as bars:
         task = bars.add_task("points", total=None, rate="", failed=0)
 
         def show(done: int, failed: int, points: int) -> None:
-            if first[0] < 0:
-                first[0] = done
-            rate = (done - first[0]) / max(time.monotonic() - began, 1e-3)
-            said = f"{rate:.3g} a second"
+            said = f"{pace(done):.3g} a second"
             bars.update(task, completed=done, total=points, failed=failed, rate=said)
 
         yield show
