@@ -91,7 +91,7 @@ class Crew:
 
     def _free(self) -> list[str]:
         """Addresses of workers that may take part and have nothing to do."""
-        there = self.client.scheduler_info(n_workers=-1)["workers"]
+        there = self._there()
         for worker in there:
             if worker not in self.greeted:
                 self.greeted[worker] = self._submit(worker, software)
@@ -100,6 +100,18 @@ class Crew:
                 self._judge(worker, answer)
         busy = {worker for _, worker in self.flying.values()}
         return [worker for worker in there if worker in self.welcome - busy]
+
+    def _there(self) -> Mapping[str, Any]:
+        """Workers that the scheduler has, by address.
+
+        The client's own `scheduler_info` may give the answer to another question, which
+        lists no workers at all: whoever trusts it takes the living for dead.
+        """
+        told: Mapping[str, Any] = self.client.sync(
+            self.client.scheduler.identity, n_workers=-1
+        )
+        found: Mapping[str, Any] = told["workers"]
+        return found
 
     def _judge(self, worker: str, answer: Future) -> None:
         """Let a worker take part if it computes with what we compute with."""
@@ -132,7 +144,7 @@ class Crew:
             done = wait(list(self.flying), 1, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             done = set()
-        there = self.client.scheduler_info(n_workers=-1)["workers"] if not done else {}
+        there = self._there() if not done else {}
         lost = {f for f, (_, w) in self.flying.items() if not done and w not in there}
         return [self._settle(future) for future in done | lost]
 
@@ -153,7 +165,7 @@ class Crew:
     def _be_patient(self, since: float) -> float:
         """Wait a little for a worker; when there was hope of one last [s]."""
         unlike = {w: why for w, why in self.refused.items() if w in self.greeted}
-        there = self.client.scheduler_info(n_workers=-1)["workers"]
+        there = self._there()
         if there and there.keys() <= unlike.keys():
             worker, why = next(iter(unlike.items()))
             raise SweepError(
