@@ -120,6 +120,8 @@ def test_a_scheduler_that_does_not_answer_is_refused(tmp_path):
     assert "dask scheduler" in done.stderr
 
 
+# A port that another scheduler has is warned of by a library.
+@pytest.mark.filterwarnings("ignore")
 def test_a_living_worker_is_not_taken_for_dead(monkeypatch, tmp_path):
     points = points_of(read_sweep(str(write_sweep(tmp_path, POISON))), Shard())
     with hired(1, None) as crew:
