@@ -23,11 +23,15 @@ from sim.preparation.laying import lay
 from sim.preparation.setup import Setup
 
 
-def real_twists(setup: Setup) -> TwistModel:
+def real_prediction(setup: Setup) -> str:
     """The prediction that optimised plans follow: quasi-static, or as identified."""
     steer = setup.scenario.steer
-    name = "quasi_static" if steer == "ideal" else steer.replace("-", "_")
-    return twist_model(setup, name)
+    return "quasi_static" if steer == "ideal" else steer.replace("-", "_")
+
+
+def real_twists(setup: Setup) -> TwistModel:
+    """The body twists of that prediction."""
+    return twist_model(setup, real_prediction(setup))
 
 
 def least_clearance(setup: Setup) -> float | None:

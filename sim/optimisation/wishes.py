@@ -24,9 +24,10 @@ from planner import (
     plan,
     play,
 )
+from sim.experiments.predictions import twist_model
 from sim.motion.straying import straying
 from sim.optimisation.clearances import clearances
-from sim.optimisation.judging import Judge, real_twists
+from sim.optimisation.judging import Judge, real_prediction
 from sim.optimisation.margins import margins
 from sim.preparation.setup import Setup
 
@@ -38,16 +39,20 @@ SAMPLES = 8  # of a flow of the stratified plan
 GUARD = 1e-4  # [m] of margin and clearance, for what lies between the ends of strokes
 
 
-@lru_cache(maxsize=4)
 def real_equations(setup: Setup) -> Equations:
     """The robot's equations with the strokes that its plans use as they really are.
 
     Args:
         setup: Robot and floor; the path does not matter.
     """
+    return _equations(setup, real_prediction(setup))
+
+
+@lru_cache(maxsize=4)
+def _equations(setup: Setup, prediction: str) -> Equations:
     described = setup.equations
     used = [e for e in described.elements if e in described.swings]
-    groups, twists = setup.robot.groups, real_twists(setup)
+    groups, twists = setup.robot.groups, twist_model(setup, prediction)
     fields = contact_fields(described, groups, twists, used, ROUGH)
     return contact_equations(described, fields)
 
