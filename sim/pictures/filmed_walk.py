@@ -12,7 +12,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from models import Card, read_card
+from models import Card, ModelError, read_card
 from planner import Array, open_file, read_file
 from sim.errors import UsageError
 from sim.motion.poses import rotate
@@ -103,7 +103,7 @@ def read_walk(folder: Path) -> FilmedWalk:
         raise UsageError("no such run folder", str(folder), FINISHED)
     try:
         return _read(folder)
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
+    except (OSError, KeyError, ValueError, ModelError, zipfile.BadZipFile) as error:
         if isinstance(error, UsageError):
             raise
         reason = f"no film of an unfinished run, {error}"

@@ -18,6 +18,7 @@ from sim.experiments.predictions import twist_model
 from sim.folder import RunFolder
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
+from sim.progress import silent
 from sim.run_folder import run
 from sim.scenarios.file import load_scenario
 
@@ -123,7 +124,7 @@ def faller(tmp_path_factory):
 
 
 def test_a_field_on_which_the_robot_falls_is_null_with_the_reason(faller):
-    found = {field["field"]: field for field in fields(prepare(faller))}
+    found = {field["field"]: field for field in fields(prepare(faller), silent)}
     assert found["g12_1"]["reason"] is None
     for name in ("g1_1", "g2_2"):
         assert found[name]["twists"] is found[name]["slip"] is None

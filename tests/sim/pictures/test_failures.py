@@ -103,11 +103,17 @@ def test_an_unknown_look_is_refused(walked):
 
 
 @pytest.mark.parametrize(
-    "name", ["model.xml", "model.toml", "scenario.toml", "flows.csv", "trajectory.npz"]
+    "name", ["model.xml", "model.toml", "flows.csv", "trajectory.npz"]
 )
 def test_an_unfinished_run_is_refused(folder, name):
     (folder / name).unlink()
     with pytest.raises(UsageError, match=name):
+        read_walk(folder)
+
+
+def test_a_folder_without_a_scenario_is_no_run(folder):
+    (folder / "scenario.toml").unlink()
+    with pytest.raises(UsageError, match="no such run folder"):
         read_walk(folder)
 
 

@@ -141,7 +141,9 @@ def test_failed_points_have_reasons_and_the_others_their_numbers(failing):
 
 
 def test_a_sweep_of_failures_has_a_table_of_reasons(tmp_path):
-    file = write_sweep(tmp_path, "[grid]\nsegments = [1, 2]\n[list]\ndegree = [1]\n")
+    file = write_sweep(
+        tmp_path, "[grid]\nfriction = [0.5, 1.0]\n[list]\ndegree = [1]\n"
+    )
     done = stratawalk("sweep", file, "--out", tmp_path / "out", "--workers", 1)
     assert done.returncode == 8
     assert "2 of 2 points failed" in done.stderr
