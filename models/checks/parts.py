@@ -14,7 +14,7 @@ from models.description.robot import Robot
 from models.errors import ModelError
 from planner import did_you_mean
 
-FARTHEST = 1e6  # [m] from the origin at the start; beyond, numbers lose millimetres
+FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 
 
 def check_parts(robot: Robot) -> None:
@@ -34,9 +34,23 @@ def check_parts(robot: Robot) -> None:
             f"it starts {np.abs(robot.start_qpos).max():.3g} m or rad away: "
             f"{robot.path}; correct keyframe 'start', or where its body is"
         )
+    _require_near(robot)
     for number, leg in robot.card.legs.items():
         for problem in _problems(robot.model, leg):
             raise ModelError(f"leg {number}: {robot.path}; {problem}")
+
+
+def _require_near(robot: Robot) -> None:
+    """Refuse bodies and geoms that are placed beyond what numbers can resolve."""
+    model = robot.model
+    for kind, places in (("body", model.body_pos), ("geom", model.geom_pos)):
+        away = np.abs(places).max(axis=1)
+        if away.max() > FARTHEST:
+            name = getattr(model, kind)(int(away.argmax())).name
+            raise ModelError(
+                f"{kind} {name!r} is {away.max():.3g} m away from its frame: "
+                f"{robot.path}; correct its pos"
+            )
 
 
 def _check_names(robot: Robot) -> None:

@@ -55,7 +55,7 @@ def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -
         depths += [core.radius] * len(core.points)
     geoms, local = np.array(owner), np.array(points)
     bottom = _place(data, geoms, local)[:, 2] - depths
-    lowest = bottom < bottom.min() + TIED
+    lowest = bottom <= bottom.min() + TIED
     depth = float(np.array(depths)[lowest].mean())
     return Sole(geoms[lowest], local[lowest], depth)
 

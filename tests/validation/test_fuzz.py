@@ -76,6 +76,7 @@ def test_what_the_real_command_bears_is_no_find(tmp_path):
 
 
 FINDS = {
+    "a foot beyond all numbers": ('-0.052" rgba', f'{2**63}" rgba'),
     "a start beyond all numbers": ("0 0 0.06 1", f"0 0 {2**63} 1"),
 }
 
