@@ -3,25 +3,43 @@
 If no rate depends on a coordinate that it moves itself, directly or by way of others,
 coordinates fall into levels: rates of the first depend on nothing, those of the next on
 the first, and so on. Then a whole sequence of flows is integrated level by level: all
-rates are known along all flows at once, and starts are sums of what came before.
+rates are known along all flows at once, and starts are sums of what came before. A
+level of its own is a coordinate that drives itself as the heading of a trailer does.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import NODES, TOLERANCE, collocation
+from planner.planning.angular_coordinates import angular_ways, is_angular
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
 BLOCK = 2000  # flows at once; each takes some kilobytes
+FEW = 10  # nodes, which suffice for the flows of a plan of many segments
 
 
-def levels(system: StratifiedSystem, names: Sequence[str]) -> list[list[int]] | None:
+class Level(NamedTuple):
+    """Coordinates that are integrated together.
+
+    Attributes:
+        coordinates: Their indices.
+        angular: Whether it is a single coordinate whose rates depend on itself.
+    """
+
+    coordinates: list[int]
+    angular: bool = False
+
+
+@lru_cache(maxsize=32)
+def levels(system: StratifiedSystem, names: tuple[str, ...]) -> list[Level] | None:
     """Coordinates in the order in which flows of some fields can be integrated.
 
     Args:
@@ -29,23 +47,29 @@ def levels(system: StratifiedSystem, names: Sequence[str]) -> list[list[int]] | 
         names: Their names.
 
     Returns:
-        Lists of indices; None if there is no such order, or it cannot be read off.
+        The levels; None if there is no such order, or it cannot be read off.
     """
     fields = [system.fields[name] for name in names]
     if any(isinstance(field, NumericField) for field in fields):
         return None
     index = {symbol: i for i, symbol in enumerate(system.state)}
-    reads = [
-        {index[s] for field in fields for s in field[i].free_symbols}
-        for i in range(system.dimension)
-    ]
-    known, order = set[int](), list[list[int]]()
+    rates = [[field[i] for field in fields] for i in range(system.dimension)]
+    reads = [{index[s] for rate in each for s in rate.free_symbols} for each in rates]
+    known, order = set[int](), list[Level]()
     while len(known) < system.dimension:
-        ready = [i for i, read in enumerate(reads) if i not in known and read <= known]
-        if not ready:
-            return None
-        order.append(ready)
-        known |= set(ready)
+        rest = [i for i in range(system.dimension) if i not in known]
+        level = Level([i for i in rest if reads[i] <= known])
+        if not level.coordinates:
+            for i in rest:
+                if reads[i] <= known | {i} and is_angular(
+                    rates[i], system.state[i], system.state
+                ):
+                    level = Level([i], angular=True)
+                    break
+            else:
+                return None
+        order.append(level)
+        known |= set(level.coordinates)
     return order
 
 
@@ -63,12 +87,15 @@ def batched(
         The states; None if coordinates cannot be integrated one after another, or a
         flow is too long for its polynomials.
     """
-    order = levels(system, list(dict.fromkeys(flow.field for flow in flows)))
+    order = levels(system, tuple(sorted({flow.field for flow in flows})))
     if order is None:
         return None
     found, here = [np.empty((0, start.size))], start
     for begin in range(0, len(flows), BLOCK):
-        states = _block(system, flows[begin : begin + BLOCK], here, order)
+        block = flows[begin : begin + BLOCK]
+        states = _states(system, block, here, order, FEW)
+        if states is None:
+            states = _states(system, block, here, order, NODES)
         if states is None:
             return None
         found.append(states)
@@ -76,31 +103,70 @@ def batched(
     return np.concatenate(found)
 
 
-def _block(
+def _states(
     system: StratifiedSystem,
     flows: Sequence[Flow],
     start: Array,
-    order: list[list[int]],
+    order: Sequence[Level],
+    nodes: int,
 ) -> Array | None:
-    rule = collocation(NODES)
-    durations = np.array([flow.duration for flow in flows])[:, None, None]
-    names = np.array([flow.field for flow in flows], dtype=object)
-    rows = {name: np.flatnonzero(names == name) for name in dict.fromkeys(names)}
-    states = np.tile(start, (len(flows), NODES, 1))
-    for level in order:
-        rates = np.empty((len(flows), NODES, len(level)))
-        for name, on in rows.items():
-            field = system.compiled(name)
-            if any(i in level for i, _ in field.varying):
-                rates[on] = field.velocity(states[on])[..., level]
-            else:
-                rates[on] = field.constant[level, 0]
-        tails = np.abs(rule.coefficients[-2:] @ rates) * np.abs(durations)
-        ways = durations * (rule.integral @ rates)
-        ends = start[level] + np.cumsum(ways[:, -1], axis=0)
-        scale = 1.0 + np.abs(ends).max()
-        if not tails.max() <= 10 * TOLERANCE * scale < np.inf:
-            return None
-        begins = np.concatenate([start[level][None], ends[:-1]])
-        states[..., level] = begins[:, None] + ways
-    return states[:, -1]
+    """States after each flow; None if so many nodes do not suffice."""
+    batch = _Batch(system, flows, nodes)
+    with np.errstate(all="ignore"):
+        if all(batch.advance(level, start) for level in order):
+            return batch.states[:, -1].T
+    return None
+
+
+class _Batch:
+    """States at the nodes of a sequence of flows, shape (n, nodes, flows)."""
+
+    def __init__(
+        self, system: StratifiedSystem, flows: Sequence[Flow], nodes: int
+    ) -> None:
+        self.rule = collocation(nodes)
+        self.durations = np.array([flow.duration for flow in flows])
+        rows: dict[str, list[int]] = {}
+        for k, flow in enumerate(flows):
+            rows.setdefault(flow.field, []).append(k)
+        self.fields = [(system.compiled(name), on) for name, on in rows.items()]
+        self.states = np.zeros((system.dimension, nodes, len(flows)))
+
+    def advance(self, level: Level, start: Array) -> bool:
+        """Integrate the next coordinates; whether the nodes suffice for that."""
+        chosen, begins = level.coordinates, start[level.coordinates]
+        if level.angular:
+            at = partial(self._at, chosen[0])
+            turned = angular_ways(at, begins[0], self.durations, self.rule)
+            if turned is None:
+                return False
+            self._place(chosen, turned[None], begins)
+            return True
+        rates = self._rates(chosen) * self.durations
+        self._place(chosen, self.rule.integral @ rates, begins)
+        tail = np.abs(self.rule.coefficients[-2:] @ rates).max()
+        scale = 1.0 + np.abs(self.states[chosen, -1]).max()
+        return bool(tail <= 10 * TOLERANCE * scale < np.inf)
+
+    def _place(self, chosen: list[int], ways: Array, start: Array) -> None:
+        """Let every flow begin where the one before it ends."""
+        ends = start[:, None] + np.cumsum(ways[:, -1], axis=1)
+        begins = np.hstack([start[:, None], ends[:, :-1]])
+        self.states[chosen] = begins[:, None] + ways
+
+    def _at(self, coordinate: int, value: float) -> Array:
+        """Rates of a coordinate wherever it has a value, shape (nodes, flows)."""
+        self.states[coordinate] = value
+        return self._rates([coordinate])[0]
+
+    def _rates(self, chosen: list[int]) -> Array:
+        """Rates of some coordinates, shape (coordinates, nodes, flows)."""
+        rates = np.empty((len(chosen), *self.states.shape[1:]))
+        for field, on in self.fields:
+            rates[:, :, on] = field.constant[chosen, 0][:, None, None]
+            if any(i in chosen for i, _ in field.varying):
+                values = field.function(*self.states[:, :, on])
+                for (i, _), value in zip(field.varying, values, strict=True):
+                    if i in chosen:
+                        rates[chosen.index(i)][:, on] = value
+        return rates

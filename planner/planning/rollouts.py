@@ -58,8 +58,8 @@ def play(
             "needed"
         )
     parts = [
-        flow._replace(duration=flow.duration / samples)
-        for flow in flows
+        Flow(stratum, field, duration / samples)
+        for stratum, field, duration in flows
         for _ in range(samples)
     ]
     together = batched(system, parts, states[0]) if len(parts) >= MANY else None

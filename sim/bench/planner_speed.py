@@ -16,6 +16,7 @@ from planner import (
     Coordinates,
     Execution,
     ExtendedSystem,
+    Plan,
     aim,
     degree,
     extend,
@@ -25,14 +26,16 @@ from planner import (
     merged,
     place,
     plan,
+    rollout,
     structure_constants,
 )
-from sim.bench.row import Row, median, seconds
+from sim.bench.row import Row, median, paired, seconds
 from sim.preparation.setup import Setup, prepare
 from sim.scenarios.file import load_scenario
 
 GENERATORS, DEGREE = 4, 5  # of the Lie algebra, 294 elements
 SHORT, LONG, LONGEST = 60, 1_000, 10_000  # segments
+REPEATS_LONGEST = 2
 STRIDE = 0.004  # of each segment in x and in y [m]
 SCENARIOS = ("line", "ellipse", "diagonal")
 
@@ -42,6 +45,8 @@ def measure() -> Iterator[Row]:
     yield from compilation()
     yield from algebra()
     yield from plans(prepare(load_scenario("line")))
+    for name in SYSTEMS:
+        yield from segments(name)
     for name in SCENARIOS:
         yield from travel(name)
 
@@ -98,6 +103,29 @@ def plans(setup: Setup) -> Iterator[Row]:
     yield Row(what, 1e6 * longest, "us", "< 100")
     what = f"time of each segment, {LONGEST:,} over {LONG:,}"
     yield Row(what, longest / long, "", "near 1")
+
+
+def segments(name: str, most: int = LONGEST) -> Iterator[Row]:
+    """Time of a segment of a shipped system, and of a rollout over that of its plan.
+
+    Args:
+        name: Name of the system.
+        most: Segments of the longest plan.
+    """
+    problem = shipped_system(name)
+    extended = extend(problem.system, problem.elements)
+
+    def planned(count: int, execution: Execution) -> Plan:
+        return plan(extended, problem.path, count, execution=execution)
+
+    long = partial(planned, most, problem.open_loop)
+    each = median(long, REPEATS_LONGEST) / most
+    yield Row(f"system {name}: {most:,} segments, each in", 1e6 * each, "us", "< 100")
+    short = partial(planned, SHORT, problem.execution)  # the words that cost least
+    follow = partial(rollout, short())
+    follow()
+    ratio, _ = paired(follow, short)
+    yield Row(f"system {name}: a rollout over its plan", ratio, "", "<= 2")
 
 
 def travel(scenario: str) -> Iterator[Row]:

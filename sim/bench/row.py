@@ -30,7 +30,9 @@ class Row:
         return f"{measured} wanted {self.wanted}" if self.wanted else measured.rstrip()
 
 
-def paired(other: Callable[[], None], ours: Callable[[], None]) -> tuple[float, float]:
+def paired(
+    other: Callable[[], object], ours: Callable[[], object]
+) -> tuple[float, float]:
     """Median of other / ours over interleaved pairs, and that of our time [s]."""
     times = [(seconds(other), seconds(ours)) for _ in range(REPEATS)]
     ratios = [a / b for a, b in times]

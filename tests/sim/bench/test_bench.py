@@ -38,6 +38,14 @@ def test_everything_that_is_shipped_is_compiled():
     assert measured == {*SYSTEMS, *shipped_robots()}
 
 
+def test_plans_and_rollouts_of_a_system_are_measured_in_one_run():
+    each, ratio = planner_speed.segments("unicycle", most=20)
+    assert (each.what, each.unit) == ("system unicycle: 20 segments, each in", "us")
+    assert ratio.what == "system unicycle: a rollout over its plan"
+    assert each.value > 0
+    assert ratio.value > 0
+
+
 @pytest.mark.parametrize("scenario", planner_speed.SCENARIOS)
 def test_shortest_words_sweep_less_than_the_printed_ones(scenario):
     (row,) = planner_speed.travel(scenario)
