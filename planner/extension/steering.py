@@ -137,17 +137,11 @@ class Steering:
             scales: A scale for each generator and segment, shape (segments, m), or for
                 all segments, shape (m,); None takes the words as they are printed.
         """
-        if scales is None:
-            return self._named(self._spelled(hall_coordinates, order))
-        unit = weights(self.hall.elements, scales)
-        spelled = self._spelled(hall_coordinates / unit, order)
-        each = np.broadcast_to(scales, (len(spelled), scales.shape[-1])).tolist()
-        return self._named(
-            [
-                (letters, [s[i - 1] * t for i, t in zip(letters, times, strict=True)])
-                for (letters, times), s in zip(spelled, each, strict=True)
-            ]
-        )
+        if scales is not None:
+            scales = np.broadcast_to(scales, (len(hall_coordinates), scales.shape[-1]))
+            unit = weights(self.hall.elements, scales)
+            hall_coordinates = hall_coordinates / unit
+        return self._named(self._spelled(hall_coordinates, order, scales))
 
     @property
     def signs(self) -> Array:
@@ -162,10 +156,18 @@ class Steering:
         ways[:, tried] = list(product((1, -1), repeat=len(tried)))
         return ways
 
-    def _spelled(self, hall_coordinates: Array, order: Spelled) -> list[Spelling]:
-        elements, vanishing = self.hall.elements, self.hall.vanishing
-        plain, turned = PLAIN[order], PLAIN[order] != order
-        return spellings(elements, hall_coordinates, plain, vanishing, turned=turned)
+    def _spelled(
+        self, hall_coordinates: Array, order: Spelled, units: Array | None = None
+    ) -> list[Spelling]:
+        plain = PLAIN[order]
+        return spellings(
+            self.hall.elements,
+            hall_coordinates,
+            plain,
+            self.hall.vanishing,
+            turned=plain != order,
+            units=units,
+        )
 
     def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
         names = self.hall.generators

@@ -82,6 +82,7 @@ def spellings(
     vanishing: Collection[Element] = (),
     *,
     turned: bool = False,
+    units: Array | None = None,
 ) -> list[Spelling]:
     """Words of many segments, with the generators apart from the durations.
 
@@ -93,16 +94,21 @@ def spellings(
         order: As in `word`.
         vanishing: As in `word`.
         turned: Whether the generators themselves run in the other order.
+        units: What the durations of each generator are multiplied by at the end, shape
+            (segments, generators); ones if not given.
     """
     algebra = lie_algebra(tuple(basis))
     h = _shaped(2, algebra.vector(hall_coordinates))
+    if units is None:
+        units = np.ones((len(h), algebra.degrees.count(1)))
     if order == "backward":
-        return _spelled(algebra, _amounts(algebra, h, vanishing, turned), turned=turned)
+        amounts = _amounts(algebra, h, vanishing, turned)
+        return _spelled(algebra, amounts, units, turned=turned)
     if order != "forward":
         raise ValueError(f"order is {order!r}; choose backward or forward")
     # -f are the backward coordinates of the inverse flow; its word is inverted, too.
     way_back = _amounts(algebra, -forward(basis, h), vanishing, turned)
-    return _spelled(algebra, way_back, back=True, turned=turned)
+    return _spelled(algebra, way_back, units, back=True, turned=turned)
 
 
 def _shaped(axes: int, h: Array) -> Array:
@@ -172,7 +178,12 @@ def _letters(element: Element) -> Letters:
 
 
 def _spelled(
-    algebra: LieAlgebra, amounts: Array, *, back: bool = False, turned: bool = False
+    algebra: LieAlgebra,
+    amounts: Array,
+    units: Array,
+    *,
+    back: bool = False,
+    turned: bool = False,
 ) -> list[Spelling]:
     """Words for amounts of all elements, the last element first; or their inverses.
 
@@ -185,11 +196,15 @@ def _spelled(
         generators, parts = _pattern(algebra, tuple(sign), back, turned)
         segments = np.flatnonzero(sort.ravel() == k)
         durations = sizes[segments] @ parts.T
-        least = np.abs(durations).min(axis=-1, initial=np.inf)
-        rows = zip(segments.tolist(), durations.tolist(), least.tolist(), strict=True)
-        for segment, row, shortest in rows:
-            whole = shortest >= NEGLIGIBLE
-            spelled[segment] = (generators, row) if whole else joined(generators, row)
+        brief = np.flatnonzero((np.abs(durations) < NEGLIGIBLE).any(axis=-1))
+        pruned = [joined(generators, durations[i].tolist()) for i in brief]
+        durations *= units[segments][:, np.array(generators, dtype=int) - 1]
+        for segment, row in zip(segments.tolist(), durations.tolist(), strict=True):
+            spelled[segment] = generators, row
+        for segment, (kept, row) in zip(segments[brief], pruned, strict=True):
+            scales = units[segment].tolist()
+            scaled = [scales[i - 1] * t for i, t in zip(kept, row, strict=True)]
+            spelled[segment] = kept, scaled
     return spelled
 
 
