@@ -184,10 +184,10 @@ class Card:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")
 
     def _check_joint_servos(self) -> None:
-        joints = [joint for leg in self.legs.values() for joint in leg.joints]
         for joint in self.joint_servos:
-            if joint not in joints:
-                raise ValueError(f"servo.{joint}: this joint {unknown(joint, joints)}")
+            if joint not in self.joints:
+                known = unknown(joint, self.joints)
+                raise ValueError(f"servo.{joint}: this joint {known}")
 
     def _check_patterns(self) -> None:
         for name, pattern in self.patterns.items():
@@ -197,6 +197,24 @@ class Card:
                 raise ValueError(f"pattern {name}: there is no group {unknown}")
             if unknown := sorted(set(pattern.strata) - set(self.gait)):
                 raise ValueError(f"pattern {name}: the gait has no strata {unknown}")
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Joints of all legs, legs in ascending order: swing, lift, those held."""
+        return tuple(
+            joint for _, leg in sorted(self.legs.items()) for joint in leg.joints
+        )
+
+    @property
+    def feet(self) -> tuple[str, ...]:
+        """Geoms of all feet, legs in ascending order."""
+        return tuple(geom for _, leg in sorted(self.legs.items()) for geom in leg.foot)
+
+    @property
+    def group_of_leg(self) -> dict[int, int]:
+        """Index of the group of each leg, legs in ascending order."""
+        groups = enumerate(self.groups.values())
+        return dict(sorted((leg, i) for i, group in groups for leg in group.legs))
 
     @property
     def bottom(self) -> str:

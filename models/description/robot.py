@@ -71,10 +71,7 @@ class Robot:
     @cached_property
     def group_of_leg(self) -> np.ndarray:
         """Index of each leg's group, shape (F,)."""
-        owner = {
-            leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs
-        }
-        return np.array([owner[leg] for leg in self.legs])
+        return np.array(list(self.card.group_of_leg.values()))
 
     @cached_property
     def swing_gain(self) -> np.ndarray:

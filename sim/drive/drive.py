@@ -200,6 +200,5 @@ def _zero_offsets(setup: Setup, joints: int) -> Array:
 
 def _lift_places(setup: Setup) -> Array:
     """Which of the leg joints' actuators lift, legs in ascending order."""
-    legs = setup.robot.card.legs.values()
-    joints = [joint for leg in legs for joint in leg.joints]
+    joints = setup.robot.card.joints
     return np.array([joints.index(joint) for joint in setup.robot.lift_joints])

@@ -59,8 +59,8 @@ def stiffened(setup: Setup) -> mujoco.MjModel:
 
 def leg_actuators(setup: Setup) -> Array:
     """Actuators of all leg joints, shape (J,)."""
-    legs = setup.robot.card.legs.values()
-    return np.array([actuator_of(setup.model, j) for leg in legs for j in leg.joints])
+    joints = setup.robot.card.joints
+    return np.array([actuator_of(setup.model, joint) for joint in joints])
 
 
 def carried_torque(setup: Setup) -> float:

@@ -41,7 +41,7 @@ def servos(
     Raises:
         UsageError: If a joint is missing in the table, or shares a channel.
     """
-    missing = [] if given is None else [j for j in source.joints if j not in given]
+    missing = [] if given is None else [j for j in source.card.joints if j not in given]
     if missing:
         raise UsageError(
             f"no servo for joint {missing[0]!r}",
@@ -50,7 +50,7 @@ def servos(
         )
     table = servo_table(
         source.card,
-        source.joints,
+        source.card.joints,
         source.kind,
         PWM[form],
         given,

@@ -67,8 +67,10 @@ def _recorded(
     sensors = Sensors(source.model, source.robot)
     recorder = Recorder(Engine(source.model), sensors, source.steps)
     recorder.walk_starts = starts
-    order = [commands.joints.index(joint) for joint in source.joints]
-    ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
+    order = [commands.joints.index(joint) for joint in source.card.joints]
+    ordered = ServoCommands(
+        source.card.joints, commands.rate, commands.angles[:, order]
+    )
     pieces = ordered.held(
         source.model.key("start").ctrl,
         source.actuators,

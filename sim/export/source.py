@@ -63,15 +63,9 @@ class Source:
     reference: Mapping[str, Array]
 
     @property
-    def joints(self) -> tuple[str, ...]:
-        """Joints of all legs, leg by leg: swing, lift, and those that are held."""
-        legs = self.card.legs
-        return tuple(joint for leg in sorted(legs) for joint in legs[leg].joints)
-
-    @property
     def actuators(self) -> Array:
         """Actuator of each joint, shape (J,)."""
-        return np.array([actuator_of(self.model, joint) for joint in self.joints])
+        return np.array([actuator_of(self.model, joint) for joint in self.card.joints])
 
     @property
     def timestep(self) -> float:
@@ -88,7 +82,9 @@ class Source:
             UsageError: If the rate is higher than that of the physics.
         """
         asked = self.rate or rate
-        return taken(self.pieces, self.joints, self.actuators, asked, self.timestep)
+        return taken(
+            self.pieces, self.card.joints, self.actuators, asked, self.timestep
+        )
 
 
 def from_run(folder: Path, *, allow_external: bool = False) -> Source:

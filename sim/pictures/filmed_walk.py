@@ -75,10 +75,7 @@ class FilmedWalk:
     @cached_property
     def group_of_foot(self) -> tuple[int, ...]:
         """Index of each foot's group, feet in ascending order of their legs."""
-        owner = {
-            leg: i for i, g in enumerate(self.card.groups.values()) for leg in g.legs
-        }
-        return tuple(owner[leg] for leg in sorted(self.card.legs))
+        return tuple(self.card.group_of_leg.values())
 
     @cached_property
     def legs_per_group(self) -> int:

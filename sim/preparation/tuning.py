@@ -85,8 +85,7 @@ def _set_gains(
     scenario: Scenario,
 ) -> tuple[float, float]:
     """Put stiffness and damping in place where they are given."""
-    joints = [joint for leg in robot.card.legs.values() for joint in leg.joints]
-    driving = [actuator_of(model, joint) for joint in joints]
+    driving = [actuator_of(model, joint) for joint in robot.card.joints]
     stiffness, damping = gains
     if scenario.servo_stiffness is not None:
         stiffness = scenario.servo_stiffness

@@ -125,7 +125,7 @@ def _contacts(run: Record) -> Drawing:
     with sheet(ROW * (feet + 1.6) + 0.34) as (figure, axes):
         for i, leg in enumerate(run.legs):
             y = feet - i
-            colour = of_group(run.group_of_leg[leg])
+            colour = of_group(run.card.group_of_leg[leg])
             _bars(axes, _spells(run, contact[:, i]), y - 0.36, 0.72, colour)
             wrong = _spells(run, contact[:, i] != planned[:, i])
             _bars(axes, wrong, y - 0.5, 0.14, LIMIT)

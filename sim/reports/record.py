@@ -101,12 +101,6 @@ class Record:
         """Numbers of the legs, in the order of every array's feet."""
         return tuple(sorted(self.card.legs))
 
-    @cached_property
-    def group_of_leg(self) -> dict[int, int]:
-        """Index of the group that each leg belongs to."""
-        groups = self.card.groups.values()
-        return {leg: i for i, group in enumerate(groups) for leg in group.legs}
-
     @property
     def groups(self) -> tuple[str, ...]:
         """Names of the groups of legs."""

@@ -22,7 +22,7 @@ def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
         scenario: Settings that replace the file's.
     """
     spec = robot.read()
-    feet = [spec.geom(name) for leg in robot.card.legs.values() for name in leg.foot]
+    feet = [spec.geom(name) for name in robot.card.feet]
     return tuple(
         (
             *_drives(robot, spec),

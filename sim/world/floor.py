@@ -62,7 +62,7 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
 
 
 def _feet(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsGeom]:
-    return [spec.geom(name) for leg in robot.card.legs.values() for name in leg.foot]
+    return [spec.geom(name) for name in robot.card.feet]
 
 
 def _check_feet(spec: mujoco.MjSpec, robot: Robot) -> None:
@@ -104,8 +104,7 @@ def _adopt(plane: _Plane, spec: mujoco.MjSpec, robot: Robot) -> Floor:
 
 
 def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
-    soles = sum(len(leg.foot) for leg in robot.card.legs.values())
-    touched = len(plane.out_of_reach) < soles
+    touched = len(plane.out_of_reach) < len(robot.card.feet)
     if not touched or plane.tilt >= WALL:
         return
     if plane.tilt >= LEVEL:

@@ -63,5 +63,4 @@ def _at_start(model: mujoco.MjModel, robot: Robot) -> tuple[mujoco.MjData, set[i
     data = mujoco.MjData(model)
     data.qpos[:] = robot.start_qpos
     mujoco.mj_forward(model, data)
-    joints = [joint for leg in robot.card.legs.values() for joint in leg.joints]
-    return data, {int(model.joint(joint).dofadr[0]) for joint in joints}
+    return data, {int(model.joint(joint).dofadr[0]) for joint in robot.card.joints}

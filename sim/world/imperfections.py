@@ -59,7 +59,7 @@ def add_imperfections(
 
 def _require_offsets(robot: Robot, scenario: Scenario) -> None:
     given = scenario.zero_offset
-    joints = sum(len(leg.joints) for leg in robot.card.legs.values())
+    joints = len(robot.card.joints)
     if isinstance(given, tuple) and len(given) != joints:
         raise UsageError(
             f"zero_offset has {len(given)} values for {joints} joints",
@@ -106,8 +106,8 @@ def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
 def _mobility(spec: mujoco.MjSpec, robot: Robot) -> float:
     """How easily a force moves a foot, as the engine takes it, on average [1/kg]."""
     model = compile_model(spec.copy(), str(robot.path))
-    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
-    bodies = model.geom_bodyid[[model.geom(name).id for name in feet]]
+    feet = [model.geom(name).id for name in robot.card.feet]
+    bodies = model.geom_bodyid[feet]
     return float(model.body_invweight0[bodies, 0].mean())
 
 
@@ -135,18 +135,17 @@ def _set_foot_friction(
 
 def _loosen(spec: mujoco.MjSpec, robot: Robot, play: float) -> None:
     """Behind every leg joint another one about the same axis, free within the play."""
-    for leg in robot.card.legs.values():
-        for name in leg.joints:
-            joint = spec.joint(name)
-            joint.parent.add_joint(
-                name=PLAY + name,
-                type=mujoco.mjtJoint.mjJNT_HINGE,
-                pos=joint.pos,
-                axis=joint.axis,
-                limited=True,
-                range=[-play / 2, play / 2],
-                armature=LOOSE,
-                damping=RUBBED,
-                solref_limit=STOP,
-                solimp_limit=HARD,
-            )
+    for name in robot.card.joints:
+        joint = spec.joint(name)
+        joint.parent.add_joint(
+            name=PLAY + name,
+            type=mujoco.mjtJoint.mjJNT_HINGE,
+            pos=joint.pos,
+            axis=joint.axis,
+            limited=True,
+            range=[-play / 2, play / 2],
+            armature=LOOSE,
+            damping=RUBBED,
+            solref_limit=STOP,
+            solimp_limit=HARD,
+        )

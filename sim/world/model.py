@@ -88,15 +88,13 @@ def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
 
 def _set_friction(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
     """Sliding friction of floor and feet; the engine takes the floor's."""
-    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
-    for name in (floor, *feet):
+    for name in (floor, *robot.card.feet):
         geom = spec.geom(name)
         geom.friction = (value, *geom.friction[1:])
 
 
 def _set_margin(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
     """No margin: the floor's stiff contact would throw a foot that is yet above it."""
-    feet = [name for leg in robot.card.legs.values() for name in leg.foot]
-    for name in (floor, *feet):
+    for name in (floor, *robot.card.feet):
         geom = spec.geom(name)
         geom.margin = geom.gap = 0.0

@@ -34,7 +34,7 @@ def ensure_sensors(
         uneven: Whether it has bumps, which any foot touches at several points.
     """
     slots = {} if uneven else _SLOTS
-    for geom in (name for leg in robot.card.legs.values() for name in leg.foot):
+    for geom in robot.card.feet:
         _ensure(
             spec,
             name=contact_sensor(geom),

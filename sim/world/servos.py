@@ -34,22 +34,20 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
         _remove(spec, actuator)
     for number in couplings(robot):
         spec.equalities[number].active = False
-    for leg in robot.card.legs.values():
-        for joint in leg.joints:
-            servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
-            servo.dyntype = mujoco.mjtDyn.mjDYN_NONE
-            _gear_down(servo)
-            _tune(servo, asked)
+    for joint in robot.card.joints:
+        servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
+        servo.dyntype = mujoco.mjtDyn.mjDYN_NONE
+        _gear_down(servo)
+        _tune(servo, asked)
 
 
 def delayed_servos(robot: Robot) -> list[str]:
     """Leg joints of a robot whose position servos follow commands with a delay."""
-    joints = {joint for leg in robot.card.legs.values() for joint in leg.joints}
     return [
         a.target
         for a in robot.read().actuators
         if a.trntype in ON_JOINT
-        and a.target in joints
+        and a.target in robot.card.joints
         and _is_servo(a)
         and a.dyntype != mujoco.mjtDyn.mjDYN_NONE
     ]
@@ -61,8 +59,7 @@ def joints_without_servo(robot: Robot) -> list[str]:
     served = {
         a.target for a in spec.actuators if a.trntype in ON_JOINT and _is_servo(a)
     }
-    legs = robot.card.legs.values()
-    return [joint for leg in legs for joint in leg.joints if joint not in served]
+    return [joint for joint in robot.card.joints if joint not in served]
 
 
 def _only_servo(spec: mujoco.MjSpec, joint: str) -> mujoco.MjsActuator | None:
@@ -139,8 +136,7 @@ def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
 
 def common_servo(model: mujoco.MjModel, robot: Robot) -> tuple[float, float] | None:
     """Stiffness and damping of all leg joints' servos, None if they differ."""
-    joints = [joint for leg in robot.card.legs.values() for joint in leg.joints]
-    driving = [actuator_of(model, joint) for joint in joints]
+    driving = [actuator_of(model, joint) for joint in robot.card.joints]
     gains = model.actuator_gainprm[driving, 0], -model.actuator_biasprm[driving, 2]
     found = set(zip(*(gain.tolist() for gain in gains), strict=True))
     return found.pop() if len(found) == 1 else None

@@ -58,10 +58,9 @@ def _above(robot: Robot, floor: Floor) -> float:
 def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:
     """Leg joints hold their angles; other actuators keep what the robot's file says."""
     own = {robot.model.actuator(i).name: c for i, c in enumerate(robot.start_ctrl)}
-    legs = {joint for leg in robot.card.legs.values() for joint in leg.joints}
     return [
         robot.standing_angle(actuator.target)
-        if actuator.trntype in ON_JOINT and actuator.target in legs
+        if actuator.trntype in ON_JOINT and actuator.target in robot.card.joints
         else own.get(actuator.name, 0.0)
         for actuator in spec.actuators
     ]

@@ -18,7 +18,7 @@ from sim.export.tables import read_angles, read_ticks, write_angles, write_ticks
 from sim.export.trajectory import read_trajectory, write_trajectory
 
 CARD = load("hexapod-classroom").card
-JOINTS = tuple(joint for n in sorted(CARD.legs) for joint in CARD.legs[n].joints)
+JOINTS = CARD.joints
 MIRRORED = {
     "swing_1": JointServo(channel=11, sign=-1, center=350.5, offset=0.2),
     "lift_6": JointServo(channel=0, counts_per_radian=120.0, limits=(-0.9, 0.9)),
