@@ -38,6 +38,7 @@ from .description.compiled import (
     free_joint as free_joint,
     root_body as root_body,
     silence_the_engine as silence_the_engine,
+    weight_of as weight_of,
 )
 from .description.files import elements_with_files as elements_with_files
 from .description.inspection import inspect_model as inspect_model

@@ -17,8 +17,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
 from models import Kinematics, load
 from scripts.adoptees import ADOPTEES, Adoptee
 from sim import load_scenario, simulate
@@ -56,8 +54,7 @@ def row_of(adoptee: Adoptee, folder: Path) -> str:
     if code:
         raise SystemExit(f"{adoptee.name} was not adopted: code {code}")
     robot = load(str(path.with_suffix(".xml")))
-    feet = Kinematics(robot).stance(np.zeros(len(robot.groups))).feet
-    far = FAR * float(np.linalg.norm(feet, axis=1).mean())
+    far = FAR * Kinematics(robot).reach
     changes: dict[str, object] = {
         "robot": str(robot.path),
         "path.goal": [far, far, 0.0],

@@ -24,7 +24,7 @@ def servo_for(robot: Robot) -> Servo:
         robot: Robot whose card gives none.
     """
     kinematics = Kinematics(robot)
-    feet = kinematics.stance(np.zeros(len(robot.groups))).feet
+    feet = kinematics.standing.feet
     model = robot.model
     pose = Pose.at(model, model.body(robot.root).id, robot.start_qpos)
     legs = [robot.card.legs[leg] for leg in robot.legs]

@@ -68,7 +68,7 @@ def _out_of_range(robot: Robot) -> Iterator[tuple[str, str]]:
 
 
 def _off_its_feet(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    stance = kinematics.stance(np.zeros(len(kinematics.robot.groups)))
+    stance = kinematics.standing
     legs, height = kinematics.robot.legs, stance.height
     highest, lowest = int(height.argmax()), int(height.argmin())
     weight = float(kinematics.center_of_mass[2])

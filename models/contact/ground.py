@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from models.contact.kinematics import Kinematics
-from models.description.compiled import actuator_of, free_joint
+from models.description.compiled import actuator_of, free_joint, weight_of
 from models.description.robot import Robot
 from planner import Array
 
@@ -46,21 +46,19 @@ def ground_of(robot: Robot, model: mujoco.MjModel) -> Ground:
     feet = [_contacts(model, data, robot.card.legs[leg].foot) for leg in robot.legs]
     springs = np.array([_spring(data, found) for found in feet])  # (F, 2)
     joints = (robot.card.legs[leg].lift for leg in robot.legs)
-    gravity = float(np.linalg.norm(model.opt.gravity))
     touching = [index for found in feet for index in found]
     return Ground(
         contact=1 / springs[:, 0],
         servo=np.array([_servo_stiffness(model, joint) for joint in joints]),
         friction=float(np.mean([data.contact[i].friction[0] for i in touching])),
-        weight=gravity * float(model.body_subtreemass[model.body(robot.root).id]),
+        weight=weight_of(model, robot.root),
         push=float(springs[:, 1].mean()),
     )
 
 
 def _sink(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Lower the root until every foot touches, and compute the contacts."""
-    zero = np.zeros(len(robot.groups))
-    gap = Kinematics(robot).stance(zero).height
+    gap = Kinematics(robot).standing.height
     data.qpos[free_joint(model, robot.root) + 2] -= gap.max() - gap.min() + _TOUCH
     mujoco.mj_forward(model, data)
 

@@ -66,6 +66,16 @@ class Kinematics:
             center_of_mass=self.center_of_mass[:2] + weight.sum(axis=-2)[..., :2],
         )
 
+    @cached_property
+    def standing(self) -> Stance:
+        """Feet and centre of mass with all legs at angle 0."""
+        return self.stance(np.zeros(len(self.robot.groups)))
+
+    @property
+    def reach(self) -> float:
+        """Mean distance of the feet from the middle, all legs at angle 0 [m]."""
+        return float(np.linalg.norm(self.standing.feet, axis=1).mean())
+
     @property
     def foot_terms(self) -> Array:
         """Each foot's place by (1, cos, sin) of swing and of lift, (F, 3, 3, 3)."""

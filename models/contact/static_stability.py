@@ -89,7 +89,7 @@ class StaticStability:
     @cached_property
     def _middle(self) -> Array:
         """Centre of mass with all legs at angle 0, shape (2,)."""
-        return self._kinematics.stance(np.zeros(len(self.robot.groups))).center_of_mass
+        return self._kinematics.standing.center_of_mass
 
     @cached_property
     def _kinematics(self) -> Kinematics:

@@ -123,6 +123,12 @@ def actuator_of(model: mujoco.MjModel, joint: str) -> int:
     return found[0]
 
 
+def weight_of(model: mujoco.MjModel, body: str) -> float:
+    """Weight of a body with all that it carries [N]."""
+    gravity = float(np.linalg.norm(model.opt.gravity))
+    return gravity * float(model.body_subtreemass[model.body(body).id])
+
+
 def root_body(model: mujoco.MjModel, path: Path) -> int:
     """Index of the body that carries the free joint.
 

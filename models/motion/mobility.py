@@ -64,8 +64,7 @@ def _costs(described: Equations) -> tuple[DirectionCost, ...]:
 
 
 def _reason(robot: Robot, described: Equations) -> str:
-    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
-    size = float(np.linalg.norm(stance.feet, axis=1).mean())
+    size = Kinematics(robot).reach
     first, second = (described.twists[name] for name in described.elements[:2])
     turning = [_turns(twist, size) for twist in (first, second)]
     if not any(turning):

@@ -169,17 +169,16 @@ def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
         ModelError: If the robot does not stand on that stratum.
     """
     on = robot.planted(stratum)
-    stance = Kinematics(robot).stance(np.zeros((1, len(robot.groups))))
-    rates = stance.rates * np.array(direction)[robot.group_of_leg, None]
-    loads = static_loads(stance.feet[:, on], stance.center_of_mass)
+    stance = Kinematics(robot).standing
+    feet, moved = stance.feet[on][None], np.array(direction)[robot.group_of_leg, None]
+    rates = (stance.rates * moved)[on][None]
+    loads = static_loads(feet, stance.center_of_mass[None])
     if (loads > 1e-9).sum() < 3:
         raise ModelError(
             f"it does not stand on groups {stratum} alone: {robot.path}; their feet do "
             "not surround its weight, group other legs or give the twist of their swing"
         )
-    forward, left, yaw = least_dissipation_twist(
-        stance.feet[:, on], rates[:, on], loads
-    )[0]
+    forward, left, yaw = least_dissipation_twist(feet, rates, loads)[0]
     return (_clean(forward), _clean(left), _clean(yaw))
 
 

@@ -14,10 +14,9 @@ from copy import copy
 import mujoco
 import numpy as np
 
-from models import actuator_of
+from models import actuator_of, weight_of
 from planner import Array
 from sim.drive.lead import Lead, smoothed
-from sim.drive.statics import weight
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
@@ -65,11 +64,11 @@ def leg_actuators(setup: Setup) -> Array:
 
 def carried_torque(setup: Setup) -> float:
     """Torque of the whole weight at the end of a leg [N m]."""
-    return _reach(setup) * weight(setup)
+    return _reach(setup) * weight_of(setup.model, setup.robot.root)
 
 
 def _reach(setup: Setup) -> float:
     """Longest distance of a foot from its swing axis [m]: the foot's way per radian."""
-    stance = setup.kinematics.stance(np.zeros(len(setup.robot.groups)))
+    stance = setup.kinematics.standing
     own = np.linalg.norm(stance.rates, axis=-1) / np.abs(setup.robot.swing_gain)
     return float(own.max())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models import actuator_of, static_loads
+from models import actuator_of, static_loads, weight_of
 from planner import Array
 from sim.preparation.setup import Setup
 
@@ -22,11 +22,11 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     Returns:
         Shape (F,) [N m], positive where the servo turns its joint forward.
     """
-    robot, groups = setup.robot, len(setup.robot.groups)
-    stance = setup.kinematics.stance(np.zeros(groups))
+    robot, stance = setup.robot, setup.kinematics.standing
     loads = np.zeros(len(robot.legs))
     feet, center = stance.feet[down], stance.center_of_mass
-    loads[down] = static_loads(feet[None], center[None])[0] * weight(setup)
+    shares = static_loads(feet[None], center[None])[0]
+    loads[down] = shares * weight_of(setup.model, robot.root)
     rise = stance.gives[:, 2] * robot.raise_sign  # of each foot by its joint [m/rad]
     torque: Array = own_torques(setup) - loads * rise
     return torque
@@ -42,10 +42,3 @@ def own_torques(setup: Setup) -> Array:
     places = model.jnt_dofadr[model.actuator_trnid[joints, 0]]
     torque: Array = data.qfrc_bias[places].copy()
     return torque
-
-
-def weight(setup: Setup) -> float:
-    """Weight of the robot with all that it carries [N]."""
-    root = setup.model.body(setup.robot.root).id
-    gravity = float(np.linalg.norm(setup.model.opt.gravity))
-    return gravity * float(setup.model.body_subtreemass[root])

@@ -52,7 +52,7 @@ def judge(evaluation: Evaluation) -> Verdict:
 def _fell(evaluation: Evaluation) -> Verdict | None:
     walk, judged = evaluation.walk, evaluation.judged
     moments, kinematics = walk.recording.moments, walk.setup.kinematics
-    standing = kinematics.stance(np.zeros(len(walk.setup.robot.groups)))
+    standing = kinematics.standing
     height = float(kinematics.center_of_mass[2] - standing.height.min())
     weight = evaluation.achieved.center_of_mass[:, 2]
     lost = weight[evaluation.walking][0] - weight

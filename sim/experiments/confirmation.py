@@ -68,8 +68,7 @@ def _shares(
     setup: Setup, field: MeasuredField, ways: Array, way: Array, pose: Array
 ) -> Array:
     """Largest miss up to each way, either side, as a share of the motion up to it."""
-    feet = setup.kinematics.stance(np.zeros(len(setup.robot.groups))).feet
-    arm = float(np.linalg.norm(feet, axis=1).mean())
+    arm = setup.kinematics.reach
     miss, motion = np.zeros(len(ways)), np.zeros(len(ways))
     for side in (-1, 1):
         at = np.stack([np.interp(side * ways, way, c) for c in pose.T], axis=1)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from models import Kinematics, equations, load, shipped_system
 from sim.figures.graphs import Graph, draw_graph, graph_of, key, table_of
 from sim.figures.physics import Job, Walked
@@ -92,11 +90,12 @@ def robot_graph(name: str) -> Graph:
 def robot_margins(name: str) -> dict[str, float]:
     """Margin of a robot on every stratum, all legs at angle 0 [m]."""
     robot = load(name)
-    stance = Kinematics(robot).stance(np.zeros((1, len(robot.groups))))
+    stance = Kinematics(robot).standing
+    feet, center = stance.feet[None], stance.center_of_mass[None]
     found = {}
     for stratum in dict.fromkeys(robot.card.gait):
         on = robot.planted(stratum)[None]
-        margin = stability_margin(stance.feet, on, stance.center_of_mass)
+        margin = stability_margin(feet, on, center)
         found[stratum] = float(margin[0])
     return found
 

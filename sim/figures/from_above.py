@@ -28,7 +28,7 @@ def draw(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
     """
     robot, kinematics = setup.robot, setup.kinematics
     card = robot.card
-    stance = kinematics.stance(np.zeros(len(robot.groups)))
+    stance = kinematics.standing
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(SIZE, SIZE), layout="constrained")
         axes = figure.add_subplot(aspect="equal")

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from models import Robot
+from models import Robot, weight_of
 from planner import Array
 from sim.world.sensors import CONTACT_FIELDS, contact_sensor
 
@@ -38,8 +38,7 @@ class Sensors:
     """Reads the contact sensors of a robot's feet out of sensordata."""
 
     def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
-        mass = model.body(robot.root).subtreemass[0]
-        self.weight = float(mass * np.linalg.norm(model.opt.gravity))
+        self.weight = weight_of(model, robot.root)
         self.feet = len(robot.legs)
         self._slots = _slots(model, robot)
         self._center_of_mass = model.sensor("center_of_mass").adr[0]

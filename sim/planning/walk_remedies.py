@@ -29,8 +29,7 @@ def miss_of(setup: Setup, pose: Array, goal: Array) -> float:
         pose: Pose reached, shape (3,).
         goal: Pose wanted, shape (3,).
     """
-    feet = setup.kinematics.stance(np.zeros(len(setup.robot.groups))).feet
-    arm = float(np.linalg.norm(feet, axis=1).mean())
+    arm = setup.kinematics.reach
     turn = abs(setup.nominal()(1.0)[2])
     way = max(setup.scenario.path.length, arm * turn)
     off = max(math.dist(pose[:2], goal[:2]), arm * abs(wrap(pose[2] - goal[2])))

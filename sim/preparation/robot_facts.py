@@ -22,7 +22,7 @@ def facts(subject: Inspected) -> Facts:
         subject: The robot.
     """
     robot, kinematics = subject.robot, subject.kinematics
-    stance = kinematics.stance(np.zeros(len(robot.groups)))
+    stance = kinematics.standing
     lifting, lift = Lifting(kinematics), subject.lift_angle
     moved, can = subject.equations, subject.mobility
     return {
@@ -76,9 +76,10 @@ def _leg(robot: Robot, leg: int, foot: np.ndarray) -> Facts:
 
 def _margin(kinematics: Kinematics, stratum: str) -> float:
     """Stability margin with all legs at angle 0 [m]."""
-    stance = kinematics.stance(np.zeros((1, len(kinematics.robot.groups))))
+    stance = kinematics.standing
     on = kinematics.robot.planted(stratum)[None]
-    return float(stability_margin(stance.feet, on, stance.center_of_mass)[0])
+    feet, center = stance.feet[None], stance.center_of_mass[None]
+    return float(stability_margin(feet, on, center)[0])
 
 
 def describe(robot: Facts) -> str:

@@ -50,7 +50,7 @@ def _added(spec: mujoco.MjSpec) -> list[int]:
 
 def _above(robot: Robot, floor: Floor) -> float:
     """How far the lowest foot is above the floor; 0 where it is next to nothing [m]."""
-    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
+    stance = Kinematics(robot).standing
     above = float(stance.height.min() - floor.height)
     return above if abs(above) > AJAR else 0.0
 

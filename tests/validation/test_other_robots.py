@@ -23,7 +23,7 @@ SEGMENTS = {"quadruped": 6}  # long sweeps: a step costs it more time than a swe
 
 def reach(robot):
     """Distance of the farthest foot from the middle of all feet [m]."""
-    feet = Kinematics(robot).stance(np.zeros(len(robot.groups))).feet
+    feet = Kinematics(robot).standing.feet
     return np.linalg.norm(feet - feet.mean(axis=0), axis=1).max()
 
 

@@ -52,7 +52,7 @@ def test_joints_and_feet_are_found_by_what_they_do(adoptee, tmp_path):
 def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, tmp_path):
     robot, found = adopted(adoptee, tmp_path)
     described = equations(robot)
-    stance = Kinematics(robot).stance(np.zeros(2))
+    stance = Kinematics(robot).standing
     for i, (name, place) in enumerate(zip("12", found.gait.pivots, strict=True)):
         forward, left, yaw = described.twists[f"g{name}_{name}"]
         pivot = np.array([-left, forward]) / yaw
@@ -68,7 +68,7 @@ def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, tm
 def test_straight_knees_are_bent_to_stand(tmp_path):
     robot, found = adopted(ADOPTEES[0], tmp_path)
     assert "knees were bent" in found.guesses[0]
-    height = Kinematics(robot).stance(np.zeros(2)).height
+    height = Kinematics(robot).standing.height
     assert np.ptp(height) < 1e-6
     assert robot.card.start["knee1"] != 0.0
 

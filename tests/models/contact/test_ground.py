@@ -22,7 +22,7 @@ def test_a_foot_that_hangs_above_the_floor_is_sunk_until_it_touches(edited, scen
     robot, ground = grounds(
         edited(level, level.replace("-0.052", "-0.05198")), scenario
     )
-    height = Kinematics(robot).stance(np.zeros(2)).height
+    height = Kinematics(robot).standing.height
     assert height.argmax() == 2
     assert np.ptp(height) == pytest.approx(2e-5, abs=1e-9)
     assert ground.contact[2] == pytest.approx(even.contact[2], rel=1e-3)

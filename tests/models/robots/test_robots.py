@@ -30,7 +30,7 @@ def test_files_are_written_from_the_morphology(shape):
 @pytest.mark.parametrize("shape", MORPHOLOGIES, ids=lambda shape: shape.name)
 def test_feet_hips_and_mass_are_where_the_morphology_says(shape):
     robot = load(shape.name)
-    stance = Kinematics(robot).stance(np.zeros(len(robot.groups)))
+    stance = Kinematics(robot).standing
     feet = [shape.legs[leg].foot for leg in robot.legs]
     hips = [robot.model.body(f"leg_{leg}").pos[:2] for leg in robot.legs]
     # twelve digits are written

@@ -104,7 +104,7 @@ def test_robot_that_can_only_turn_is_told_so_and_not_to_widen_its_range(
 def test_yaw_counts_as_the_way_of_the_feet(scenario):
     setup = prepare(scenario())
     off = miss_of(setup, np.array([0.01, 0.01, 0.01]), np.array([0.01, 0.01, 0.0]))
-    feet = setup.kinematics.stance(np.zeros(2)).feet
+    feet = setup.kinematics.standing.feet
     arm = np.linalg.norm(feet, axis=1).mean()
     assert off == pytest.approx(0.01 * arm / math.hypot(0.01, 0.01))
 

@@ -1,0 +1,23 @@
+"""What a robot card lists, in the order of the legs' numbers."""
+
+from models.description.card import Card, GroupCard, LegCard
+
+
+def leg(number):
+    return LegCard(f"swing_{number}", f"lift_{number}", (f"foot_{number}",))
+
+
+CARD = Card(
+    lift_angle=0.3,
+    legs={2: leg(2), 1: leg(1), 3: leg(3)},
+    groups={"a": GroupCard({3: 1, 1: 1}), "b": GroupCard({2: -1})},
+    gait=("ab", "a", "ab"),
+)
+
+
+def test_legs_are_listed_in_ascending_order_whatever_the_order_of_the_file():
+    numbers = ("1", "2", "3")
+    joints = [joint for n in numbers for joint in (f"swing_{n}", f"lift_{n}")]
+    assert CARD.joints == tuple(joints)
+    assert CARD.feet == tuple(f"foot_{n}" for n in numbers)
+    assert list(CARD.group_of_leg.items()) == [(1, 0), (2, 1), (3, 0)]
