@@ -102,9 +102,9 @@ from .optimisation.corridor import (
     deviation as deviation,
 )
 from .optimisation.optimise import (
+    Criterion as Criterion,
     Objective as Objective,
     Optimiser as Optimiser,
-    Wish as Wish,
 )
 from .optimisation.solver import MissingSolverError as MissingSolverError
 from .optimisation.stages import (
@@ -112,6 +112,7 @@ from .optimisation.stages import (
     cycle as cycle,
 )
 from .optimisation.task import (
+    Inequality as Inequality,
     Solution as Solution,
     Task as Task,
 )

@@ -12,11 +12,13 @@ import numpy as np
 from planner.errors import BoundError
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
+from planner.optimisation.between import Between, Exact
 from planner.optimisation.corridor import deviation
 from planner.optimisation.guesses import Coarse
-from planner.optimisation.program import TIGHTER
-from planner.optimisation.search import Report, Search
+from planner.optimisation.requirements import Demands
+from planner.optimisation.search import Search
 from planner.optimisation.task import Solution, Task
+from planner.optimisation.windows import Report
 from planner.planning.algorithm import Plan
 from planner.planning.paths import Path
 from planner.planning.rollouts import play
@@ -26,25 +28,23 @@ Objective = Literal["time", "strokes", "switches"]
 Laid = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
 """Flows of each segment with what is left to lay, such as legs set anew between."""
 
-ROUNDS = 6  # of making a plan exact
+ROUNDS = 8  # of making a plan exact
 MISS = 1e-6  # of the goal, in units that a stroke moves by
 SAMPLES = 8  # of a flow, where a motion is compared with its path
 POINTS = 1001  # of the path, likewise
 
 
 @dataclass(frozen=True)
-class Wish:
-    """What a plan is to be, and how its flows are judged.
+class Criterion:
+    """What is to be least, and how flows are measured.
 
     Attributes:
-        task: Fields, stages and tolerances.
         objective: What is to be least.
         duration: Time that flows in their order take.
         predict: State that flows lead to; played on the task's system if not given.
         lay: What is laid between the flows afterwards; nothing if not given.
     """
 
-    task: Task
     objective: Objective
     duration: Callable[[Sequence[Flow]], float]
     predict: Callable[[Sequence[Flow]], Array] | None = None
@@ -58,7 +58,8 @@ class Optimiser:
     the cost of a solution.
 
     Args:
-        wish: What the plan is to be.
+        task: Fields, stages, tolerances, and what else must hold.
+        criterion: What is to be least.
         extended: Elements and basis that the plan is said to be of.
         path: Configurations to follow.
         segments: Number of pieces of the path that the flows are counted in.
@@ -68,7 +69,8 @@ class Optimiser:
 
     def __init__(
         self,
-        wish: Wish,
+        task: Task,
+        criterion: Criterion,
         extended: ExtendedSystem,
         path: Path,
         segments: int,
@@ -76,9 +78,10 @@ class Optimiser:
         coarse: Coarse | None = None,
         report: Report = lambda done: None,
     ) -> None:
-        self.wish, self.extended = wish, extended
+        self.task, self.criterion, self.extended = task, criterion, extended
         self.path, self.segments = path, segments
-        self._search = Search(wish.task, path, self.score, coarse, report)
+        self._search = Search(task, path, self.score, coarse, report)
+        self._between = Between(task, path)
 
     @cached_property
     def _solutions(self) -> list[Solution]:
@@ -87,13 +90,12 @@ class Optimiser:
     def score(self, solution: Solution) -> float:
         """What is to be least."""
         flows = [f for part in self.flows([solution]) for f in part]
-        if self.wish.objective == "strokes":
+        if self.criterion.objective == "strokes":
             return solution.cost
-        duration = self.wish.duration(flows)
-        if self.wish.objective == "time":
+        duration = self.criterion.duration(flows)
+        if self.criterion.objective == "time":
             return duration
-        system = self.wish.task.system
-        return contact_switches(system, flows) + 1e-6 * duration
+        return contact_switches(self.task.system, flows) + 1e-6 * duration
 
     def flows(self, solutions: Sequence[Solution]) -> list[list[Flow]]:
         """Flows of each segment, by where on the path their stages end."""
@@ -102,16 +104,18 @@ class Optimiser:
             for k, (stroke, recoveries) in enumerate(
                 zip(solution.strokes, solution.recoveries, strict=True)
             ):
-                stage = self.wish.task.stage(solution.first + k)
+                stage = self.task.stage(solution.first + k)
                 middle = float(np.mean(solution.places[k : k + 2]))
                 segment = min(int(middle * self.segments), self.segments - 1)
                 parts[segment] += stage.flows(float(stroke), recoveries.tolist())
-        return self.wish.lay(parts) if self.wish.lay else parts
+        return self.criterion.lay(parts) if self.criterion.lay else parts
 
     def plan(self, goal: Array | None = None) -> Plan:
-        """The plan, aimed until its exact motion meets the goal and keeps to the path.
+        """The plan, made exact: it meets its goal and keeps to what it has to keep.
 
-        The program integrates in few steps and looks at its tolerances there alone.
+        The program integrates in few steps, and looks at tolerances and inequalities
+        there alone. Stages whose exact motion exceeds them in between are solved again
+        with higher demands, between the states in which their window begins and ends.
 
         Args:
             goal: Configuration to end in, if not the path's own, shape (n,).
@@ -123,49 +127,65 @@ class Optimiser:
             MissingSolverError: If CasADi is not installed.
         """
         goal = self.path(1.0) if goal is None else goal
-        search, solutions, task = self._search, self._solutions, self.wish.task
-        aim, tighter, best = goal, TIGHTER, None
+        solutions, aim, best = self._solutions, goal, None
+        demands = [Demands.none(self.task, len(s.strokes)) for s in solutions]
         for _ in range(ROUNDS):
             flows = self.flows(solutions)
-            miss = goal - self._end(flows)
-            excess = self._excess(flows)
-            off = float(np.abs(miss[task.moved] / task.sizes(self.path(0.0))).max())
-            if excess <= 1.0 and (best is None or off < best[0]):
+            miss, exact = goal - self._end(flows), self._exact(flows)
+            off = self._off(miss)
+            if exact.kept and (best is None or off < best[0]):
                 best = off, flows
-            if off < MISS and excess <= 1.0:
+            if exact.kept and off < MISS:
                 break
             aim = aim + miss
-            tighter = tighter / excess if excess > 1.0 else tighter
-            again = search.again(solutions[-1], aim, tighter)
+            before, demands = demands, self._between.demanded(demands, solutions, exact)
+            changed = [d is not b for d, b in zip(demands, before, strict=True)]
+            again = self._again(solutions, demands, [*changed[:-1], True], aim)
             if again is None:
                 break
-            solutions = [*solutions[:-1], again]
+            solutions = again
         if best is None:
-            raise BoundError(
-                "the best plan found leaves its tolerances between the points where "
-                "they were checked; give larger tolerances"
-            )
+            raise BoundError(f"the best plan found {exact.said(self.task)}")
         return self._plan(best[1], goal)
+
+    def _again(
+        self,
+        solutions: Sequence[Solution],
+        demands: Sequence[Demands],
+        changed: Sequence[bool],
+        aim: Array,
+    ) -> list[Solution] | None:
+        """The solutions, of which some are solved again, and the last for an aim."""
+        goals = [*(s.states[-1] for s in solutions[:-1]), aim]
+        found = [
+            self._search.again(*given) if anew else given[0]
+            for *given, anew in zip(solutions, goals, demands, changed, strict=True)
+        ]
+        whole = [solution for solution in found if solution is not None]
+        return whole if len(whole) == len(found) else None
+
+    def _exact(self, flows: Sequence[Sequence[Flow]]) -> Exact:
+        """How flows keep to the path, and to what else they have to keep."""
+        joined = merged(flow for part in flows for flow in part)
+        states = play(self.task.system, joined, self.path(0.0), SAMPLES)
+        points = self.path.at(np.linspace(0.0, 1.0, POINTS))
+        tolerances, inequalities = self.task.tolerances, self.task.inequalities
+        found = deviation(states, points, [t.coordinates for t in tolerances])
+        excess = max(f / t.most for f, t in zip(found, tolerances, strict=True))
+        return Exact(excess, np.array([i.lack(flows) for i in inequalities]))
+
+    def _off(self, miss: Array) -> float:
+        sizes = self.task.sizes(self.path(0.0))
+        return float(np.abs(miss[self.task.moved] / sizes).max())
 
     def _end(self, flows: Sequence[Sequence[Flow]]) -> Array:
         joined = merged(flow for part in flows for flow in part)
-        if self.wish.predict is not None:
-            return self.wish.predict(joined)
-        return play(self.wish.task.system, joined, self.path(0.0))[-1]
-
-    def _excess(self, flows: Sequence[Sequence[Flow]]) -> float:
-        """Largest deviation from the path over what is allowed."""
-        joined = merged(flow for part in flows for flow in part)
-        states = play(self.wish.task.system, joined, self.path(0.0), SAMPLES)
-        points = self.path.at(np.linspace(0.0, 1.0, POINTS))
-        found = deviation(
-            states, points, [t.coordinates for t in self.wish.task.tolerances]
-        )
-        asked = [t.most for t in self.wish.task.tolerances]
-        return max(f / a for f, a in zip(found, asked, strict=True))
+        if self.criterion.predict is not None:
+            return self.criterion.predict(joined)
+        return play(self.task.system, joined, self.path(0.0))[-1]
 
     def _plan(self, flows: list[list[Flow]], goal: Array) -> Plan:
-        system = self.wish.task.system
+        system = self.task.system
         joined = [merged(part) for part in flows]
         nominal = self.path.at(np.linspace(0.0, 1.0, self.segments + 1))
         nominal[-1] = goal

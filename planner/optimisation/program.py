@@ -19,16 +19,15 @@ from typing import Any
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.dynamics import STEPS, stage_function
+from planner.optimisation.dynamics import STEPS, following, stage_function
 from planner.optimisation.ipopt import WARM, Ipopt
-from planner.optimisation.requirements import Requirements
+from planner.optimisation.requirements import TIGHTER, Demands, Requirements
 from planner.optimisation.solver import solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.unknowns import Unknowns
 from planner.planning.paths import Path
 
-TIGHTER = 0.98  # part of the tolerances kept at the steps, for what lies in between
 PARALLEL = 1e-2  # cost of what happens alongside, so that nothing moves in vain
 DEAR = 1000.0  # cost of one more tolerance of width, in units of the dearest field
 
@@ -86,7 +85,7 @@ class Program:
         guess: Solution,
         places: tuple[float, float],
         goal: Array | None,
-        tighter: float = TIGHTER,
+        demands: Demands | None = None,
         near: bool = False,
     ) -> Solution | None:
         """The local optimum that a guess leads to; None if it leads to none.
@@ -97,12 +96,12 @@ class Program:
             guess: Where to begin, its first state the start.
             places: Where on the path the motion begins and ends.
             goal: State to end in, shape (n,); None for any within the tolerances.
-            tighter: Part of the tolerances to keep.
+            demands: What is asked of each stage in addition.
             near: Whether to stay near the guess, which nearly solves the program.
         """
         start = guess.states[0]
-        lowest, highest = self.unknowns.bounds(start, places, goal, tighter)
-        least, most = self._requirements.bounds()
+        lowest, highest = self.unknowns.bounds(start, places, goal, TIGHTER)
+        least, most = self._requirements.bounds(demands)
         compiled = self._near if near else self._solver
         found = compiled(
             x0=self.unknowns.packed(guess),
@@ -126,7 +125,7 @@ class Program:
         unknown = self.unknowns.symbols()
         X, S, forward, backward, up, down, times, width = unknown
         D, A = forward - backward, up - down
-        states, places = list[Any](), list[Any]()
+        states, places, numbers = list[Any](), list[Any](), list[int]()
         for stage in self._stages:
             k = [i for i, other in enumerate(self.unknowns.stages) if other == stage]
             after = [i + 1 for i in k]
@@ -138,9 +137,12 @@ class Program:
                 last = j == STEPS - 1
                 states.append(X[:, after] if last else steps[:, j::STEPS])
                 places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STEPS))
-            ends_of = X[:, k], X[:, after]
-            asked.margins(task, stage, self._start, ends_of, width - TIGHTER)
-        asked.corridor(task, self.path, states, places, width)
+                end = self.unknowns.count - 1 if last else None
+                numbers += [-1 if i == end else i for i in k]
+            ends_of, wider = (X[:, k], X[:, after]), width - TIGHTER
+            asked.inequalities(task, stage, self._start, ends_of, wider, k)
+        along = following(task, self.path)
+        asked.corridor(along, states, places, width, np.array(numbers))
         asked.add(S[1:] - S[:-1], 0.0, np.inf)
         lengths = forward + backward, up + down
         cost = self._cost(self.unknowns.stages, *lengths)

@@ -2,19 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.dynamics import curve_function
+from planner.optimisation.dynamics import Following, whole_state
 from planner.optimisation.solver import solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Task
-from planner.planning.paths import Path
 
-TINY = 1e-12  # keeps apart from zero what is divided by
+TIGHTER = 0.98  # part of the tolerances kept at the steps, for what lies in between
+
+Narrowed = Callable[["Demands"], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Demands:
+    """What is asked of each stage in addition, for the motion between its checks.
+
+    Attributes:
+        shares: Part of its tolerances that a stage keeps, shape (count,).
+        lacks: What each of the task's inequalities exceeds zero by, shape (count, R).
+    """
+
+    shares: Array
+    lacks: Array
+
+    @classmethod
+    def none(cls, task: Task, count: int) -> Demands:
+        """Nothing in addition."""
+        return cls(np.ones(count), np.zeros((count, len(task.inequalities))))
+
+    def raised(self, shares: Array, lacks: Array) -> Demands:
+        """Higher demands; the same if nothing is asked for.
+
+        Args:
+            shares: Part of what was kept so far, shape (count,).
+            lacks: What is asked for in addition, shape (count, R).
+        """
+        if (shares == 1.0).all() and (lacks == 0.0).all():
+            return self
+        return Demands(self.shares * shares, self.lacks + lacks)
 
 
 class Requirements:
@@ -23,79 +54,93 @@ class Requirements:
     def __init__(self) -> None:
         self.rows: list[Any] = []
         self._bounds: list[Array] = []
+        self._narrowed: list[tuple[slice, Narrowed]] = []
 
-    def add(self, rows: Any, low: float, high: float) -> None:
-        """Ask for rows between two values."""
+    def add(
+        self, rows: Any, low: float, high: float, narrowed: Narrowed | None = None
+    ) -> None:
+        """Ask for rows between two values.
+
+        Args:
+            rows: A matrix of expressions.
+            low: Lowest value.
+            high: Highest value.
+            narrowed: What demands make the range of each row narrower by at its ends,
+                of the shape of the rows.
+        """
         flat = solver().vec(rows)
         self.rows.append(flat)
+        first = sum(bounds.shape[1] for bounds in self._bounds)
         self._bounds.append(np.tile([[low], [high]], flat.numel()))
+        if narrowed is not None:
+            self._narrowed.append((slice(first, first + flat.numel()), narrowed))
 
-    def bounds(self) -> tuple[Array, Array]:
+    def bounds(self, demands: Demands | None = None) -> tuple[Array, Array]:
         """Lowest and highest values of all rows."""
         low, high = np.concatenate(self._bounds, axis=1)
+        if demands is None:
+            return low, high
+        for rows, narrowed in self._narrowed:
+            amount = narrowed(demands).ravel(order="F")
+            low[rows] += amount
+            high[rows] -= amount
         return low, high
 
     def corridor(
         self,
-        task: Task,
-        path: Path,
+        following: Following,
         states: Sequence[Any],
         places: Sequence[Any],
         width: Any,
+        stages: Array,
     ) -> None:
         """Keep states within the tolerances of the path's points that go along.
 
-        The corridor is so many tolerances wide. What is not position is compared where
-        the position is nearest: along the path's tangent from the point that goes
-        along.
+        Args:
+            following: The path and its tolerances.
+            states: Columns of states.
+            places: Where on the path the points are.
+            width: Of the corridor, in tolerances.
+            stages: Number of each column's stage; one that is fixed has none, -1.
         """
-        ca = solver()
-        x, s = ca.MX.sym("x", len(task.moved)), ca.MX.sym("s")
-        curve = curve_function(path, task.moved)
-        parts, nearest = list[Any](), s
-        wide = ca.MX.sym("wide")
-        for number, tolerance in enumerate(task.tolerances):
-            index = [
-                task.moved.index(i) for i in tolerance.coordinates if i in task.moved
-            ]
-            if index and np.isfinite(tolerance.most):
-                off = (x - curve(nearest))[index] / tolerance.most
-                if len(index) == 1:
-                    parts += [off - wide, -off - wide]
-                else:
-                    parts.append(ca.sumsqr(off) - wide**2)
-            if index and number == 0:
-                along = ca.jacobian(curve(s)[index], s)
-                ahead = ca.dot((x - curve(s))[index], along)
-                nearest = s + ahead / (ca.sumsqr(along) + TINY)
-        if not parts:
+        if not following.powers:
             return
-        within = ca.Function("within", [x, s, wide], [ca.vertcat(*parts)])
+        ca = solver()
         every, where = ca.horzcat(*states), ca.horzcat(*places)
         everywhere = ca.repmat(width, 1, where.numel())
-        self.add(within.map(where.numel())(every, where, everywhere), -np.inf, 0.0)
+        rows = following.function.map(where.numel())(every, where, everywhere)
+        powers = np.array(following.powers)[:, None]
 
-    def margins(
+        def narrowed(demands: Demands) -> Array:
+            shares = np.where(stages < 0, 1.0, demands.shares[stages])
+            amounts: Array = TIGHTER**powers * (1.0 - shares**powers)
+            return amounts
+
+        self.add(rows, -np.inf, 0.0, narrowed)
+
+    def inequalities(
         self,
         task: Task,
         stage: Stage,
         start: Array,
         states: tuple[Any, Any],
         width: Any,
+        stages: Sequence[int],
     ) -> None:
-        """Keep the task's margins and rooms as stages begin, have recovered, and end.
+        """Keep the task's inequalities as stages begin, have recovered, and end.
 
-        Rooms are kept where strokes begin and end. What they lack is made up for by the
-        width of the corridor beyond its least.
+        What those that may be violated lack is made up for by the width of the corridor
+        beyond its least.
 
         Args:
-            task: Whose margins they are.
+            task: Whose inequalities they are.
             stage: The stage.
             start: State that gives the coordinates that no stage moves, shape (n,).
             states: Where stages begin and end.
             width: Of the corridor, in tolerances, beyond the least.
+            stages: Numbers of these stages.
         """
-        if not task.margins and not task.rooms:
+        if not task.inequalities:
             return
         ca, n = solver(), len(task.moved)
         begin, end, more = ca.SX.sym("begin", n), ca.SX.sym("end", n), ca.SX.sym("more")
@@ -103,23 +148,33 @@ class Requirements:
         mixed = [
             end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)
         ]
-        parts, unit = list[Any](), task.unit(start)
-        recovered_first = ca.vertcat(*mixed)
-        setting_out = begin if task.together else recovered_first
-        for state in (begin, recovered_first, end):
-            whole = [ca.SX(float(v)) for v in start]
-            for k, i in enumerate(task.moved):
-                whole[i] = state[k]
-            for margin in task.margins:
-                parts += [part / unit for part in margin(stage, whole)]
-            for room in task.rooms if state is setting_out or state is end else ():
-                parts += [part / unit + more for part in room(stage, whole)]
+        parts, kinds, unit = list[Any](), list[tuple[int, int]](), task.unit(start)
+        for place, state in enumerate((begin, ca.vertcat(*mixed), end)):
+            whole = whole_state(task, start, state)
+            for number, inequality in enumerate(task.inequalities):
+                if inequality.relaxed and task.together and place == 1:
+                    continue  # recovered only as the stroke ends
+                slack = more if inequality.relaxed else 0.0
+                found = inequality.expressions(stage, whole)
+                parts += [part / unit + slack for part in found]
+                kinds += [(place, number)] * len(found)
         if not parts:
             return
-        function = ca.Function("margins", [begin, end, more], [ca.vertcat(*parts)])
+        function = ca.Function("inequalities", [begin, end, more], [ca.vertcat(*parts)])
         count = states[0].shape[1]
         mapped = function.map(count)(*states, ca.repmat(width, 1, count))
-        self.add(mapped, 0.0, np.inf)
+
+        def narrowed(demands: Demands) -> Array:
+            last = len(demands.shares) - 1
+            amounts = demands.lacks[np.ix_(stages, [number for _, number in kinds])].T
+            fixed = [
+                [(place == 0 and k == 0) or (place == 2 and k == last) for k in stages]
+                for place, _ in kinds
+            ]
+            narrower: Array = np.where(fixed, 0.0, amounts) / unit
+            return narrower
+
+        self.add(mapped, 0.0, np.inf, narrowed)
 
     def times(
         self, task: Task, stages: Sequence[Stage], times: Any, D: Any, A: Any

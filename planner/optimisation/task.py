@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,10 +12,34 @@ import numpy as np
 from planner.numerics.arrays import Array
 from planner.optimisation.corridor import Tolerance
 from planner.optimisation.stages import Stage, swept
+from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
-Margin = Callable[[Stage, Sequence[Any]], Sequence[Any]]
-"""Expressions that must not be negative, from a stage and the n entries of a state."""
+Expressions = Callable[[Stage, Sequence[Any]], Sequence[Any]]
+"""Expressions over a stage and the n entries of a state."""
+
+
+def _nothing(segments: Sequence[Sequence[Flow]]) -> float:
+    return 0.0
+
+
+@dataclass(frozen=True)
+class Inequality:
+    """Expressions that must not be negative in any stage.
+
+    Attributes:
+        name: What they say, such as "clearance"; used in messages.
+        expressions: As a solver differentiates them, looked at as stages begin and end.
+        lack: How far flows in segments come below zero on the whole way, in the same
+            unit; at least 0.
+        relaxed: Whether a plan that cannot keep the tolerances may violate them too.
+            First solutions leave them out, because they are expensive.
+    """
+
+    name: str
+    expressions: Expressions
+    lack: Callable[[Sequence[Sequence[Flow]]], float] = _nothing
+    relaxed: bool = False
 
 
 @dataclass(frozen=True)
@@ -31,9 +55,7 @@ class Task:
         together: Whether recoveries happen during strokes.
         centred: Whether every stroke starts from legs set anew around zero, whose
             recoveries are laid later.
-        margins: What else must hold in every stage.
-        rooms: Distances that must not be negative in any stage; where no plan keeps
-            them and the tolerances, both give way together.
+        inequalities: What else must hold in every stage.
     """
 
     system: StratifiedSystem
@@ -43,8 +65,7 @@ class Task:
     price: Mapping[str, float] = field(default_factory=dict)
     together: bool = False
     centred: bool = False
-    margins: tuple[Margin, ...] = ()
-    rooms: tuple[Margin, ...] = ()
+    inequalities: tuple[Inequality, ...] = ()
 
     def stage(self, number: int) -> Stage:
         """The stage of a number; stages follow each other in a cycle."""
@@ -58,6 +79,14 @@ class Task:
             return list(every)
         free = {r.coordinate for stage in self.stages for r in stage.recoveries}
         return [i for i in every if i not in free]
+
+    @cached_property
+    def relaxed(self) -> Task:
+        """The task without the inequalities that may be violated."""
+        strict = tuple(i for i in self.inequalities if not i.relaxed)
+        return (
+            self if strict == self.inequalities else replace(self, inequalities=strict)
+        )
 
     @property
     def widest(self) -> int:

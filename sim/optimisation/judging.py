@@ -95,19 +95,17 @@ class Judge:
         """Farthest from the path [m] and from its yaw [rad], as it is predicted."""
         return straying(self.setup.scenario.path.curve, self.poses(plan))
 
-    def margin_lack(self, plan: Plan) -> float:
+    def margin_lack(self, segments: Sequence[Sequence[Flow]]) -> float:
         """What the least predicted margin lacks to the scenario's [m]; at least 0."""
-        least = self.setup.scenario.min_margin
-        schedule = self.schedule(list(plan.segments()))
+        least, schedule = self.setup.scenario.min_margin, self.schedule(segments)
         if least is None or not schedule.phases:
             return 0.0
         margin = self._predictor(schedule)(inspections(schedule) - 1).margin
         return max(0.0, least - float(margin.min()))
 
-    def clearance_lack(self, plan: Plan) -> float:
+    def clearance_lack(self, segments: Sequence[Sequence[Flow]]) -> float:
         """What the least predicted clearance lacks to the one asked for [m], if any."""
-        least = least_clearance(self.setup)
-        schedule = self.schedule(list(plan.segments()))
+        least, schedule = least_clearance(self.setup), self.schedule(segments)
         if least is None or not schedule.phases:
             return 0.0
         bound = ClearanceBound(surroundings(self.setup), least)

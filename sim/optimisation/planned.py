@@ -13,14 +13,19 @@ from planner import (
     PlannerError,
     unlimited,
 )
-from sim.optimisation.judging import Judge, least_clearance
-from sim.optimisation.wishes import Coarse, Least, straying_of, tolerances, wish_of
+from sim.optimisation.formulation import (
+    Coarse,
+    criterion_of,
+    straying_of,
+    task_of,
+    tolerances,
+)
+from sim.optimisation.judging import Judge
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent
 
 NO_SHORTER = "no shorter plan was found"
-ROUNDS = 3  # of asking for what the margin still lacks
 SAME = 1.0 + 1e-9
 
 
@@ -106,53 +111,21 @@ class PlannedWalk:
         )
 
     def _shortest(self, setup: Setup) -> Plan:
-        """The best plan found that keeps the scenario's least margin and clearance.
-
-        The program looks at the ends of stages alone; what the motion in between lacks
-        is asked for in addition.
-        """
-        judge = Judge(setup)
-        wanted = asked = Least(setup.scenario.min_margin, least_clearance(setup))
-        for _ in range(ROUNDS):
-            found = self._optimiser(asked).plan(setup.nominal()(1.0))
-            lacking = judge.margin_lack(found), judge.clearance_lack(found)
-            if max(lacking) <= 0.0:
-                judge.require_sound(found)
-                return found
-            asked = Least(
-                _more(asked.margin, lacking[0]), _more(asked.clearance, lacking[1])
-            )
-        raise BoundError(
-            f"no plan found keeps {_said(wanted)} between the ends of its strokes; "
-            "ask for less"
-        )
-
-    def _optimiser(self, least: Least) -> Optimiser:
-        if least not in self._optimisers:
-            setup = self.setup
-            path = setup.equations.configurations(setup.scenario.path.curve)
-            self._optimisers[least] = Optimiser(
-                wish_of(setup, self._within, least),
-                setup.extended,
-                path,
-                setup.scenario.segments,
-                coarse=Coarse(setup, path),
-                report=lambda done: self.progress("optimising", done),
-            )
-        return self._optimisers[least]
+        """The best plan found that is sound."""
+        found = self._optimiser.plan(setup.nominal()(1.0))
+        Judge(setup).require_sound(found)
+        return found
 
     @cached_property
-    def _optimisers(self) -> dict[Least, Optimiser]:
-        return {}
-
-
-def _more(asked: float | None, lacking: float) -> float | None:
-    return None if asked is None else asked + lacking
-
-
-def _said(least: Least) -> str:
-    parts = {"min_margin": least.margin, "min_clearance": least.clearance}
-    given = [
-        f"{name} of {value} m" for name, value in parts.items() if value is not None
-    ]
-    return "a " + " and a ".join(given)
+    def _optimiser(self) -> Optimiser:
+        setup = self.setup
+        path = setup.equations.configurations(setup.scenario.path.curve)
+        return Optimiser(
+            task_of(setup, self._within),
+            criterion_of(setup),
+            setup.extended,
+            path,
+            setup.scenario.segments,
+            coarse=Coarse(setup, path),
+            report=lambda done: self.progress("optimising", done),
+        )

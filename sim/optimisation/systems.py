@@ -14,6 +14,7 @@ import numpy as np
 from models import Problem
 from planner import (
     BoundError,
+    Criterion,
     Execution,
     ExtendedSystem,
     Flow,
@@ -23,7 +24,6 @@ from planner import (
     Plan,
     Task,
     Tolerance,
-    Wish,
     contact_switches,
     cycle,
     deviation,
@@ -77,8 +77,14 @@ def shortest(
             return contact_switches(system, found.flows)
         return sum(task.cost(f.field) * abs(f.duration) for f in found.flows)
 
-    wish = Wish(task, objective, duration)
-    optimiser = Optimiser(wish, compiled, problem.path, problem.segments, coarse=coarse)
+    optimiser = Optimiser(
+        task,
+        Criterion(objective, duration),
+        compiled,
+        problem.path,
+        problem.segments,
+        coarse=coarse,
+    )
     try:
         return min(optimiser.plan(), stratified, key=worth)
     except BoundError:

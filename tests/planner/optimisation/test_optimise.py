@@ -8,13 +8,13 @@ import pytest
 from models.systems.catalogue import shipped_system
 from planner.errors import BoundError, BudgetError, StratumError
 from planner.extension.extended import extend
-from planner.optimisation import search
+from planner.optimisation import search, windows
 from planner.optimisation.corridor import Tolerance, deviation
-from planner.optimisation.optimise import Optimiser, Wish
-from planner.optimisation.search import Search
+from planner.optimisation.optimise import Criterion, Optimiser
 from planner.optimisation.solver import MissingSolverError
 from planner.optimisation.stages import cycle
-from planner.optimisation.task import Task
+from planner.optimisation.task import Inequality, Task
+from planner.optimisation.windows import WindowSearch
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
 from planner.planning.rollouts import rollout
@@ -40,9 +40,8 @@ def optimised(path=STEP, objective="time", **changes):
         "tolerances": (Tolerance((0, 1), POSITION), Tolerance((2,), YAW)),
         "limits": {3: (-SPAN, SPAN), 4: (-SPAN, SPAN)},
     }
-    return Optimiser(
-        Wish(Task(**(given | changes)), objective, time_of), EXTENDED, path, 4
-    )
+    criterion = Criterion(objective, time_of)
+    return Optimiser(Task(**(given | changes)), criterion, EXTENDED, path, 4)
 
 
 @pytest.fixture(scope="module")
@@ -88,8 +87,10 @@ def test_fewest_switches_are_no_more_than_those_of_the_fastest(found):
 
 
 def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
-    for name, value in (("LONGEST", 2.0), ("MOST", 8), ("CLOSELY", 1)):
-        monkeypatch.setattr(search, name, value)
+    monkeypatch.setattr(search, "LONGEST", 2.0)
+    monkeypatch.setattr(search, "MOST", 8)
+    monkeypatch.setattr(windows, "MOST", 8)
+    monkeypatch.setattr(windows, "CLOSELY", 1)
     goal = np.array([4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     optimiser = optimised(line(np.zeros(7), goal))
     found = optimiser.plan()
@@ -99,6 +100,7 @@ def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
 
 def test_tolerances_that_are_not_kept_are_refused_with_those_that_are(monkeypatch):
     monkeypatch.setattr(search, "MOST", 6)
+    monkeypatch.setattr(windows, "MOST", 6)
     tight = (Tolerance((0, 1), 0.01), Tolerance((2,), 0.02))
     with pytest.raises(BoundError, match="within 0.01 and 0.02 .* nearest"):
         optimised(tolerances=tight).plan()
@@ -108,21 +110,22 @@ def test_margins_are_kept_between_stages():
     def narrow(stage, state):
         return [0.3 - state[3], state[3] + 0.3]  # a leg's angle
 
-    states = rollout(optimised(margins=(narrow,)).plan())
+    asked = (Inequality("room of a leg", narrow),)
+    states = rollout(optimised(inequalities=asked).plan())
     assert np.abs(states[:, 3]).max() <= 0.3 + 1e-6
     assert np.abs(states[:, 4]).max() > 0.3
 
 
 def stopped_by(error, monkeypatch, found):
     """Searches that are stopped before, or after, they have found a plan."""
-    width = Search._width
+    width = WindowSearch._width
 
     def until(self, window, count, attempts):
         if not found or self._best is not None:
             raise error
         return width(self, window, count, attempts)
 
-    monkeypatch.setattr(Search, "_width", until)
+    monkeypatch.setattr(WindowSearch, "_width", until)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), BudgetError(1.0, "")])

@@ -70,13 +70,13 @@ def test_parts_of_the_body_do_not_swing(passage):
 
 
 def test_a_plan_keeps_away_from_a_wall_that_it_would_come_too_close_to(monkeypatch):
-    monkeypatch.setattr("planner.optimisation.search.CLOSELY", 1)
+    monkeypatch.setattr("planner.optimisation.windows.CLOSELY", 1)
     free = prepare(load_scenario("line", BESIDE | {"min_clearance": -1.0}))
     close = PlannedWalk(free).plan()
     asked = {"min_clearance": 0.02}
     setup = prepare(load_scenario("line", BESIDE | asked))
     judge = Judge(setup)
-    assert judge.clearance_lack(close) > 0.002
+    assert judge.clearance_lack(list(close.segments())) > 0.002
     chosen = PlannedWalk(setup).choose()
     assert chosen.fallback is None
-    assert judge.clearance_lack(chosen.plan) == 0.0
+    assert judge.clearance_lack(list(chosen.plan.segments())) == 0.0

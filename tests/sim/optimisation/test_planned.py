@@ -95,14 +95,15 @@ def test_margins_as_expressions_are_those_of_the_prediction(setup):
 
 
 def test_a_least_margin_is_kept(monkeypatch):
-    monkeypatch.setattr("planner.optimisation.search.CLOSELY", 1)
+    monkeypatch.setattr("planner.optimisation.windows.CLOSELY", 1)
     setup = setup_of(min_margin=0.045)
     found = PlannedWalk(setup).plan()
-    assert Judge(setup).margin_lack(found) == 0.0
+    assert Judge(setup).margin_lack(list(found.segments())) == 0.0
 
 
 def test_a_tolerance_that_cannot_be_kept_is_refused(monkeypatch):
     monkeypatch.setattr("planner.optimisation.search.MOST", 6)
+    monkeypatch.setattr("planner.optimisation.windows.MOST", 6)
     setup = setup_of(path_tolerance=0.0005, yaw_tolerance=0.005)
     with pytest.raises(BoundError, match="nearest found there keeps"):
         PlannedWalk(setup).plan()

@@ -7,19 +7,20 @@ plan follows it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi
 
 from models import Equations, contact_equations, contact_fields
 from planner import (
+    Criterion,
     Flow,
+    Inequality,
     Path,
     Plan,
     Task,
     Tolerance,
-    Wish,
     cycle,
     plan,
     play,
@@ -27,7 +28,7 @@ from planner import (
 from sim.experiments.predictions import twist_model
 from sim.motion.straying import straying
 from sim.optimisation.clearances import clearances
-from sim.optimisation.judging import Judge, real_prediction
+from sim.optimisation.judging import Judge, least_clearance, real_prediction
 from sim.optimisation.margins import margins
 from sim.preparation.setup import Setup
 
@@ -83,29 +84,15 @@ def straying_of(setup: Setup, plan: Plan) -> dict[str, float]:
     return straying(setup.scenario.path.curve, states[:, :3])
 
 
-@dataclass(frozen=True)
-class Least:
-    """What an optimised plan has to keep.
-
-    Attributes:
-        margin: Stability margin [m], if any.
-        clearance: From obstacles [m], if any.
-    """
-
-    margin: float | None = None
-    clearance: float | None = None
-
-
-def wish_of(setup: Setup, within: tuple[float, float], least: Least) -> Wish:
-    """The task, and how its flows are judged.
+def task_of(setup: Setup, within: tuple[float, float]) -> Task:
+    """Fields, stages and tolerances, margin and clearance to keep.
 
     Args:
         setup: What to walk.
         within: Tolerances of position [m] and yaw [rad].
-        least: Margin and clearance to keep.
     """
     scenario, described = setup.scenario, real_equations(setup)
-    system, stance = described.system, described.stance
+    system = described.system
     names = [str(symbol) for symbol in system.state]
     pace = {
         name: max(map(abs, direction)) / setup.limits.swing_speed
@@ -115,10 +102,7 @@ def wish_of(setup: Setup, within: tuple[float, float], least: Least) -> Wish:
     recoveries = {r.field for stage in stages for r in stage.recoveries}
     cheap = CHEAP if scenario.optimise == "strokes" else 1.0
     yaw = within[1] if within[1] < pi else inf
-    asked = () if least.margin is None else (margins(setup, least.margin + GUARD),)
-    clear = least.clearance
-    rooms = () if clear is None else (clearances(setup, clear + GUARD, within[0]),)
-    task = Task(
+    return Task(
         system=system,
         stages=stages,
         tolerances=(Tolerance((0, 1), within[0]), Tolerance((2,), yaw)),
@@ -130,21 +114,50 @@ def wish_of(setup: Setup, within: tuple[float, float], least: Least) -> Wish:
             name: p * (cheap if name in recoveries else 1.0) for name, p in pace.items()
         },
         together=scenario.together,
-        centred=stance == "stepped",
-        margins=asked,
-        rooms=rooms,
+        centred=_centred(setup),
+        inequalities=tuple(_inequalities(setup, within[0])),
     )
-    judge = Judge(setup)
-    objective = scenario.optimise
+
+
+def criterion_of(setup: Setup) -> Criterion:
+    """What is to be least, and how flows are measured.
+
+    Args:
+        setup: What to walk.
+
+    Raises:
+        ValueError: The scenario asks for no optimisation.
+    """
+    objective, judge = setup.scenario.optimise, Judge(setup)
     if objective == "none":
         raise ValueError("the scenario asks for no optimisation")
-    return Wish(
-        task=task,
+    return Criterion(
         objective=objective,
         duration=judge.duration,
         predict=judge.end,
-        lay=judge.stepped if task.centred else None,
+        lay=judge.stepped if _centred(setup) else None,
     )
+
+
+def _centred(setup: Setup) -> bool:
+    return real_equations(setup).stance == "stepped"
+
+
+def _inequalities(setup: Setup, within: float) -> Iterator[Inequality]:
+    """Margin and clearance, as far as the scenario asks for them."""
+    margin, clearance = setup.scenario.min_margin, least_clearance(setup)
+    judge = Judge(setup)
+    if margin is not None:
+        yield Inequality(
+            "stability margin", margins(setup, margin + GUARD), judge.margin_lack
+        )
+    if clearance is not None:
+        yield Inequality(
+            "clearance",
+            clearances(setup, clearance + GUARD, within),
+            judge.clearance_lack,
+            relaxed=True,
+        )
 
 
 @dataclass(frozen=True)
