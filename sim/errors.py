@@ -10,7 +10,7 @@ import errno
 import traceback
 from enum import IntEnum
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from models import (
     MeasurementError,
@@ -57,6 +57,18 @@ class StratawalkError(Exception):
         """
         self.what, self.where, self.remedy = what, where, remedy
         super().__init__(f"{what}: {where}; {remedy}")
+
+    @classmethod
+    def at(cls, where: str, error: Exception, remedy: str = "") -> Self:
+        """What a function says of its arguments, `what; what to do`, with the place.
+
+        Args:
+            where: File, option or setting that the arguments come from.
+            error: Its error.
+            remedy: What to do where it does not say so.
+        """
+        what, _, advice = str(error).partition("; ")
+        return cls(what, where, advice or remedy)
 
     def __reduce__(self) -> tuple[object, ...]:
         """Travel between processes, although an error is made from three texts."""

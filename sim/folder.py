@@ -173,6 +173,24 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
     return claimed
 
 
+def ensure_folder(folder: Path, what: str = "folder") -> Path:
+    """Make a folder unless it is there.
+
+    Args:
+        folder: Where.
+        what: What the message calls it.
+
+    Raises:
+        FilesError: If it cannot be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        reason = f"cannot make the {what}, {error.strerror}"
+        raise FilesError(reason, str(folder), "choose another with --out") from error
+    return folder
+
+
 def _make(folder: Path) -> Path:
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir()

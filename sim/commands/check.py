@@ -131,8 +131,7 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
     try:
         return Gait(system, tuple(bare)).strata
     except StratumError as error:
-        what, _, remedy = str(error).partition("; ")
-        raise UsageError(what, "--gait", remedy) from None
+        raise UsageError.at("--gait", error) from None
 
 
 def _subject(options: argparse.Namespace) -> _Subject:

@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.errors import FilesError, UsageError
+from sim.errors import UsageError
 
 if TYPE_CHECKING:
     from sim.reports.tables import Table
@@ -62,16 +62,9 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _write(path: Path, page: str) -> None:
-    from sim.folder import RunFolder
+    from sim.folder import RunFolder, ensure_folder
 
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = f"cannot make the page's folder, {error.strerror}"
-        raise FilesError(
-            reason, str(path.parent), "choose another with --out"
-        ) from error
-    RunFolder(path.parent).write_text(path.name, page)
+    RunFolder(ensure_folder(path.parent, "page's folder")).write_text(path.name, page)
 
 
 def _by_run(table: Table, names: list[str]) -> list[dict[str, str]]:

@@ -64,6 +64,8 @@ def execute(options: argparse.Namespace) -> None:
 
 def _target(out: str | None) -> Path | None:
     """The film that `--out` names, which must be new."""
+    from sim.folder import ensure_folder
+
     if out is None:
         return None
     path = Path(out)
@@ -72,5 +74,5 @@ def _target(out: str | None) -> Path | None:
         raise UsageError("not a film's name", f"--out {out}", remedy)
     if os.path.lexists(path):
         raise UsageError("already exists", f"--out {out}", "give another name")
-    path.parent.mkdir(parents=True, exist_ok=True)
+    ensure_folder(path.parent, "film's folder")
     return path

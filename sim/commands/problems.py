@@ -180,5 +180,4 @@ def refused(where: str) -> Iterator[None]:
     except (StratawalkError, ProblemError):
         raise
     except ValueError as error:
-        what, _, remedy = str(error).partition("; ")
-        raise UsageError(what, where, remedy or "see docs/systems.md") from error
+        raise UsageError.at(where, error, "see docs/systems.md") from error

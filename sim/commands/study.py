@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from sim.commands.extras import needs_extra
-from sim.errors import ExitCode, FilesError
+from sim.errors import ExitCode
 
 HELP = "map where the predictions of a sweep hold, and tell which settings matter"
 PREDICTIONS = ("ideal", "quasi-static", "identified")
@@ -34,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> ExitCode:
     """Print what a sweep has found, and draw its maps."""
+    from sim.folder import ensure_folder
     from sim.progress import bar, stage
     from sim.studies.findings import describe, findings
     from sim.studies.maps import draw_maps
@@ -42,12 +43,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     given = Path(options.table)
     results = read_results(given, options.prediction.replace("-", "_"))
     beside = (given if given.is_dir() else given.parent) / "maps"
-    folder = beside if options.out is None else Path(options.out)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = f"cannot make the folder, {error.strerror}"
-        raise FilesError(reason, str(folder), "choose another with --out") from error
+    folder = ensure_folder(beside if options.out is None else Path(options.out))
     with bar(quiet=options.json) as progress, stage(progress, "drawing maps"):
         found, drawn = findings(results), draw_maps(results, folder)
     if options.json:

@@ -16,11 +16,11 @@ from sim.drive.footing import Footing
 from sim.drive.lead import Lead
 from sim.drive.rehearsal import carried_torque, leg_actuators
 from sim.errors import SimulationError, UsageError
+from sim.motion.command_clock import command_at, step_of
 from sim.motion.schedule import Schedule
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 
-SLACK = 1e-9  # of a command's number, for rounding
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -159,8 +159,7 @@ class Drive:
         if not self._servo.rate:
             return steps
         pace = self._servo.rate * self._setup.limits.timestep  # commands a step
-        number = np.floor(steps * pace + SLACK)
-        return np.ceil(number / pace - SLACK).astype(int)
+        return step_of(command_at(steps, pace), pace)
 
     def _told(self, schedule: Schedule, lead: Lead | None, rows: Array) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""

@@ -1,8 +1,4 @@
-"""Commands of servos at their own rate, taken from a walk and held in the physics.
-
-Command k is given at the first physics step at or after k / rate, and holds until the
-next one.
-"""
+"""Commands of servos at their own rate, taken from a walk and held in the physics."""
 
 from __future__ import annotations
 
@@ -13,9 +9,8 @@ import numpy as np
 
 from planner import Array
 from sim.errors import UsageError
+from sim.motion.command_clock import SLACK, command_at, step_of
 from sim.physics.engine import STRETCH
-
-SLACK = 1e-9  # of a command's number, for rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +61,7 @@ class ServoCommands:
         """
         for begin in range(0, steps, STRETCH):
             row = np.arange(begin, min(begin + STRETCH, steps))
-            number = np.floor(row * (self.rate * timestep) + SLACK).astype(int)
+            number = command_at(row, self.rate * timestep)
             ctrl = np.tile(rest, (len(row), 1))
             ctrl[:, actuators] = self.angles[np.minimum(number, len(self.angles) - 1)]
             yield ctrl
@@ -101,7 +96,7 @@ def taken(
         number = np.arange(
             np.ceil(begin * pace - SLACK), (begin + len(ctrl)) * pace + 1
         )
-        step = np.ceil(number / pace - SLACK).astype(int) - begin
+        step = step_of(number, pace) - begin
         rows.append(ctrl[step[(step >= 0) & (step < len(ctrl))]][:, actuators])
         begin += len(ctrl)
     return ServoCommands(joints, rate, np.concatenate(rows))

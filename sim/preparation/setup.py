@@ -253,8 +253,7 @@ def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:
     try:
         return extend(described.system, described.elements, scenario.degree)
     except ValueError as error:
-        what, _, remedy = str(error).partition("; ")
-        raise UsageError(what, "degree", remedy) from error
+        raise UsageError.at("degree", error) from error
 
 
 def lift_angle(kinematics: Kinematics, height: float | None) -> float:

@@ -137,8 +137,7 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
     try:
         curve, length = planner.formula_curve(given)
     except ValueError as error:
-        what, _, remedy = str(error).partition("; ")
-        raise UsageError(what, "path", remedy or "write formulas of s") from error
+        raise UsageError.at("path", error, "write formulas of s") from error
     start, goal = curve(0.0), curve(1.0)
     if np.abs(start).max() > CLOSE:
         raise _refusal("path at s = 0", start.tolist(), "[0, 0, 0], the start pose")
@@ -200,8 +199,7 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
             f"cannot be read, {error.strerror}", file, "give a CSV file that exists"
         ) from error
     except ValueError as error:
-        what, _, remedy = str(error).partition("; ")
-        raise UsageError(what, file, remedy) from error
+        raise UsageError.at(file, error) from error
 
 
 def _poses(key: str, value: object) -> tuple[Pose, ...]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import FilesError, UsageError
-from sim.folder import RunFolder
+from sim.folder import RunFolder, ensure_folder
 from sim.sweeps.file import Sweep
 from sim.sweeps.identity import differences, software
 
@@ -88,11 +88,7 @@ def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
     if (begun and not resume) or _strange(out, resume or shard.count > 1):
         remedy = "give --resume to go on with it" if begun else "choose another folder"
         raise UsageError("already exists", str(out), remedy)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = f"cannot make the sweep's folder, {error.strerror}"
-        raise FilesError(reason, str(out), "choose another with --out") from error
+    ensure_folder(out, "sweep's folder")
     return folder
 
 

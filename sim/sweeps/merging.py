@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.errors import FilesError, UsageError
-from sim.folder import RunFolder
+from sim.folder import RunFolder, ensure_folder
 from sim.sweeps.folder import Shard, SweepFolder, read_about, sweep_from
 from sim.sweeps.identity import differences
 from sim.sweeps.ledger import Outcome, opened, read_ledger
@@ -39,7 +39,7 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
             ", ".join(map(str, sources)),
             "walk them with `stratawalk sweep --resume`, or name the other shards",
         )
-    folder = SweepFolder(_made(out))
+    folder = SweepFolder(ensure_folder(out))
     with opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)
         ledger.add([o for code, o in known.items() if code not in written])
@@ -74,12 +74,3 @@ def _known(sources: Sequence[Path]) -> dict[str, Outcome]:
         for path in sorted(source.glob("ledger*.jsonl")):
             known |= read_ledger(path)
     return known
-
-
-def _made(out: Path) -> Path:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        reason = f"cannot make the folder, {error.strerror}"
-        raise FilesError(reason, str(out), "choose another with --out") from error
-    return out
