@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,9 +22,9 @@ from models import (
     silence_the_engine,
 )
 from planner import Array, open_file, read_file
-from sim.errors import UsageError
 from sim.evaluation.arrays import trajectory
 from sim.export.servo_commands import ServoCommands, taken
+from sim.finished_run import arrays_of, reading
 from sim.progress import Progress, silent
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
@@ -98,18 +97,13 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
         UsageError: If it is not the folder of a finished run.
         ModelError: If its robot cannot be used.
     """
-    try:
+    with reading(folder, "not a finished run", UNFINISHED):
         scenario = load_scenario(str(folder / "scenario.toml"))
         summary = json.loads(read_file(folder / "summary.json"))
-        arrays = _arrays(folder / "trajectory.npz", REFERENCE)
-        ctrl = _arrays(folder / "commands.npz", ("ctrl",))["ctrl"]
+        arrays = arrays_of(folder, "trajectory.npz", REFERENCE)
+        ctrl = arrays_of(folder, "commands.npz", ("ctrl",))["ctrl"]
         card, model = read_card(folder / "model.toml"), _model(folder / "model.xml")
         model.key("start")
-    except (OSError, KeyError, ValueError, EOFError, zipfile.BadZipFile) as error:
-        if isinstance(error, UsageError) and folder.joinpath("scenario.toml").exists():
-            raise
-        what = f"not a finished run, {' '.join(str(error).split())}"
-        raise UsageError(what, str(folder), UNFINISHED) from error
     servo = servo_settings(scenario, card)
     robot = load(
         scenario.robot,
@@ -149,11 +143,6 @@ def from_scenario(
         summary=done.summary,
         reference={k: v for k, v in trajectory(done.evaluation) if k in REFERENCE},
     )
-
-
-def _arrays(path: Path, names: Iterable[str]) -> dict[str, Array]:
-    with open_file(path) as file, np.load(file, allow_pickle=False) as arrays:
-        return {name: arrays[name] for name in names if name in arrays}
 
 
 def _model(path: Path) -> mujoco.MjModel:

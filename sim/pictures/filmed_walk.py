@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import zipfile
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,18 +10,16 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from models import Card, ModelError, read_card
-from planner import Array, open_file, read_file
-from sim.errors import UsageError
+from models import Card, read_card
+from planner import Array, open_file
+from sim.finished_run import arrays_of, nominal_poses, phases_of, reading
 from sim.motion.poses import rotate
 from sim.pictures.style import Colour
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
 
-NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 IDEAL = "ideal prediction"
 NOSE = "nose"  # geom on the front of the shipped robots
-FINISHED = "give the folder of a finished run"
 PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static prediction"}
 
 
@@ -96,47 +92,40 @@ def read_walk(folder: Path) -> FilmedWalk:
     Raises:
         UsageError: If it is not the folder of a finished run.
     """
-    if not (folder / "scenario.toml").is_file():
-        raise UsageError("no such run folder", str(folder), FINISHED)
-    try:
+    with reading(folder, "no film of an unfinished run"):
         return _read(folder)
-    except (OSError, KeyError, ValueError, ModelError, zipfile.BadZipFile) as error:
-        if isinstance(error, UsageError):
-            raise
-        reason = f"no film of an unfinished run, {error}"
-        raise UsageError(reason, str(folder), FINISHED) from error
 
 
 def _read(folder: Path) -> FilmedWalk:
+    open_file(folder / "model.xml").close()  # the processes that draw will need it
     scenario = load_scenario(str(folder / "scenario.toml"))
-    with (
-        open_file(folder / "model.xml"),  # the processes that draw will need it
-        open_file(folder / "trajectory.npz") as file,
-        np.load(file, allow_pickle=False) as arrays,
-    ):
-        start = arrays["world_start_pose"]
-        return FilmedWalk(
-            model=folder / "model.xml",
-            card=read_card(folder / "model.toml"),
-            scenario=scenario,
-            flows=_read_flows(folder / "flows.csv"),
-            time=arrays["time"],
-            phase=arrays["phase"],
-            qpos=arrays["qpos"],
-            achieved=_in_world(start, arrays["achieved_pose"]),
-            predicted={
-                name: _in_world(start, arrays[key])
-                for key, name in PREDICTIONS.items()
-                if key in arrays
-            },
-            contact=arrays["contact"],
-            contact_point=_points_in_world(start, arrays["contact_point"]),
-            center_of_mass=_points_in_world(start, arrays["center_of_mass"][:, :2]),
-            margin=arrays["achieved_margin"],
-            clearance=arrays.get("achieved_clearance"),
-            nominal=_in_world(start, _nominal(scenario)),
-            nose=_colour_of(folder / "model.xml", NOSE),
-        )
+    arrays = arrays_of(folder, "trajectory.npz")
+    start = arrays["world_start_pose"]
+    return FilmedWalk(
+        model=folder / "model.xml",
+        card=read_card(folder / "model.toml"),
+        scenario=scenario,
+        flows=tuple(
+            FlowRow(row["kind"], row["stratum"], row["group"], int(row["segment"]))
+            for row in phases_of(folder)
+        ),
+        time=arrays["time"],
+        phase=arrays["phase"],
+        qpos=arrays["qpos"],
+        achieved=_in_world(start, arrays["achieved_pose"]),
+        predicted={
+            name: _in_world(start, arrays[key])
+            for key, name in PREDICTIONS.items()
+            if key in arrays
+        },
+        contact=arrays["contact"],
+        contact_point=_points_in_world(start, arrays["contact_point"]),
+        center_of_mass=_points_in_world(start, arrays["center_of_mass"][:, :2]),
+        margin=arrays["achieved_margin"],
+        clearance=arrays.get("achieved_clearance"),
+        nominal=_in_world(start, nominal_poses(scenario.path)),
+        nose=_colour_of(folder / "model.xml", NOSE),
+    )
 
 
 def _colour_of(model: Path, name: str) -> Colour | None:
@@ -145,18 +134,6 @@ def _colour_of(model: Path, name: str) -> Colour | None:
     for red, green, blue, _ in (geom.rgba for geom in geoms if geom.name == name):
         return round(255 * red), round(255 * green), round(255 * blue)
     return None
-
-
-def _read_flows(path: Path) -> tuple[FlowRow, ...]:
-    rows = csv.DictReader(read_file(path).decode().splitlines())
-    return tuple(
-        FlowRow(row["kind"], row["stratum"], row["group"], int(row["segment"]))
-        for row in rows
-    )
-
-
-def _nominal(scenario: Scenario) -> Array:
-    return np.array([scenario.path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
 
 
 def _points_in_world(start: Array, points: Array) -> Array:

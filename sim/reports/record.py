@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,19 +12,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from models import Card, parse_toml, read_card
-from planner import Array, open_file, read_file
-from sim.errors import UsageError
+from planner import Array, read_file
+from sim.finished_run import arrays_of, nominal_poses, phases_of, reading
 from sim.motion.poses import wrap
 from sim.pictures.clock import clock
 from sim.scenarios import body_path, obstacles
 
-NOMINAL_POINTS = 400
 PREDICTIONS = {
     "ideal": "ideal",
     "quasi_static": "quasi-static",
     "identified": "identified",
 }
-FINISHED = "give the folder of a run that came to its end"
 
 
 class Phase(NamedTuple):
@@ -126,34 +121,22 @@ def read_run(folder: Path) -> Record:
     Raises:
         UsageError: If it is not the folder of a finished run.
     """
-    try:
+    with reading(folder, "not the folder of a finished run"):
         return _read(folder.resolve())
-    except UsageError:
-        raise
-    except (OSError, KeyError, ValueError, zipfile.BadZipFile) as error:
-        if not folder.is_dir():
-            raise UsageError("no such run folder", str(folder), FINISHED) from error
-        reason = f"not the folder of a finished run, {error}"
-        raise UsageError(reason, str(folder), FINISHED) from error
 
 
 def _read(folder: Path) -> Record:
     settings = parse_toml(read_file(folder / "scenario.toml").decode())
-    path = body_path.decode(settings["path"])
-    with (
-        open_file(folder / "trajectory.npz") as states,
-        np.load(states, allow_pickle=False) as file,
-    ):
-        arrays = {name: file[name] for name in file if name not in ("qpos", "qvel")}
+    arrays = arrays_of(folder, "trajectory.npz")
     return Record(
         folder=folder,
         summary=json.loads(read_file(folder / "summary.json")),
         settings=settings,
         card=read_card(folder / "model.toml"),
         card_text=read_file(folder / "model.toml").decode(),
-        phases=_phases(folder / "flows.csv"),
-        arrays=arrays,
-        nominal=np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)]),
+        phases=tuple(map(_phase, phases_of(folder))),
+        arrays={k: array for k, array in arrays.items() if k not in ("qpos", "qvel")},
+        nominal=nominal_poses(body_path.decode(settings["path"])),
         obstacles=tuple(
             piece.corners
             for obstacle in obstacles.decode(settings.get("obstacles", ()))
@@ -162,20 +145,16 @@ def _read(folder: Path) -> Record:
     )
 
 
-def _phases(path: Path) -> tuple[Phase, ...]:
-    with io.StringIO(read_file(path).decode(), newline="") as file:
-        return tuple(
-            Phase(
-                int(row["segment"]),
-                float(row["start"]),
-                float(row["end"]),
-                row["kind"],
-                row["stratum"],
-                row["field"],
-                float(row["amount"]),
-                row["group"],
-                float(row["slip"]),
-                row["as_planned"] == "1",
-            )
-            for row in csv.DictReader(file)
-        )
+def _phase(row: Mapping[str, str]) -> Phase:
+    return Phase(
+        int(row["segment"]),
+        float(row["start"]),
+        float(row["end"]),
+        row["kind"],
+        row["stratum"],
+        row["field"],
+        float(row["amount"]),
+        row["group"],
+        float(row["slip"]),
+        row["as_planned"] == "1",
+    )

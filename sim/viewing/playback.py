@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from planner import Array, open_file
-from sim.errors import UsageError
+from planner import Array
+from sim.finished_run import arrays_of, reading
 from sim.pictures.filmed_walk import FilmedWalk, read_walk
 
 
@@ -38,21 +37,12 @@ def read_recorded(folder: Path) -> RecordedWalk:
         UsageError: If it is not the folder of a finished run.
     """
     shown = read_walk(folder)
-    try:
-        with (
-            open_file(folder / "trajectory.npz") as one,
-            open_file(folder / "commands.npz") as other,
-            np.load(one, allow_pickle=False) as states,
-            np.load(other, allow_pickle=False) as commands,
-        ):
-            rows = np.searchsorted(commands["time"], states["time"] - 1e-9)
-            last = len(commands["time"]) - 1
-            ctrl = commands["ctrl"][np.minimum(rows, last)]
-            return RecordedWalk(shown, states["qvel"], ctrl)
-    except (OSError, KeyError, ValueError, IndexError, zipfile.BadZipFile) as error:
-        raise UsageError(
-            f"not to be played, {error}", str(folder), "give a finished run's folder"
-        ) from error
+    with reading(folder, "not to be played"):
+        states = arrays_of(folder, "trajectory.npz", ("time", "qvel"))
+        commands = arrays_of(folder, "commands.npz")
+        rows = np.searchsorted(commands["time"], states["time"] - 1e-9)
+        ctrl = commands["ctrl"][np.minimum(rows, len(commands["time"]) - 1)]
+        return RecordedWalk(shown, states["qvel"], ctrl)
 
 
 @dataclass

@@ -1,0 +1,70 @@
+"""The folder of a finished run, as everything that reads one finds it."""
+
+from __future__ import annotations
+
+import csv
+import zipfile
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from models import ModelError
+from planner import Array, open_file, read_file
+from sim.errors import UsageError
+from sim.scenarios.body_path import NominalPath
+
+REMEDY = "give the folder of a finished run"
+NOMINAL_POINTS = 400  # of the nominal path as it is drawn
+UNREADABLE = (
+    OSError, KeyError, ValueError, IndexError, EOFError, ModelError, zipfile.BadZipFile,
+)  # fmt: skip
+
+
+@contextmanager
+def reading(folder: Path, otherwise: str, remedy: str = REMEDY) -> Iterator[None]:
+    """Say of a folder that cannot be read that it is no finished run.
+
+    Args:
+        folder: Which one.
+        otherwise: What is said of it before the reason.
+        remedy: What to do.
+
+    Raises:
+        UsageError: If the block ends with an error of a file or what is in it.
+    """
+    if not (folder / "scenario.toml").is_file():
+        raise UsageError("no such run folder", str(folder), remedy)
+    try:
+        yield
+    except UsageError:
+        raise
+    except UNREADABLE as error:
+        reason = " ".join(str(error).split())
+        raise UsageError(f"{otherwise}, {reason}", str(folder), remedy) from error
+
+
+def arrays_of(
+    folder: Path, name: str, keys: Collection[str] | None = None
+) -> dict[str, Array]:
+    """Arrays of one of its files; those that are not there are left out.
+
+    Args:
+        folder: Of the run.
+        name: `trajectory.npz` or `commands.npz`.
+        keys: Names of the arrays; all if not given.
+    """
+    with open_file(folder / name) as file, np.load(file, allow_pickle=False) as arrays:
+        return {key: arrays[key] for key in arrays if keys is None or key in keys}
+
+
+def phases_of(folder: Path) -> list[dict[str, str]]:
+    """Lines of flows.csv, by the names of its columns."""
+    text = read_file(folder / "flows.csv").decode()
+    return list(csv.DictReader(text.splitlines()))
+
+
+def nominal_poses(path: NominalPath) -> Array:
+    """The nominal path as it is drawn, shape (N, 3)."""
+    return np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
