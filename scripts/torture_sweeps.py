@@ -88,7 +88,7 @@ SWEEPS = (
         says="2 of 2 points failed"),
     Row(25, "a point that crashes its worker",
         f"PYTHONPATH=$PWD:$PYTHONPATH {COMMAND}", 8,
-        "test_crew.py::test_a_point_that_kills_its_worker_harms_no_other",
+        "test_worker_pool.py::test_a_point_that_kills_its_worker_harms_no_other",
         both(file("mine.toml", sweep("[grid]\nfriction = [0.5, 0.666, 0.8]\n")),
              file("sitecustomize.py", DEADLY)), says="1 of 3 points failed"),
     Row(26, "a sweep that is killed",
@@ -119,7 +119,7 @@ SWEEPS = (
         f"{TESTS}test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on",
         MANY, says="go on with --resume"),
     Row(44, "a worker with another MuJoCo", f"{COMMAND} --scheduler $(sh cluster.sh)",
-        8, "test_crew.py::test_workers_with_another_mujoco_get_no_points",
+        8, "test_worker_pool.py::test_workers_with_another_mujoco_get_no_points",
         both(FRICTIONS, file("cluster.sh", CLUSTER)), says="4.0.9"),
 )  # fmt: skip
 

@@ -21,7 +21,7 @@ from sim.motion.poses import wrap
 from sim.optimisation.planned import Chosen, PlannedWalk
 from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
-from sim.planning.sharing import is_shareable, keeper, shared_plan, world_keeper
+from sim.planning.sharing import is_shareable, shared_plan, walk_cache, world_cache
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_distance, check_effort
 from sim.preparation.reach import explained, require_reach
@@ -141,7 +141,7 @@ def simulate(
     with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
         check_distance(setup)
         way = setup.robot, setup.equations, setup.nominal()
-        keeper(setup, shared)("reach", partial(require_reach, *way))
+        walk_cache(setup, shared)("reach", partial(require_reach, *way))
         setup = routed(setup)
         scenario = setup.scenario
         planned = PlannedWalk(within_bounds(setup), progress)
@@ -152,8 +152,8 @@ def simulate(
             prepared = _prepared(scenario, planned, aside, shared)
         if witness is not None and attempt == 0:
             witness.prepared(prepared)
-        keep = keeper(prepared.setup, shared)
-        walker = Walker(prepared.setup, progress, keep)
+        cache = walk_cache(prepared.setup, shared)
+        walker = Walker(prepared.setup, progress, cache)
         last = attempt == scenario.correct - 1
         finished = False
         try:
@@ -182,8 +182,8 @@ def _prepared(
         chosen = None if scenario.replan else _chosen(setup, planned, aside, shared)
     plan, fallback = (chosen.plan, chosen.fallback) if chosen else (None, None)
     if plan is not None and not scenario.allow_unstable:
-        keep = keeper(setup, shared)
-        keep("sound", partial(require_sound, setup, plan))
+        cache = walk_cache(setup, shared)
+        cache("sound", partial(require_sound, setup, plan))
     steps = expected_steps(setup, plan)
     check_effort(setup, steps)
     return Prepared(scenario, setup, plan, steps, fallback)
@@ -198,8 +198,8 @@ def _chosen(
 
 
 def _creep(setup: Setup, duration: float, shared: Shared | None) -> float:
-    keep = world_keeper(setup, shared)
-    return keep(f"creep in {duration} s", lambda: creep_floor(setup, duration))
+    cache = world_cache(setup, shared)
+    return cache(f"creep in {duration} s", lambda: creep_floor(setup, duration))
 
 
 def _further(aside: Aside, scenario: Scenario, reached: Array) -> Aside:

@@ -2,7 +2,7 @@
 
 A loaded tripod swings the body along a circle, tripod 1 to the left and tripod 2 to the
 right, forward and back. Legs in the air may swing at no cost, so that a plan is a
-sequence of sweeps under load whose cost is the angle swept.
+sequence of strokes under load whose cost is the angle swept.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from planner import Array
 
 Pose = tuple[float, float, float]  # x, y, yaw [rad]
-Sweep = tuple[int, float]  # 1 for tripod 1, -1 for tripod 2; angle [rad]
+Stroke = tuple[int, float]  # 1 for tripod 1, -1 for tripod 2; angle [rad]
 START: Pose = (0.0, 0.0, 0.0)
 
 
@@ -34,12 +34,12 @@ class Arcs:
         return self.stride / self.yaw_gain
 
     def after(self, pose: Any, side: int, swing: Any, functions: Any = np) -> list[Any]:
-        """The pose after a sweep, in numbers or in symbols.
+        """The pose after a stroke, in numbers or in symbols.
 
         Args:
             pose: x, y, yaw [rad].
             side: 1 for tripod 1, -1 for tripod 2.
-            swing: Angle to sweep [rad].
+            swing: Angle of the stroke [rad].
             functions: Module that has `sin` and `cos` for the pose.
         """
         x, y, yaw = pose[0], pose[1], pose[2]
@@ -58,7 +58,7 @@ class Task:
 
     Attributes:
         name: What the task is called.
-        arcs: How sweeps move the body.
+        arcs: How strokes move the body.
         goal: Pose to reach, in the unit of the arcs and radians.
     """
 
@@ -66,28 +66,28 @@ class Task:
     arcs: Arcs
     goal: Pose
 
-    def poses(self, sweeps: Sequence[Sweep]) -> Array:
-        """The start and the pose after each sweep, shape (1 + sweeps, 3)."""
+    def poses(self, strokes: Sequence[Stroke]) -> Array:
+        """The start and the pose after each stroke, shape (1 + strokes, 3)."""
         poses = [list(START)]
-        for side, swing in sweeps:
+        for side, swing in strokes:
             poses.append(self.arcs.after(poses[-1], side, swing))
         return np.array(poses)
 
-    def error(self, sweeps: Sequence[Sweep]) -> float:
+    def error(self, strokes: Sequence[Stroke]) -> float:
         """Distance from the goal at the end, yaw counted at the circles' radius."""
-        x, y, yaw = self.poses(sweeps)[-1] - self.goal
+        x, y, yaw = self.poses(strokes)[-1] - self.goal
         return math.hypot(x, y, self.arcs.radius * math.remainder(yaw, math.tau))
 
 
-def travel(sweeps: Sequence[Sweep]) -> float:
+def travel(strokes: Sequence[Stroke]) -> float:
     """Swing travel under load [rad]."""
-    return sum(abs(swing) for _, swing in sweeps)
+    return sum(abs(swing) for _, swing in strokes)
 
 
-def joined(sweeps: Sequence[Sweep]) -> list[Sweep]:
-    """Successive sweeps of one tripod joined; those that cancel disappear."""
-    together: list[Sweep] = []
-    for side, swing in sweeps:
+def joined(strokes: Sequence[Stroke]) -> list[Stroke]:
+    """Successive strokes of one tripod joined; those that cancel disappear."""
+    together: list[Stroke] = []
+    for side, swing in strokes:
         if together and together[-1][0] == side:
             swing += together.pop()[1]
         if swing:

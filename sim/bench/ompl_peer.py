@@ -1,9 +1,9 @@
-"""OMPL as a peer: kinematic planners that sample sweeps, and a closed form.
+"""OMPL as a peer: kinematic planners that sample strokes, and a closed form.
 
 The propagator is the stratified kinematics, called from C++ in Python, so these
 planners see far fewer samples in a second than they would natively. The closed form of
 Reeds and Shepp may also go straight, which both tripods approach by ever smaller
-sweeps: no plan has less swing travel. This needs the extra `peers`.
+strokes: no plan has less swing travel. This needs the extra `peers`.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from typing import Any
 
 from ompl import base, control, util
 
-from sim.bench.arcs import START, Pose, Sweep, Task
+from sim.bench.arcs import START, Pose, Stroke, Task
 
 PLANNERS = ("RRT", "EST", "KPIECE1")
 PATIENCE = 3.0  # [s] given to each
 NEAR = 0.1  # of the way, where they are content
-STEP = 0.05  # of the way, of which sweeps are multiples
-LONGEST = 40  # steps of a sweep
+STEP = 0.05  # of the way, of which strokes are multiples
+LONGEST = 40  # steps of a stroke
 SEED = 1  # time still decides how far they get
 ROOM = 3.0  # radii around start and goal
 
@@ -32,8 +32,8 @@ def reeds_shepp(task: Task) -> float:
     return float(length / task.arcs.stride)
 
 
-def sampled(task: Task, planner: str) -> list[Sweep]:
-    """Sweeps of the path that a planner finds in time, near the goal or not.
+def sampled(task: Task, planner: str) -> list[Stroke]:
+    """Strokes of the path that a planner finds in time, near the goal or not.
 
     Args:
         task: What to reach.
@@ -48,7 +48,7 @@ def sampled(task: Task, planner: str) -> list[Sweep]:
 
     def propagate(state: Any, chosen: Any, duration: float, result: Any) -> None:
         pose = (state.getX(), state.getY(), state.getYaw())
-        side, swing = _sweep(chosen, duration)
+        side, swing = _stroke(chosen, duration)
         _place(result, task.arcs.after(pose, side, swing, math))
 
     setup.setStatePropagator(propagate)
@@ -62,11 +62,11 @@ def sampled(task: Task, planner: str) -> list[Sweep]:
     setup.solve(PATIENCE)
     path = setup.getSolutionPath()
     runs = zip(path.getControls(), path.getControlDurations(), strict=True)
-    return [_sweep(chosen, duration) for chosen, duration in runs]
+    return [_stroke(chosen, duration) for chosen, duration in runs]
 
 
 def _choices(space: Any) -> Any:
-    """Controls in [-2, 2]: the sign is the sense of a sweep, the size its tripod."""
+    """Controls in [-2, 2]: the sign is the sense of a stroke, the size its tripod."""
     choices = control.RealVectorControlSpace(space, 1)
     bounds = base.RealVectorBounds(1)
     bounds.setLow(-2.0)
@@ -75,7 +75,7 @@ def _choices(space: Any) -> Any:
     return choices
 
 
-def _sweep(chosen: Any, duration: float) -> Sweep:
+def _stroke(chosen: Any, duration: float) -> Stroke:
     return (1 if abs(chosen[0]) < 1 else -1, math.copysign(duration, chosen[0]))
 
 

@@ -2,7 +2,7 @@
 
 The stratified planner knows the two tripods as vector fields only; plans that are to
 meet the goal are aimed. Joint ranges are left out: swings in the air cost nothing here,
-so that a long sweep can be divided as the range requires. Compilation is not timed on
+so that a long stroke can be divided as the range requires. Compilation is not timed on
 either side.
 """
 
@@ -28,10 +28,10 @@ from planner import (
     line,
     plan,
 )
-from sim.bench.arcs import Arcs, Sweep, Task, joined, travel
+from sim.bench.arcs import Arcs, Stroke, Task, joined, travel
 from sim.bench.row import REPEATS, timed
 
-SIDES = {"g1_1": 1, "g2_2": -1}  # fields that sweep a tripod under load
+SIDES = {"g1_1": 1, "g2_2": -1}  # fields of the strokes of each tripod
 ELEMENTS = (*SIDES, "g1_2", "g2_1", "[g1_1,g2_2]")
 GOAL = (0.15, 0.15, 0.0)  # x [m], y [m], yaw [rad], of the scenario `line`
 SEGMENTS = 40  # likewise
@@ -47,7 +47,7 @@ class Peer:
         seconds: Wall time.
         end_error: Distance from the goal, in the task's unit.
         swing_travel: Of loaded tripods [rad].
-        sweeps: Number of sweeps, between which the feet change; None if infinite.
+        strokes: Number of strokes, between which the feet change; None if infinite.
         over_optimum: Swing travel over that of the optimum; None if it is not known.
     """
 
@@ -56,16 +56,16 @@ class Peer:
     seconds: float
     end_error: float
     swing_travel: float
-    sweeps: int | None
+    strokes: int | None
     over_optimum: float | None
 
     def __str__(self) -> str:
-        sweeps = "-" if self.sweeps is None else self.sweeps
+        strokes = "-" if self.strokes is None else self.strokes
         ratio = "-" if self.over_optimum is None else f"{self.over_optimum:.4f}"
         return (
             f"{self.task:22}{self.planner:40}{1e3 * self.seconds:9.2f} ms, "
-            f"{self.end_error:7.1e} off, {self.swing_travel:7.3f} rad in {sweeps:>3} "
-            f"sweeps, {ratio:>6} of the optimum"
+            f"{self.end_error:7.1e} off, {self.swing_travel:7.3f} rad in {strokes:>3} "
+            f"strokes, {ratio:>6} of the optimum"
         )
 
 
@@ -86,12 +86,12 @@ class Solver:
 
     Attributes:
         name: What to call it.
-        solve: Gives its sweeps.
+        solve: Gives its strokes.
         repeats: How often to time it; the median counts.
     """
 
     name: str
-    solve: Callable[[], list[Sweep]]
+    solve: Callable[[], list[Stroke]]
     repeats: int = REPEATS
 
 
@@ -157,7 +157,7 @@ def ours(task: Task, extended: ExtendedSystem, segments: int) -> Iterator[Solver
 
 def _planner(name: str, planned: Callable[[int], Plan], segments: int) -> Solver:
     name = f"{name}, {segments} segment{'s' * (segments > 1)}"
-    return Solver(name, lambda: _sweeps(planned(segments)))
+    return Solver(name, lambda: _strokes(planned(segments)))
 
 
 def _fewest(planned: Callable[[int], Plan]) -> int:
@@ -169,7 +169,7 @@ def _fewest(planned: Callable[[int], Plan]) -> int:
     return SEGMENTS
 
 
-def _sweeps(planned: Plan) -> list[Sweep]:
+def _strokes(planned: Plan) -> list[Stroke]:
     flows = (flow for flow in planned.flows if flow.field in SIDES)
     return joined([(SIDES[flow.field], flow.duration) for flow in flows])
 
@@ -202,14 +202,14 @@ def _bound(task: Task, optimum: float | None) -> Peer:
 
 
 def _measured(task: Task, solver: Solver, optimum: float | None) -> Peer:
-    sweeps, took = timed(solver.solve, solver.repeats)
-    swept = travel(sweeps)
+    strokes, took = timed(solver.solve, solver.repeats)
+    swept = travel(strokes)
     return Peer(
         task=task.name,
         planner=solver.name,
         seconds=took,
-        end_error=task.error(sweeps),
+        end_error=task.error(strokes),
         swing_travel=swept,
-        sweeps=len(sweeps),
+        strokes=len(strokes),
         over_optimum=swept / optimum if optimum else None,
     )

@@ -22,7 +22,7 @@ from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_open_loop
-from sim.preparation.laying import lay
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup, prepare
 from sim.scenarios.file import load_scenario
 
@@ -40,7 +40,7 @@ def measure() -> Iterator[Row]:
 def simulation(setup: Setup) -> Iterator[Row]:
     """The simulate stage against a bare Python loop over the same commands."""
     scheduler = Scheduler(setup.limits, setup.at_rest)
-    lay(setup, scheduler, plan_open_loop(setup).segments())
+    schedule_flows(setup, scheduler, plan_open_loop(setup).segments())
     ctrl = np.concatenate(list(setup.commands(scheduler.finish(), STEPS)))
 
     def staged() -> None:

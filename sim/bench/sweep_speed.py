@@ -22,10 +22,10 @@ from sim.preparation.shared import Shared
 from sim.scenarios.file import load_scenario, to_table
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
-from sim.sweeps.crew import Task, hired
 from sim.sweeps.folder import Shard, SweepFolder
 from sim.sweeps.ledger import OK, Outcome
 from sim.sweeps.worker import carry_out, numbers
+from sim.sweeps.worker_pool import Task, open_pool
 
 FRICTIONS = (0.5, 0.8)
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
@@ -101,12 +101,12 @@ def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
         tables = [to_table(point) for point in points]
         return [Task(str(t["friction"]), t, WITHOUT) for t in tables]
 
-    with hired(count, None) as crew:
-        list(crew.carry_out(tasks(0.5, 2 * count)))
-        ours = seconds(lambda: list(crew.carry_out(tasks(0.7, TASKS))))
+    with open_pool(count, None) as pool:
+        list(pool.carry_out(tasks(0.5, 2 * count)))
+        ours = seconds(lambda: list(pool.carry_out(tasks(0.7, TASKS))))
         share = [TASKS // count] * count
-        bare = crew.client.map(stand, share, pure=False)
-        return ours, max(crew.client.gather(bare))
+        bare = pool.client.map(stand, share, pure=False)
+        return ours, max(pool.client.gather(bare))
 
 
 def stand(times: int) -> float:
@@ -141,7 +141,7 @@ def keep_books(folder: str) -> None:
         folder: Where they go.
     """
     from sim.sweeps.file import Sweep
-    from sim.sweeps.sweeping import Labour, carry_on, points_of
+    from sim.sweeps.sweeping import Workforce, carry_on, points_of
 
     scenario = load_scenario("line", TINY)
     summary = simulate(scenario, without=WITHOUT).summary
@@ -154,7 +154,7 @@ def keep_books(folder: str) -> None:
     with home.ledger.open("w") as ledger:
         for code in points.digests.values():
             ledger.write(json.dumps(asdict(Outcome(code, OK, given))) + "\n")
-    carry_on(points, home, Labour())
+    carry_on(points, home, Workforce())
     _print_peak()
 
 

@@ -76,15 +76,15 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.sweeps.folder import Shard, claim
     from sim.sweeps.kept import walk_kept
     from sim.sweeps.progress import sweep_bar
-    from sim.sweeps.sweeping import Labour, carry_on, points_of
+    from sim.sweeps.sweeping import Workforce, carry_on, points_of
 
     sweep = read_sweep(options.file)
     shard = options.shard or Shard()
-    labour = Labour(_workers(options), options.scheduler)
+    workforce = Workforce(_workers(options), options.scheduler)
     points = points_of(sweep, shard)
     folder = claim(Path(options.out), shard, options.resume)
     with sweep_bar(quiet=options.json) as show:
-        result = carry_on(points, folder, labour, mix=options.force_mix, show=show)
+        result = carry_on(points, folder, workforce, mix=options.force_mix, show=show)
     for line in walk_kept(points, folder):
         print(f"stratawalk: warning: not kept, {line}", file=sys.stderr)
     print_result(result, folder.table, options.json)

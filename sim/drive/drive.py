@@ -12,8 +12,8 @@ from math import ceil
 import numpy as np
 
 from planner import Array
-from sim.drive.footing import Footing
 from sim.drive.lead import Lead
+from sim.drive.lift_counts import LiftCounts
 from sim.drive.rehearsal import carried_torque, leg_actuators
 from sim.errors import SimulationError, UsageError
 from sim.motion.command_clock import command_at, step_of
@@ -37,7 +37,7 @@ class Drive:
         self._held: Array | None = None
         self._late: Array | None = None  # commands on their way to the servos
         self._lifts = _lift_places(setup)
-        self._footing = Footing(setup.as_planned, self.leads)
+        self._lift_counts = LiftCounts(setup.as_planned, self.leads)
 
     @property
     def plain(self) -> bool:
@@ -171,7 +171,7 @@ class Drive:
             told[:, joints] += lead.at(rows)[:, joints] / self._stiffness + lag
         if resolution := self._servo.resolution:
             counts = np.round(told[:, joints] / resolution)
-            counts[:, self._lifts] = self._footing.counts(lift, lag[:, self._lifts])
+            counts[:, self._lifts] = self._lift_counts.at(lift, lag[:, self._lifts])
             told[:, joints] = counts * resolution
         told[:, joints] += self._offset
         return told

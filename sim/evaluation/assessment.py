@@ -31,7 +31,7 @@ from sim.experiments.predictions import MODELS, follows_commands, twist_model
 from sim.motion.poses import wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK
-from sim.planning.sharing import Keep, anew, keeper, world_keeper
+from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
 from sim.versions import versions
@@ -86,10 +86,10 @@ def evaluate(
     """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
-    keep = keeper(walk.setup, shared)
-    keeps: dict[str, Keep] = {"achieved": anew}
-    measured = world_keeper(walk.setup, shared)
-    given = keep(
+    cache = walk_cache(walk.setup, shared)
+    caches: dict[str, Cache] = {"achieved": no_cache}
+    measured = world_cache(walk.setup, shared)
+    given = cache(
         "commanded", lambda: [list(_commanded(walk, s)) for s in walk.stretches]
     )
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
@@ -99,16 +99,16 @@ def evaluate(
             continue
         try:
             alike = follows_commands(walk.setup, name, strata)
-            keeps[name] = keep if alike else anew
+            caches[name] = cache if alike else no_cache
             twists = partial(measured, name, partial(twist_model, walk.setup, name))
             follow = partial(_predicted, walk, twists, given)
             with stage(progress, f"following {name.replace('_', '-')}"):
-                predicted[name] = keeps[name](name, follow)
+                predicted[name] = caches[name](name, follow)
         except MeasurementError as error:
             unpredicted[name] = str(error)
     achieved = achieved_motion(walk)
     poses = {name: found.pose for name, found in predicted.items()}
-    deviation = _deviation(walk, keeps, {**poses, "achieved": achieved.pose})
+    deviation = _deviation(walk, caches, {**poses, "achieved": achieved.pose})
     return Evaluation(
         walk,
         achieved,
@@ -121,12 +121,12 @@ def evaluate(
 
 
 def _deviation(
-    walk: Walk, keeps: Mapping[str, Keep], poses: Mapping[str, Array]
+    walk: Walk, caches: Mapping[str, Cache], poses: Mapping[str, Array]
 ) -> Mapping[str, Any]:
     """How far the walk and its predictions stray from the nominal path."""
     curve, count = walk.setup.scenario.path.curve, judged(walk)
     strayed = {
-        name: partial(keeps[name], f"strays {name}", partial(strays, curve, some))
+        name: partial(caches[name], f"strays {name}", partial(strays, curve, some))
         for name, some in ((name, pose[count]) for name, pose in poses.items())
     }
     return deviations(walk.setup.scenario, strayed)

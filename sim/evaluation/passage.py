@@ -26,10 +26,10 @@ def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Arr
         return {}
     around = surroundings(walk.setup)
     angles = commanded(walk)
-    found = {"achieved": around.sweep(walk.recording.moments.qpos).least}
+    found = {"achieved": around.clearances(walk.recording.moments.qpos).least}
     for name, prediction in predicted.items():
         qpos = around.outline.configurations(prediction.pose, *angles)
-        found[name] = around.sweep(qpos).least
+        found[name] = around.clearances(qpos).least
     return found
 
 

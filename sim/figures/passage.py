@@ -42,9 +42,9 @@ class Passage:
             pose: Shape (T, 3), lengths in pivots' distances.
             phi: Angles of the paper's legs, shape (T, 2).
         """
-        sweep = self.around.sweep(self.qpos(pose, phi))
-        least = sweep.least / PIVOT
-        bound = np.concatenate([least[:1], sweep.bound / PIVOT])
+        found = self.around.clearances(self.qpos(pose, phi))
+        least = found.least / PIVOT
+        bound = np.concatenate([least[:1], found.bound / PIVOT])
         return least, np.minimum(least, bound)
 
     def through(self, cuts: Array, samples: int = SAMPLES) -> PaperWalk:

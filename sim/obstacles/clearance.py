@@ -24,7 +24,7 @@ ARC = 1.01  # largest ratio of the distance moved to the chord between samples
 
 
 @dataclass(frozen=True)
-class Sweep:
+class Clearances:
     """An outline at consecutive samples of a motion."""
 
     clearance: Array  # of each part, shape (T, P) [m]; negative where it overlaps
@@ -67,7 +67,7 @@ class Surroundings:
         angles = np.zeros((len(pose), len(raised)))
         return self.outline.configurations(pose, angles, angles + raised)
 
-    def sweep(self, qpos: Array) -> Sweep:
+    def clearances(self, qpos: Array) -> Clearances:
         """Clearances along a motion.
 
         Args:
@@ -83,7 +83,7 @@ class Surroundings:
             np.linalg.norm(np.diff(core, axis=0), axis=-1).max(axis=-1)
             for core in cores
         ]
-        return Sweep(np.stack(clearance, axis=-1), np.max(moved, axis=0))
+        return Clearances(np.stack(clearance, axis=-1), np.max(moved, axis=0))
 
     def nearest(self, qpos: Array) -> tuple[str, int]:
         """The part and the obstacle, counted from 1, that are closest to each other.

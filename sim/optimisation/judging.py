@@ -19,7 +19,7 @@ from sim.obstacles.clearance import surroundings
 from sim.planning.clearance_bound import ClearanceBound
 from sim.planning.forecast import ForeseenStretch
 from sim.planning.soundness import require_sound
-from sim.preparation.laying import lay
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
 
 
@@ -126,7 +126,7 @@ class Judge:
     def schedule(self, segments: Sequence[Sequence[Flow]]) -> Schedule:
         """The commands of flows, without holds."""
         scheduler = Scheduler(self.setup.limits, self.setup.at_rest)
-        lay(self.setup, scheduler, segments)
+        schedule_flows(self.setup, scheduler, segments)
         return scheduler.finish()
 
     def _predictor(self, schedule: Schedule) -> Predictor:

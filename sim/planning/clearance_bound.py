@@ -45,7 +45,7 @@ class ClearanceBound:
         least = np.full(len(poses), np.inf)
         for stratum, raised in setup.raised.items():
             qpos = self.surroundings.postures(poses, raised)
-            clearance = self.surroundings.sweep(qpos).least
+            clearance = self.surroundings.clearances(qpos).least
             worst = int(clearance.argmin())
             if clearance[worst] <= self.least:
                 raise self._refusal(
@@ -77,13 +77,13 @@ class ClearanceBound:
 
         Exact where it is below `least`; intervals are halved until that is decided.
         """
-        sweep = self.surroundings.sweep(
+        found = self.surroundings.clearances(
             self.surroundings.outline.configurations(
                 *stage.configurations(pairs.ravel())
             )
         )
-        seen = sweep.least.reshape(-1, 2).min(axis=1)
-        bound = np.minimum(seen, sweep.bound[::2])
+        seen = found.least.reshape(-1, 2).min(axis=1)
+        bound = np.minimum(seen, found.bound[::2])
         far = np.diff(pairs)[:, 0] > 1
         open_ = far & (bound < self.least) & (seen >= self.least)
         if open_.any():

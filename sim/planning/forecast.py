@@ -20,7 +20,7 @@ from sim.motion.prediction import Predictor
 from sim.motion.sampling import inspections
 from sim.motion.schedule import Schedule, Scheduler
 from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
-from sim.preparation.laying import lay
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
 
 
@@ -72,7 +72,7 @@ def foresee(setup: Setup) -> list[ForeseenStretch]:
 
 def _open_loop(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
     scheduler = Scheduler(setup.limits, setup.at_rest)
-    lay(setup, scheduler, plan_open_loop(setup).segments())
+    schedule_flows(setup, scheduler, plan_open_loop(setup).segments())
     schedule = scheduler.finish()
     if schedule.phases:
         yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
@@ -84,7 +84,7 @@ def _replanned(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
         tick()
         step = plan_segment(setup, segment, pose, shape.swing)
         scheduler = Scheduler(setup.limits, shape, segment=segment)
-        lay(setup, scheduler, step.plan.segments())
+        schedule_flows(setup, scheduler, step.plan.segments())
         schedule = scheduler.finish()
         predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
         shape = schedule.end

@@ -74,7 +74,7 @@ def _require_room(
 ) -> None:
     """Refuse a start or goal where the robot cannot stand or raise its legs."""
     qpos = np.concatenate([around.postures(np.array([pose]), up) for up in postures])
-    clearances = around.sweep(qpos).least
+    clearances = around.clearances(qpos).least
     worst = int(clearances.argmin())
     clearance = float(clearances[worst])
     if clearance > least:

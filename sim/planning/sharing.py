@@ -14,7 +14,7 @@ T = TypeVar("T")
 FEW = 2  # walks whose arrays are kept, a number for every step or moment
 
 
-class Keep(Protocol):
+class Cache(Protocol):
     """Gives a thing that was made before, or makes it."""
 
     def __call__(self, kind: str, make: Callable[[], T]) -> T:
@@ -31,7 +31,7 @@ def is_shareable(setup: Setup) -> bool:
     return plain and free and once and not setup.servo.resolution
 
 
-def anew(kind: str, make: Callable[[], T]) -> T:
+def no_cache(kind: str, make: Callable[[], T]) -> T:
     """Make a thing and keep nothing.
 
     Args:
@@ -41,7 +41,7 @@ def anew(kind: str, make: Callable[[], T]) -> T:
     return make()
 
 
-def keeper(setup: Setup, shared: Shared | None) -> Keep:
+def walk_cache(setup: Setup, shared: Shared | None) -> Cache:
     """Keeps what follows from a walk's commands alone, whatever the physics made of it.
 
     Args:
@@ -50,13 +50,13 @@ def keeper(setup: Setup, shared: Shared | None) -> Keep:
     """
     scenario = setup.scenario
     if shared is None or scenario.replan or not is_shareable(setup):
-        return anew
+        return no_cache
     plan = everything_but(scenario, OF_THE_PHYSICS)
     key = (plan, setup.limits, scenario.sample_every)
     return lambda kind, make: shared.kept(kind, key, make, FEW)
 
 
-def world_keeper(setup: Setup, shared: Shared | None) -> Keep:
+def world_cache(setup: Setup, shared: Shared | None) -> Cache:
     """Keeps what is measured in a world, whatever is walked in it.
 
     Args:
@@ -65,7 +65,7 @@ def world_keeper(setup: Setup, shared: Shared | None) -> Keep:
     """
     scenario = setup.scenario
     if shared is None or scenario.bumps:  # which lie along the way
-        return anew
+        return no_cache
     key = everything_but(scenario, OF_THE_WAY)
     return lambda kind, make: shared.kept(kind, key, make)
 

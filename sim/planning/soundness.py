@@ -16,7 +16,7 @@ from sim.errors import SimulationError
 from sim.motion.sampling import inspections
 from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.motion.stability import stability_margin
-from sim.preparation.laying import lay
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
 
 TIPPING = -1e-6  # [m], of a margin that is less than rounding
@@ -46,7 +46,7 @@ def require_sound_flows(
     if setup.scenario.allow_unstable:
         return
     scheduler = Scheduler(setup.limits, begin)
-    lay(setup, scheduler, segments)
+    schedule_flows(setup, scheduler, segments)
     schedule = scheduler.finish()
     if schedule.phases:
         rows = inspections(schedule) - 1 - schedule.start

@@ -19,9 +19,9 @@ from sim.world.model import World, build, load as load_world
 
 T = TypeVar("T")
 
-UNSEEN = ("name", "description", "plan_time", "sample_every", "playback")
+WITHOUT_EFFECT = ("name", "description", "plan_time", "sample_every", "playback")
 OF_THE_WAY = (
-    *UNSEEN, "stance", "words", "segments", "replan", "steer", "optimise",
+    *WITHOUT_EFFECT, "stance", "words", "segments", "replan", "steer", "optimise",
     "path_tolerance", "yaw_tolerance", "together", "correct", "path", "min_margin",
     "min_clearance", "allow_unstable", "seed",
 )  # fmt: skip
@@ -33,7 +33,7 @@ OF_THE_WORLD = (
     "swing_acceleration", "lift_height", "hold",
 )  # fmt: skip
 """Settings that a robot's equations do not depend on."""
-OF_THE_PHYSICS = (*UNSEEN, *OF_THE_WORLD, "allow_unstable", "seed")
+OF_THE_PHYSICS = (*WITHOUT_EFFECT, *OF_THE_WORLD, "allow_unstable", "seed")
 """Settings that a stratified plan on the ideal fields does not depend on."""
 MOST = 32  # things kept of a kind
 

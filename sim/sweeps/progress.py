@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from sim.progress import bar, may_draw
-from sim.sweeps.sweeping import Show, unseen
+from sim.sweeps.sweeping import Show, show_nothing
 
 
 @dataclass
@@ -51,7 +51,7 @@ def sweep_bar(quiet: bool = False) -> Iterator[Show]:
         quiet: Show nothing at all.
     """
     if quiet:
-        yield unseen
+        yield show_nothing
         return
     if not may_draw():
         with bar() as lines:

@@ -15,17 +15,17 @@ from sim.errors import UsageError
 from sim.preparation.shared import OF_THE_PHYSICS, everything_but
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
-from sim.sweeps.crew import Task, hired
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import Shard, SweepFolder, about, agree
 from sim.sweeps.identity import digest
 from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
 from sim.sweeps.lock import sole_owner
 from sim.sweeps.table import write_table
+from sim.sweeps.worker_pool import Task, open_pool
 
 
 @dataclass(frozen=True, slots=True)
-class Labour:
+class Workforce:
     """Who walks the points.
 
     Attributes:
@@ -62,7 +62,7 @@ class Show(Protocol):
         ...
 
 
-def unseen(done: int, failed: int, points: int) -> None:
+def show_nothing(done: int, failed: int, points: int) -> None:
     """Show nothing."""
 
 
@@ -131,17 +131,17 @@ def _plans(scenarios: Mapping[int, Scenario]) -> dict[int, int]:
 def carry_on(
     points: Points,
     folder: SweepFolder,
-    labour: Labour,
+    workforce: Workforce,
     *,
     mix: bool = False,
-    show: Show = unseen,
+    show: Show = show_nothing,
 ) -> Result:
     """Walk what is not done yet of a sweep, and write its table.
 
     Args:
         points: Those of the folder's shard.
         folder: Its folder.
-        labour: Who walks.
+        workforce: Who walks.
         mix: Whether the table may hold points of different sweeps and versions.
         show: Called with the number of points that are done.
 
@@ -156,22 +156,22 @@ def carry_on(
         known = read_ledger(folder.ledger)
         tasks = points.tasks(known)
         if tasks:
-            tally = Tally(points.digests, known, show)
-            with opened(folder.ledger) as ledger, tally.told():
-                for outcome in _outcomes(tasks, labour):
+            counter = PointCounter(points.digests, known, show)
+            with opened(folder.ledger) as ledger, counter.told():
+                for outcome in _outcomes(tasks, workforce):
                     ledger.add([outcome])
                     known[outcome.digest] = outcome
-                    tally.add(outcome)
+                    counter.add(outcome)
         write_table(folder.table, list(points.rows(known)), told)
     return result(points.digests, known, len(tasks))
 
 
-def _outcomes(tasks: Sequence[Task], labour: Labour) -> Iterator[Outcome]:
-    with hired(min(labour.workers, len(tasks)), labour.scheduler) as crew:
-        yield from crew.carry_out(tasks)
+def _outcomes(tasks: Sequence[Task], workforce: Workforce) -> Iterator[Outcome]:
+    with open_pool(min(workforce.workers, len(tasks)), workforce.scheduler) as pool:
+        yield from pool.carry_out(tasks)
 
 
-class Tally:
+class PointCounter:
     """Counts the points that are done."""
 
     def __init__(

@@ -23,10 +23,10 @@ from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_segment
-from sim.planning.sharing import Keep, anew
+from sim.planning.sharing import Cache, no_cache
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
-from sim.preparation.laying import lay
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.walking.finished import Stretch, Walk, laid_commands
@@ -40,14 +40,14 @@ class Walker:
     Args:
         setup: What to walk.
         progress: Told how far the walk is.
-        keep: Keeps commands for walks that have the same.
+        cache: Keeps commands for walks that have the same.
     """
 
     def __init__(
-        self, setup: Setup, progress: Progress = silent, keep: Keep = anew
+        self, setup: Setup, progress: Progress = silent, cache: Cache = no_cache
     ) -> None:
         self.setup = setup
-        self._keep = keep
+        self._cache = cache
         engine = Engine(setup.model)
         sensors = Sensors(setup.model, setup.robot)
         self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
@@ -106,7 +106,7 @@ class Walker:
         count, last = self.setup.scenario.segments, first + len(segments)
         scheduler = self._scheduler()
         scheduler.segment = first
-        lay(self.setup, scheduler, segments)
+        schedule_flows(self.setup, scheduler, segments)
         if last == count:
             scheduler.hold(self.setup.limits.hold)
         self._play(scheduler.finish(), share=(first / count, last / count))
@@ -145,9 +145,9 @@ class Walker:
     def _commands(self, schedule: Schedule, lead: Lead | None) -> Iterable[Array]:
         """Commands of a stretch, which walks with the same schedule have in common."""
         pieces = self._drive.commands(schedule, lead)
-        if self._keep is anew or not self._drive.plain:
+        if self._cache is no_cache or not self._drive.plain:
             return pieces
-        return self._keep(f"commands from step {schedule.start}", lambda: list(pieces))
+        return self._cache(f"commands from step {schedule.start}", lambda: list(pieces))
 
     def _rehearsed(self, schedule: Schedule) -> Lead | None:
         """Torques to lead by, once they are known to be within what servos have."""
@@ -211,6 +211,6 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
         swing = setup.at_rest.swing
         planned = plan_segment(setup, 0, np.zeros(3), swing).plan
     scheduler = Scheduler(setup.limits, setup.at_rest)
-    lay(setup, scheduler, planned.segments())
+    schedule_flows(setup, scheduler, planned.segments())
     holds = 2 * round(setup.limits.hold / setup.limits.timestep)
     return holds + scheduler.finish().stop * setup.scenario.segments // segments

@@ -19,7 +19,9 @@ from tests.sweeps import write_sweep
 
 VARIES = "[grid]\nfriction = [0.5, 1.0]\n"
 LONG = ("design", "friction-speed")  # half a minute and more
-ELSEWHERE = ("--scheduler",)  # with a real cluster, in tests/sim/sweeps/test_crew.py
+ELSEWHERE = (
+    "--scheduler",
+)  # with a real cluster, in tests/sim/sweeps/test_worker_pool.py
 
 
 def lines():

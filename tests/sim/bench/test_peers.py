@@ -15,7 +15,7 @@ ROUNDING = 1e-12  # a flow is followed to the last digits
 
 
 def solved(name):
-    """What the planner sweeps in each of its ways."""
+    """The strokes of the planner in each of its ways."""
     return [solver.solve() for solver in ours(*TASKS[name])]
 
 
@@ -43,7 +43,7 @@ def test_yaw_counts_as_error_but_whole_turns_do_not():
 def test_aimed_plans_meet_the_goal_as_others_see_it(name):
     _, *aimed = solved(name)
     # tolerance of aiming, in the state's mixed unit
-    assert [TASKS[name][0].error(sweeps) for sweeps in aimed] == pytest.approx(
+    assert [TASKS[name][0].error(strokes) for strokes in aimed] == pytest.approx(
         [0.0, 0.0], abs=1e-9
     )
 
@@ -68,9 +68,9 @@ def test_optimum_meets_the_goal_and_is_that_of_reeds_and_shepp():
     casadi_peer = pytest.importorskip("sim.bench.casadi_peer", exc_type=ImportError)
     ompl_peer = pytest.importorskip("sim.bench.ompl_peer", exc_type=ImportError)
     task, *_ = TASKS[UNIT_FREE]
-    sweeps = casadi_peer.MultipleShooting(task).once()
-    assert task.error(sweeps) < 1e-5  # sweeps left out as unused, IPOPT's tolerance
-    assert travel(sweeps) == pytest.approx(ompl_peer.reeds_shepp(task), abs=1e-5)
+    strokes = casadi_peer.MultipleShooting(task).once()
+    assert task.error(strokes) < 1e-5  # strokes left out as unused, IPOPT's tolerance
+    assert travel(strokes) == pytest.approx(ompl_peer.reeds_shepp(task), abs=1e-5)
 
 
 def test_sampled_sweeps_come_closer_to_the_goal(monkeypatch):

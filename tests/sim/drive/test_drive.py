@@ -7,8 +7,8 @@ import pytest
 from models.description.servos import SERVO_KINDS, ServoKind
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
-from sim.drive.footing import PASSED
 from sim.drive.lead import Lead, smoothed
+from sim.drive.lift_counts import PASSED
 from sim.drive.rehearsal import Rehearsal, leg_actuators
 from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Scheduler

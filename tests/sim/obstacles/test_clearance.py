@@ -56,7 +56,7 @@ def engine_distance(around, qpos):
 def test_clearance_is_the_engine_s_distance_from_upright_walls(around):
     """Walls are higher than the robot, so distances in space and plane are the same."""
     qpos = configurations(around, 60)
-    found = around.sweep(qpos).least
+    found = around.clearances(qpos).least
     expected = np.array([engine_distance(around, row) for row in qpos])
     apart = expected > 0
     assert apart.sum() > 30
@@ -70,7 +70,7 @@ def test_overlap_is_as_deep_as_the_foot_has_gone_in(around):
     inside = Surroundings(around.outline, thick)  # its face is at x = 0.16
     zero = np.zeros((1, 2))
     qpos = around.outline.configurations(np.array([[0.03, 0, 0]]), zero, zero)
-    assert inside.sweep(qpos).least == pytest.approx(
+    assert inside.clearances(qpos).least == pytest.approx(
         [-0.028], abs=1e-6
     )  # digits of the robot's file
 
@@ -84,8 +84,8 @@ def test_nothing_comes_closer_between_samples_than_the_bound(around):
         pose = pose_a + 0.2 * s * (pose_b - pose_a)
         zero = np.zeros((101, 2))
         dense = around.outline.configurations(pose, zero, zero)
-        coarse = around.sweep(dense[::20])
-        fine = around.sweep(dense).least
+        coarse = around.clearances(dense[::20])
+        fine = around.clearances(dense).least
         between = np.array([fine[k : k + 21].min() for k in range(0, 100, 20)])
         assert (between >= coarse.bound - 1e-12).all()
         assert (coarse.bound > between - coarse.way).all()  # and it is no lazy bound

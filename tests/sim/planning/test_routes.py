@@ -31,7 +31,7 @@ def clearance(setup, path):
     around = surroundings(setup)
     poses = path.curve.at(np.linspace(0, 1, 3001))
     angles = np.zeros((len(poses), len(setup.robot.groups)))
-    return around.sweep(around.outline.configurations(poses, angles, angles)).least
+    return around.clearances(around.outline.configurations(poses, angles, angles)).least
 
 
 def test_the_straight_line_is_blocked_and_the_way_found_is_clear(detour):

@@ -6,7 +6,7 @@ import pytest
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion.schedule import Scheduler
-from sim.preparation.laying import lay
+from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import prepare
 
 
@@ -27,7 +27,9 @@ def test_what_was_measured_in_a_world_holds_for_any_path_in_it(setup):
 
 def test_commands_are_those_of_the_whole_schedule_piece_by_piece(setup):
     scheduler = Scheduler(setup.limits, setup.at_rest)
-    lay(setup, scheduler, [[Flow("1", "g1_1", 0.4), Flow("2", "g2_2", -0.4)]])
+    schedule_flows(
+        setup, scheduler, [[Flow("1", "g1_1", 0.4), Flow("2", "g2_2", -0.4)]]
+    )
     schedule = scheduler.finish()
     whole = setup.channels.ctrl(*schedule.angles())
     pieces = list(setup.commands(schedule))

@@ -5,7 +5,7 @@ import pytest
 
 from models.library import load
 from planner.systems.flows import Flow
-from sim.drive.footing import PASSED, Footing
+from sim.drive.lift_counts import PASSED, LiftCounts
 from sim.drive.rehearsal import Rehearsal
 from sim.drive.statics import lift_torques
 from sim.motion.schedule import Scheduler
@@ -39,7 +39,7 @@ def lifted(setup):
     scheduler.enter("12")
     _, lift = scheduler.finish().angles()
     lag = np.random.default_rng(1).uniform(-0.004, 0.004, (len(lift), 6))
-    return lift, Footing(setup, leads=True).counts(lift, lag)
+    return lift, LiftCounts(setup, leads=True).at(lift, lag)
 
 
 def test_a_standing_leg_keeps_one_count_for_as_long_as_the_same_feet_stand(
@@ -64,9 +64,9 @@ def test_a_foot_passes_the_heights_at_which_it_may_touch_in_one_command(setup, l
 
 
 def test_the_body_stands_at_a_height_where_no_standing_leg_changes_its_count(setup):
-    footing = Footing(setup, leads=True)
+    lift_counts = LiftCounts(setup, leads=True)
     lift = np.array([[0.0, 0.0], [0.0, 0.3], [0.3, 0.0]])
-    counts = footing.counts(lift, np.zeros((3, 6)))
+    counts = lift_counts.at(lift, np.zeros((3, 6)))
     standing = lift[:, setup.robot.group_of_leg] == 0
     assert len(np.unique(counts[standing])) == 1
     # although loads bend them by 0.4 counts on six feet, and by up to 1.2 on three

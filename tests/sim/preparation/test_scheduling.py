@@ -10,7 +10,7 @@ from sim.motion.prediction import Predictor
 from sim.motion.schedule import Scheduler
 from sim.optimisation.judging import real_twists
 from sim.planning.open_loop import plan_open_loop
-from sim.preparation.laying import lay, together
+from sim.preparation.scheduling import schedule_flows, together
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 
@@ -65,7 +65,7 @@ def schedules():
     for asked in (False, True):
         setup = prepare(load_scenario("line", {"together": asked}))
         scheduler = Scheduler(setup.limits, setup.at_rest)
-        lay(setup, scheduler, [FLOWS])
+        schedule_flows(setup, scheduler, [FLOWS])
         found.append((setup, scheduler.finish()))
     return found
 
@@ -103,7 +103,7 @@ def laid(flows, gait=None):
     changes = {"segments": 1} | ({"gait": gait} if gait else {})
     setup = prepare(load_scenario("line", changes))
     scheduler = Scheduler(setup.limits, setup.at_rest)
-    lay(setup, scheduler, [flows])
+    schedule_flows(setup, scheduler, [flows])
     return scheduler.finish().phases
 
 

@@ -17,7 +17,9 @@ from sim.preparation.setup import Setup
 Move = tuple[int, Flow, tuple[float, ...]]
 
 
-def lay(setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]) -> None:
+def schedule_flows(
+    setup: Setup, scheduler: Scheduler, segments: Iterable[Iterable[Flow]]
+) -> None:
     """Schedule the flows of consecutive segments, and put all feet down at the end.
 
     Where the scenario has a gait, its strata are entered in turn, also those on which

@@ -28,7 +28,7 @@ PASSED = 2.0  # counts above the floor that a foot passes in a single command
 
 
 @dataclass(frozen=True, eq=False)
-class Footing:
+class LiftCounts:
     """Counts of all lift joints of a robot on servos with counts.
 
     Attributes:
@@ -40,7 +40,7 @@ class Footing:
     leads: bool
     _known: dict[bytes, Array] = field(default_factory=dict, repr=False)
 
-    def counts(self, lift: Array, lag: Array) -> Array:
+    def at(self, lift: Array, lag: Array) -> Array:
         """Whole counts of the lift joints, from joint zero, legs in ascending order.
 
         Args:

@@ -50,13 +50,13 @@ class Task:
 
 
 @dataclass
-class Crew:
+class WorkerPool:
     """The workers that there are at the moment, and what each of them does."""
 
     client: Client
-    flying: dict[Future, tuple[Task, str]] = field(default_factory=dict)
-    greeted: dict[str, Future] = field(default_factory=dict)
-    welcome: set[str] = field(default_factory=set)
+    running: dict[Future, tuple[Task, str]] = field(default_factory=dict)
+    asked: dict[str, Future] = field(default_factory=dict)
+    accepted: set[str] = field(default_factory=set)
     refused: dict[str, str] = field(default_factory=dict)
     deaths: dict[str, int] = field(default_factory=dict)
 
@@ -70,7 +70,7 @@ class Crew:
         again: list[Task] = []
         done: list[Outcome] = []
         seen, more = time.monotonic(), True
-        while more or again or self.flying:
+        while more or again or self.running:
             for worker in self._free():
                 task = again.pop() if again else next(waiting, None)
                 more = more and task is not None
@@ -78,7 +78,7 @@ class Crew:
                     self._send(task, worker)
             yield from done  # while the workers are busy with the next ones
             done = []
-            if self.flying:
+            if self.running:
                 seen = time.monotonic()
                 for task, outcome in self._finished():
                     if outcome is None:
@@ -93,13 +93,13 @@ class Crew:
         """Addresses of workers that may take part and have nothing to do."""
         there = self._there()
         for worker in there:
-            if worker not in self.greeted:
-                self.greeted[worker] = self._submit(worker, software)
-        for worker, answer in list(self.greeted.items()):
-            if worker not in self.welcome | self.refused.keys() and answer.done():
+            if worker not in self.asked:
+                self.asked[worker] = self._submit(worker, software)
+        for worker, answer in list(self.asked.items()):
+            if worker not in self.accepted | self.refused.keys() and answer.done():
                 self._judge(worker, answer)
-        busy = {worker for _, worker in self.flying.values()}
-        return [worker for worker in there if worker in self.welcome - busy]
+        busy = {worker for _, worker in self.running.values()}
+        return [worker for worker in there if worker in self.accepted - busy]
 
     def _there(self) -> Mapping[str, Any]:
         """Workers that the scheduler has, by address.
@@ -118,7 +118,7 @@ class Crew:
         if answer.status != "finished":
             error = answer.exception() if answer.status == "error" else None
             if error is None or isinstance(error, KilledWorker):
-                del self.greeted[worker]  # its successor is asked anew
+                del self.asked[worker]  # its successor is asked anew
             else:
                 self.refused[worker] = one_line(error)
             return
@@ -127,7 +127,7 @@ class Crew:
         if differ := differences(*both):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
-            self.welcome.add(worker)
+            self.accepted.add(worker)
 
     def _submit(self, worker: str, work: Any, *given: Any) -> Future:
         return self.client.submit(
@@ -136,20 +136,20 @@ class Crew:
 
     def _send(self, task: Task, worker: str) -> None:
         given = (task.digest, dict(task.table), tuple(task.without))
-        self.flying[self._submit(worker, carry_out, *given)] = task, worker
+        self.running[self._submit(worker, carry_out, *given)] = task, worker
 
     def _finished(self) -> list[tuple[Task, Outcome | None]]:
         """Tasks that have come back; None for one that is to be tried again."""
         try:
-            done = wait(list(self.flying), 1, return_when="FIRST_COMPLETED").done
+            done = wait(list(self.running), 1, return_when="FIRST_COMPLETED").done
         except TimeoutError:
             done = set()
         there = self._there() if not done else {}
-        lost = {f for f, (_, w) in self.flying.items() if not done and w not in there}
+        lost = {f for f, (_, w) in self.running.items() if not done and w not in there}
         return [self._settle(future) for future in done | lost]
 
     def _settle(self, future: Future) -> tuple[Task, Outcome | None]:
-        task, _ = self.flying.pop(future)
+        task, _ = self.running.pop(future)
         if future.status == "finished":
             return task, future.result()
         error = future.exception() if future.status == "error" else None
@@ -164,7 +164,7 @@ class Crew:
 
     def _be_patient(self, since: float) -> float:
         """Wait a little for a worker; when there was hope of one last [s]."""
-        unlike = {w: why for w, why in self.refused.items() if w in self.greeted}
+        unlike = {w: why for w, why in self.refused.items() if w in self.asked}
         there = self._there()
         if there and there.keys() <= unlike.keys():
             worker, why = next(iter(unlike.items()))
@@ -186,7 +186,7 @@ class Crew:
 
 
 @contextmanager
-def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
+def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
     """Workers for as long as the block runs.
 
     Args:
@@ -212,7 +212,7 @@ def hired(workers: int, scheduler: str | None) -> Iterator[Crew]:
             ) from error
         stack.enter_context(_blame(client))
         try:
-            yield Crew(client)
+            yield WorkerPool(client)
         except KeyboardInterrupt:
             if local is not None:
                 _kill(local)

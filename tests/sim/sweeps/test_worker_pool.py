@@ -8,10 +8,10 @@ from contextlib import contextmanager
 import pandas
 import pytest
 
-from sim.sweeps.crew import hired
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
 from sim.sweeps.sweeping import points_of
+from sim.sweeps.worker_pool import open_pool
 from tests.sweeps import ENV, poisoned, stratawalk, write_sweep
 
 pytestmark = pytest.mark.physics
@@ -124,9 +124,9 @@ def test_a_scheduler_that_does_not_answer_is_refused(tmp_path):
 @pytest.mark.filterwarnings("ignore")
 def test_a_living_worker_is_not_taken_for_dead(monkeypatch, tmp_path):
     points = points_of(read_sweep(str(write_sweep(tmp_path, POISON))), Shard())
-    with hired(1, None) as crew:
+    with open_pool(1, None) as pool:
         # What the client's own poll leaves behind now and then.
-        monkeypatch.setattr(crew.client, "scheduler_info", lambda **_: {"workers": {}})
-        found = [outcome.status for outcome in crew.carry_out(points.tasks(()))]
+        monkeypatch.setattr(pool.client, "scheduler_info", lambda **_: {"workers": {}})
+        found = [outcome.status for outcome in pool.carry_out(points.tasks(()))]
     assert found == ["ok"] * 3
-    assert not crew.deaths
+    assert not pool.deaths
