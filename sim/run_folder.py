@@ -138,17 +138,22 @@ def run(
         raise _replayable(error, folder) from error
     with stage(progress, "writing"):
         writer.evaluated(simulation.evaluation)
-        simulation.timing["render"] = 0.0
-        writer.summarised(simulation.summary)
+        summary = _rendered(simulation, 0.0)
+        writer.summarised(summary)
     writer.reported(warn, progress)
     if look is not None:
         from sim.pictures.run_film import film_folder
 
         began = time.perf_counter()
         film_folder(folder.path, look=look, progress=lambda f: progress("filming", f))
-        simulation.timing["render"] = time.perf_counter() - began
-        writer.summarised(simulation.summary)
-    return simulation.summary
+        summary = _rendered(simulation, time.perf_counter() - began)
+        writer.summarised(summary)
+    return summary
+
+
+def _rendered(simulation: Simulation, seconds: float) -> Summary:
+    """The summary with the time that the film took."""
+    return simulation.summary | {"timing": simulation.timing | {"render": seconds}}
 
 
 def _replayable(error: SimulationError, folder: RunFolder) -> SimulationError:

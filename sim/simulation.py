@@ -16,12 +16,11 @@ from models import Robot
 from planner import Array, Plan, limited
 from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.comparison import describe
-from sim.experiments.creep import creep_floor
 from sim.motion.poses import wrap
 from sim.optimisation.planned import Chosen, PlannedWalk
 from sim.planning.bounds import within_bounds
 from sim.planning.routes import routed
-from sim.planning.sharing import is_shareable, shared_plan, walk_cache, world_cache
+from sim.planning.sharing import is_shareable, shared_plan, walk_cache
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_distance, check_effort
 from sim.preparation.reach import explained, require_reach
@@ -61,15 +60,12 @@ class Simulation:
     Attributes:
         prepared: What was decided beforehand.
         evaluation: The walk beside its predictions.
-        creep_floor: Slip of a robot that stands still for the same time [m], if it was
-            measured.
         timing: Seconds by stage.
         missed: How far from the goal each walk ended [m], the last one last.
     """
 
     prepared: Prepared
     evaluation: Evaluation
-    creep_floor: float | None
     timing: dict[str, float]
     missed: tuple[float, ...]
 
@@ -86,10 +82,9 @@ class Simulation:
     @cached_property
     def summary(self) -> Summary:
         """The numbers of summary.json."""
-        numbers = summarise(self.evaluation, self.creep_floor)
         fallback = self.prepared.fallback
         told = {"fallback": fallback, "missed": list(self.missed)}
-        return numbers | told | {"timing": self.timing}
+        return summarise(self.evaluation) | told | {"timing": self.timing}
 
     def __str__(self) -> str:
         return describe(self.summary)
@@ -168,10 +163,7 @@ def simulate(
         aside = _further(aside, scenario, walker.pose)
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
-        with stage(progress, "measuring the solver's creep"):
-            stand = "creep_floor" not in without
-            floor = _creep(prepared.setup, walk.duration, shared) if stand else None
-    return Simulation(prepared, evaluation, floor, timing, tuple(missed))
+    return Simulation(prepared, evaluation, timing, tuple(missed))
 
 
 def _prepared(
@@ -195,11 +187,6 @@ def _chosen(
     if shared is not None and is_shareable(setup):
         return Chosen(shared_plan(setup, shared))
     return planned.choose(aside)
-
-
-def _creep(setup: Setup, duration: float, shared: Shared | None) -> float:
-    cache = world_cache(setup, shared)
-    return cache(f"creep in {duration} s", lambda: creep_floor(setup, duration))
 
 
 def _further(aside: Aside, scenario: Scenario, reached: Array) -> Aside:

@@ -51,12 +51,12 @@ class Evaluation:
     clearance: Mapping[str, Array]  # achieved and predicted, if there are obstacles
     walking: Array  # moments from the start of the walk on, (T,), bool
     deviation: Mapping[str, Any]  # from the nominal path
+    creep_floor: float | None  # slip while standing as long, if measured [m]
 
     @cached_property
     def summary(self) -> Summary:
         """The numbers of summary.json."""
-        floor = creep_floor(self.walk.setup, self.walk.duration)
-        return summarise(self, floor) | {"timing": dict(self.walk.seconds)}
+        return summarise(self) | {"timing": dict(self.walk.seconds)}
 
     def __str__(self) -> str:
         return describe(self.summary)
@@ -80,7 +80,8 @@ def evaluate(
 
     Args:
         walk: A finished walk.
-        without: Predictions to leave out, among those that nothing depends on.
+        without: What to leave out of that on which nothing else depends: predictions,
+            and `creep_floor`, which the robot stands for as long as it walked.
         shared: What earlier evaluations have made.
         progress: Called with the stage and the finished part of it.
     """
@@ -109,6 +110,11 @@ def evaluate(
     achieved = achieved_motion(walk)
     poses = {name: found.pose for name, found in predicted.items()}
     deviation = _deviation(walk, caches, {**poses, "achieved": achieved.pose})
+    creep = None
+    if "creep_floor" not in without:
+        stand = partial(creep_floor, walk.setup, walk.duration)
+        with stage(progress, "measuring the solver's creep"):
+            creep = measured(f"creep in {walk.duration} s", stand)
     return Evaluation(
         walk,
         achieved,
@@ -117,6 +123,7 @@ def evaluate(
         clearances(walk, predicted),
         walk.recording.moments.step >= walk.starts,
         deviation,
+        creep,
     )
 
 
@@ -169,13 +176,8 @@ def _predicted(
     return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
 
 
-def summarise(evaluation: Evaluation, creep_floor: float | None) -> Summary:
-    """The numbers of summary.json, unrounded, timing left out.
-
-    Args:
-        evaluation: A walk and its predictions.
-        creep_floor: Slip of the same measure while standing as long [m], if known.
-    """
+def summarise(evaluation: Evaluation) -> Summary:
+    """The numbers of summary.json, unrounded, timing left out."""
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario
     pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
@@ -239,7 +241,7 @@ def summarise(evaluation: Evaluation, creep_floor: float | None) -> Summary:
                 str(leg): float(s)
                 for leg, s in zip(setup.robot.legs, achieved.slip[-1], strict=True)
             },
-            "creep_floor": creep_floor,
+            "creep_floor": evaluation.creep_floor,
         },
         "error": {
             **errors,

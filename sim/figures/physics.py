@@ -89,7 +89,8 @@ def perform(job: Job) -> Walked:
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
     scenario = load_scenario(job.scenario, settings)
     if job.flows:
-        return _gathered(evaluate(_carried_out(prepare(scenario), job.flows)))
+        walk = _carried_out(prepare(scenario), job.flows)
+        return _gathered(evaluate(walk, ("creep_floor",)))
     return _gathered(simulate(scenario).evaluation)
 
 
@@ -147,7 +148,7 @@ def _gathered(evaluation: Evaluation) -> Walked:
     during = made.recording.during[on]
     near = {n: c[on] for n, c in evaluation.clearance.items() if n in KEPT}
     return Walked(
-        summary=summarise(evaluation, 0.0),
+        summary=summarise(evaluation),
         pose={n: p[on] for n, p in {**poses, "achieved": achieved.pose}.items()},
         margin={n: m[on] for n, m in {**margins, "achieved": achieved.margin}.items()},
         clearance=near,

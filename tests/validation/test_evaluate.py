@@ -19,8 +19,8 @@ PATH = {"path": {"kind": "line", "goal": [0.01, 0.01, 0.1]}, "segments": 2}
 def judge(changes):
     setup = prepare(load_scenario("line", PATH | changes))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
-    evaluation = evaluate(carry_out(Walker(setup), planned))
-    return evaluation, summarise(evaluation, 0.0)
+    evaluation = evaluate(carry_out(Walker(setup), planned), ["creep_floor"])
+    return evaluation, summarise(evaluation)
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["open loop", "replanned"])

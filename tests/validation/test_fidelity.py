@@ -11,7 +11,6 @@ import pytest
 
 from sim.evaluation.arrays import trajectory
 from sim.evaluation.assessment import evaluate, summarise
-from sim.experiments.creep import creep_floor
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
@@ -35,8 +34,9 @@ def run(name, **changes):
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     walked = carry_out(Walker(setup), planned)
     evaluation = evaluate(walked)
-    summary = summarise(evaluation, creep_floor(setup, walked.duration))
-    return Result(walked, evaluation, summary, dict(trajectory(evaluation)))
+    return Result(
+        walked, evaluation, summarise(evaluation), dict(trajectory(evaluation))
+    )
 
 
 SHORT = {"path": {"kind": "line", "goal": [0.015, 0.015, 0.0]}, "segments": 4}

@@ -148,7 +148,7 @@ def test_tolerance_that_is_no_share_is_refused(tmp_path, capsys):
 
 
 def test_summary_names_the_verdict_first(short_walk):
-    summary = summarise(evaluate(short_walk.walk), 0.0)
+    summary = summarise(evaluate(short_walk.walk, ["creep_floor"]))
     assert list(summary)[:2] == ["verdict", "verdict_text"]
 
 

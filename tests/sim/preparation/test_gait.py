@@ -72,7 +72,7 @@ def test_a_robot_walks_every_stratum_of_its_gait_in_the_physics():
         simulate(load_scenario("line", short | changes)).evaluation
         for changes in ({}, {"gait": ["12", "1", "12", "1", "12", "2", "12"]})
     ]
-    plain, slow = (summarise(walk, 0.0) for walk in walks)
+    plain, slow = (summarise(walk) for walk in walks)
     assert slow["contact_switches"] > plain["contact_switches"]
     assert slow["contact_switches_achieved"] == slow["contact_switches"]
     poses = [walk.achieved.pose[-1] for walk in walks]
