@@ -36,6 +36,7 @@ from .description.compiled import (
     actuator_of as actuator_of,
     compile_model as compile_model,
     free_joint as free_joint,
+    is_position_servo as is_position_servo,
     root_body as root_body,
     silence_the_engine as silence_the_engine,
     weight_of as weight_of,

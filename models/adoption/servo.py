@@ -10,7 +10,7 @@ import numpy as np
 from models.adoption.anatomy import Pose
 from models.contact.kinematics import Kinematics
 from models.description.card import Servo
-from models.description.compiled import actuators_of
+from models.description.compiled import actuators_of, is_position_servo
 from models.description.robot import Robot
 
 STIFF = 2500.0  # times the torque that a leg bears, for a radian
@@ -79,6 +79,6 @@ def servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
     """
     for actuator in actuators_of(model, joint):
         gain, bias = model.actuator_gainprm[actuator, 0], model.actuator_biasprm
-        if gain > 0 and np.isclose(bias[actuator, 1], -gain):
+        if is_position_servo(gain, bias[actuator, 1]):
             return float(gain * model.actuator_gear[actuator, 0] ** 2)
     return 0.0

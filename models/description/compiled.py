@@ -104,6 +104,16 @@ def named(spec: mujoco.MjSpec) -> None:
             part.name = name
 
 
+def is_position_servo(gain: float, bias: float) -> bool:
+    """Whether an actuator's force is a gain times what is left to its command.
+
+    Args:
+        gain: Force for each unit of the command, `gainprm[0]`.
+        bias: Force for each unit of the joint's angle, `biasprm[1]`.
+    """
+    return bool(gain > 0 and np.isclose(bias, -gain))
+
+
 def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
     """Indices of the actuators that drive a joint."""
     on_joints = np.isin(model.actuator_trntype, ON_JOINT)

@@ -21,6 +21,7 @@ from models.description.compiled import (
     actuators_of,
     compile_model,
     free_joint,
+    is_position_servo,
     named,
     parse_spec,
     read_spec,
@@ -181,8 +182,8 @@ class Robot:
         model, index = self.model, self.model.joint(joint).id
         spans = [model.jnt_range[index]] if model.jnt_limited[index] else []
         for servo in actuators_of(model, joint):
-            gain, bias = model.actuator_gainprm[servo, 0], model.actuator_biasprm[servo]
-            if model.actuator_ctrllimited[servo] and bias[1] == -gain:
+            forces = model.actuator_gainprm[servo, 0], model.actuator_biasprm[servo, 1]
+            if model.actuator_ctrllimited[servo] and is_position_servo(*forces):
                 gear = model.actuator_gear[servo, 0]
                 spans.append(np.sort(model.actuator_ctrlrange[servo] / gear))
         low = max((float(span[0]) for span in spans), default=-np.pi)

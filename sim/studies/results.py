@@ -6,7 +6,6 @@ its path.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pyarrow import ArrowException, parquet
 
 from planner import Array, did_you_mean
 from sim.errors import UsageError
+from sim.sweeps.folder import SweepFolder, sweep_from
+from sim.sweeps.table import read_table
 
 LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions are said to hold."""
@@ -89,19 +89,10 @@ def read_results(path: Path, prediction: str) -> Results:
     Raises:
         UsageError: If there is no such table, or it lacks the prediction.
     """
-    file = path / "table.parquet" if path.is_dir() else path
-    if not file.is_file():
-        raise UsageError("no such table", str(file), "give the table of a sweep")
-    try:
-        table = parquet.read_table(file)
-        about = json.loads(table.schema.metadata[b"stratawalk"])
-    except (ArrowException, OSError, KeyError, TypeError, ValueError) as error:
-        what = "not the table of a sweep"
-        remedy = "give the table that `stratawalk sweep` has written"
-        raise UsageError(what, str(file), remedy) from error
-    columns = {name: table[name].to_pylist() for name in table.column_names}
-    vary = about["asked"]["vary"]
-    keys = tuple(key for names in vary for key in names.split(" with "))
+    file = SweepFolder(path).table if path.is_dir() else path
+    columns, about = read_table(file)
+    blocks = sweep_from(about["asked"]).blocks
+    keys = tuple(key for together, _ in blocks for key in together)
     results = Results(columns, keys, prediction)
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")

@@ -10,9 +10,11 @@ from typing import Any
 import pyarrow as pa
 from pyarrow import parquet
 
+from sim.errors import UsageError
 from sim.folder import whole
 
 ROWS = 10_000  # of a group; any other number gives other bytes
+ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, Any]
 
 
@@ -29,10 +31,31 @@ def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, Any]) -> No
     """
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [_column([row.get(name) for row in rows]) for name in names]
-    told = {"stratawalk": json.dumps(about, sort_keys=True)}
+    told = {ABOUT: json.dumps(about, sort_keys=True)}
     table = pa.table(columns, names=names).replace_schema_metadata(told)
     with whole(path, table.nbytes // 4) as part:
         parquet.write_table(table, part, compression="zstd", row_group_size=ROWS)
+
+
+def read_table(path: Path) -> tuple[dict[str, list[Any]], dict[str, Any]]:
+    """Values by column, and what the rows come from.
+
+    Args:
+        path: The file.
+
+    Raises:
+        UsageError: If it is not the table of a sweep.
+    """
+    if not path.is_file():
+        raise UsageError("no such table", str(path), "give the table of a sweep")
+    try:
+        table = parquet.read_table(path)
+        about = json.loads(table.schema.metadata[ABOUT.encode()])
+    except (pa.ArrowException, OSError, KeyError, TypeError, ValueError) as error:
+        what = "not the table of a sweep"
+        remedy = "give the table that `stratawalk sweep` has written"
+        raise UsageError(what, str(path), remedy) from error
+    return {name: table[name].to_pylist() for name in table.column_names}, about
 
 
 def _column(values: Sequence[Any]) -> pa.Array:

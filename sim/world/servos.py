@@ -9,9 +9,8 @@ commands are angles.
 from __future__ import annotations
 
 import mujoco
-import numpy as np
 
-from models import ON_JOINT, ModelError, Robot, actuator_of
+from models import ON_JOINT, ModelError, Robot, actuator_of, is_position_servo
 from sim.world.foreign_drives import couplings, other_drives
 from sim.world.servo_settings import ServoSettings
 
@@ -84,8 +83,7 @@ def _remove(spec: mujoco.MjSpec, actuator: mujoco.MjsActuator) -> None:
 
 
 def _is_servo(actuator: mujoco.MjsActuator) -> bool:
-    gain, bias = actuator.gainprm[0], actuator.biasprm[1]
-    return bool(gain > 0 and np.isclose(bias, -gain))
+    return is_position_servo(actuator.gainprm[0], actuator.biasprm[1])
 
 
 def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActuator:
