@@ -16,7 +16,7 @@ import numpy as np
 
 from planner import Array, did_you_mean
 from sim.errors import UsageError
-from sim.sweeps.folder import SweepFolder, sweep_from
+from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
 
 LIMITS = (0.01, 0.03, 0.10)
@@ -91,8 +91,8 @@ def read_results(path: Path, prediction: str) -> Results:
     """
     file = SweepFolder(path).table if path.is_dir() else path
     columns, about = read_table(file)
-    blocks = sweep_from(about["asked"]).blocks
-    keys = tuple(key for together, _ in blocks for key in together)
+    vary = about["asked"]["vary"]
+    keys = tuple(key for names in vary for key in names.split(SIDE_BY_SIDE))
     results = Results(columns, keys, prediction)
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
