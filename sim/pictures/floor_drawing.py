@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import Array
+from sim.motion.polylines import length_up_to
 
 CORNERS = 24  # of a disc
 
@@ -97,7 +98,7 @@ def dashes(line: Array, period: float, width: float) -> Drawing:
         period: Length of a dash and the gap after it [m].
         width: In [m].
     """
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
+    way = length_up_to(line)
     starts = np.arange(0.0, way[-1], period)
     pieces = []
     for start in starts:

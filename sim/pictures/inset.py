@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from planner import Array
+from sim.motion.polylines import spaced_rows
 from sim.pictures import style
 from sim.pictures.camera import Camera
 from sim.pictures.filmed_walk import FilmedWalk
@@ -40,9 +41,7 @@ class Trail:
     @cached_property
     def rows(self) -> Array:
         """Rows at which the trail has come another step farther."""
-        steps = np.hypot(*np.diff(self.error, axis=0, prepend=self.error[:1]).T)
-        marks = np.floor(np.cumsum(steps) * self.scale / STEP)
-        return np.unique(marks, return_index=True)[1]
+        return spaced_rows(self.error, STEP / self.scale)
 
     @cached_property
     def points(self) -> list[tuple[float, float]]:

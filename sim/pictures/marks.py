@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 
 from planner import Array
+from sim.motion.polylines import spaced_rows
 from sim.motion.stability import support_polygons
 from sim.pictures import relief, style, swept_area
 from sim.pictures.clock import Clock
@@ -109,16 +110,10 @@ def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
 
 def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Drawing:
     """The path of the body's centre so far."""
-    rows = _thinned(poses, SPACING * walk.reach)
+    rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
     frames = clock.frame_of(rows)
     return ribbon(poses[rows, :2], frames, width * walk.reach, JUMP * walk.reach)
-
-
-def _thinned(line: Array, spacing: float) -> Array:
-    """Rows about `spacing` apart along a line."""
-    way = np.cumsum(np.hypot(*np.diff(line[:, :2], axis=0, prepend=line[:1, :2]).T))
-    return np.unique(np.floor(way / spacing), return_index=True)[1]
 
 
 def _telling(line: Array, frames: Array) -> Array:
@@ -148,7 +143,7 @@ def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Drawing]:
     starts, stops = np.flatnonzero(touched[1:] != touched[:-1]).reshape(-1, 2).T
     yield discs(place[starts], clock.frame_of(starts), FOOT * walk.reach, FEW)
     for start, stop in zip(starts, stops, strict=True):
-        rows = start + _thinned(place[start:stop], TRAIL * walk.reach)
+        rows = start + spaced_rows(place[start:stop], TRAIL * walk.reach)
         yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from planner import Array
+from sim.motion.polylines import spaced_rows
 
 BINS = 500  # of a time axis; each keeps its extremes
 SPACING = 1 / 600  # of a path's extent, between its points
@@ -36,9 +37,8 @@ def along(points: Array) -> Array:
         points: Shape (T, 2).
     """
     extent = float(np.ptp(points, axis=0).max()) or 1.0
-    steps = np.hypot(*np.diff(points, axis=0, prepend=points[:1]).T)
-    marks = np.floor(np.cumsum(steps) / (SPACING * extent))
-    return np.unique(np.append(np.unique(marks, return_index=True)[1], len(points) - 1))
+    rows = spaced_rows(points, SPACING * extent)
+    return np.unique(np.append(rows, len(points) - 1))
 
 
 def round_factor(largest: float) -> float:

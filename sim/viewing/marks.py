@@ -10,6 +10,7 @@ import shapely
 
 from models import root_body
 from planner import Array
+from sim.motion.polylines import length_up_to
 from sim.motion.stability import support_polygons
 from sim.pictures import style
 from sim.pictures.filmed_walk import FilmedWalk
@@ -165,7 +166,7 @@ def landings(walk: FilmedWalk) -> tuple[Array, Array]:
 
 def thinned(points: Array) -> Array:
     """Points evenly apart along a line, the first and the last among them."""
-    way = np.cumsum(np.hypot(*np.diff(points, axis=0, prepend=points[:1]).T))
+    way = length_up_to(points)
     if not way[-1]:
         return points[:1]
     at = np.searchsorted(way, np.linspace(0, way[-1], POINTS))
