@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-from models import Kinematics, equations, load, shipped_system
-from sim.figures.graphs import Graph, draw_graph, graph_of, key, table_of
+from models import Kinematics, Robot, equations, load, shipped_system
+from sim.figures.graphs import draw_graph, graph_of, key, table_of
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Sheet, Table, words
 from sim.figures.sheets_crossing import draw_sheets
 from sim.figures.style import MM, letter, sheet_of
-from sim.motion.stability import stability_margin
+from sim.motion.stability import margin_at_rest
 
 PAPER_CAPTION = """
 (a) The configuration space of a biped where both feet are near the ground, by the
@@ -64,40 +64,45 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
     Args:
         walks: None are needed.
     """
-    figure, axes = sheet_of("abc", 2.7)
+    title = "Fig. 2, strata of two groups of legs, in metres"
+    return robots_sheet("fig2-biped-metres", title, METRES_CAPTION, ROBOTS, 2.7)
+
+
+def robots_sheet(
+    name: str, title: str, caption: str, robots: Sequence[str], height: float
+) -> Sheet:
+    """The strata of shipped robots with the gaits of their cards and their margins.
+
+    Args:
+        name: Of the sheet.
+        title: Of the sheet.
+        caption: What there is to see.
+        robots: Their names, at most three.
+        height: Of the sheet [in].
+    """
+    letters = "abc"[: len(robots)]
+    figure, axes = sheet_of(letters, height)
     graphs, margins = {}, {}
-    for name, robot in zip("abc", ROBOTS, strict=True):
-        graphs[robot] = robot_graph(robot)
-        margins[robot] = robot_margins(robot)
-        draw_graph(axes[name], graphs[robot], in_words(margins[robot]))
+    for place, robot in zip(letters, map(load, robots), strict=True):
+        own = equations(robot).system, robot.card.gait
+        graphs[robot.name], margins[robot.name] = graph_of(*own), robot_margins(robot)
+        draw_graph(axes[place], graphs[robot.name], in_words(margins[robot.name]))
     key(figure, absent=True)
-    letter(axes, dict(zip("abc", ROBOTS, strict=True)))
+    letter(axes, dict(zip(letters, robots, strict=True)))
     return Sheet(
-        name="fig2-biped-metres",
-        title="Fig. 2, strata of two groups of legs, in metres",
-        caption=words(METRES_CAPTION),
+        name=name,
+        title=title,
+        caption=words(caption),
         figure=figure,
         table=with_margins(table_of(graphs), margins),
     )
 
 
-def robot_graph(name: str) -> Graph:
-    """The graph of a shipped robot's strata with the gait of its card."""
-    robot = load(name)
-    return graph_of(equations(robot).system, robot.card.gait)
-
-
-def robot_margins(name: str) -> dict[str, float]:
+def robot_margins(robot: Robot) -> dict[str, float]:
     """Margin of a robot on every stratum, all legs at angle 0 [m]."""
-    robot = load(name)
-    stance = Kinematics(robot).standing
-    feet, center = stance.feet[None], stance.center_of_mass[None]
-    found = {}
-    for stratum in dict.fromkeys(robot.card.gait):
-        on = robot.planted(stratum)[None]
-        margin = stability_margin(feet, on, center)
-        found[stratum] = float(margin[0])
-    return found
+    kinematics = Kinematics(robot)
+    strata = dict.fromkeys(robot.card.gait)
+    return {stratum: margin_at_rest(kinematics, stratum) for stratum in strata}
 
 
 def in_words(margins: Mapping[str, float]) -> dict[str, str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from models import shipped_system
-from sim.figures.biped import in_words, robot_graph, robot_margins, with_margins
+from sim.figures.biped import robots_sheet
 from sim.figures.graphs import draw_graph, graph_of, key, table_of
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Sheet, words
@@ -50,15 +50,5 @@ def metres(walks: Mapping[str, Walked]) -> Sheet:
     Args:
         walks: None are needed.
     """
-    figure, axes = sheet_of("a", 4.2)
-    graphs, margins = {ROBOT: robot_graph(ROBOT)}, {ROBOT: robot_margins(ROBOT)}
-    draw_graph(axes["a"], graphs[ROBOT], in_words(margins[ROBOT]))
-    key(figure, absent=True)
-    letter(axes, {"a": ROBOT})
-    return Sheet(
-        name="fig3-quadruped-metres",
-        title="Fig. 3, strata of four legs, in metres",
-        caption=words(METRES_CAPTION),
-        figure=figure,
-        table=with_margins(table_of(graphs), margins),
-    )
+    title = "Fig. 3, strata of four legs, in metres"
+    return robots_sheet("fig3-quadruped-metres", title, METRES_CAPTION, [ROBOT], 4.2)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from models import Kinematics
 from planner import Array
 
 BLOCK = 20_000  # rows that are geometries at once, each of some hundred bytes
@@ -113,3 +114,10 @@ class LeastMargin:
         if near.any():
             margin = stability_margin(points[near], contact[near], center_of_mass[near])
             self.value = min(self.value, float(margin.min()))
+
+
+def margin_at_rest(kinematics: Kinematics, stratum: str) -> float:
+    """Stability margin of a robot on a stratum, all its legs at angle 0 [m]."""
+    stance, on = kinematics.standing, kinematics.robot.planted(stratum)
+    feet, center = stance.feet[None], stance.center_of_mass[None]
+    return float(stability_margin(feet, on[None], center)[0])

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from models import Kinematics, Lifting, Robot, strata
-from sim.motion.stability import stability_margin
+from models import Lifting, Robot, strata
+from sim.motion.stability import margin_at_rest
 from sim.preparation.inspection import Inspected
 
 Facts = dict[str, Any]
@@ -60,7 +60,7 @@ def facts(subject: Inspected) -> Facts:
         },
         "changed": list(subject.changed),
         "lacks": list(subject.lacks),
-        "margins": {name: _margin(kinematics, name) for name in strata(robot)},
+        "margins": {n: margin_at_rest(kinematics, n) for n in strata(robot)},
     }
 
 
@@ -72,14 +72,6 @@ def _leg(robot: Robot, leg: int, foot: np.ndarray) -> Facts:
         "lift": {"joint": card.lift, "range": list(robot.span(card.lift))},
         "held": dict(card.hold),
     }
-
-
-def _margin(kinematics: Kinematics, stratum: str) -> float:
-    """Stability margin with all legs at angle 0 [m]."""
-    stance = kinematics.standing
-    on = kinematics.robot.planted(stratum)[None]
-    feet, center = stance.feet[None], stance.center_of_mass[None]
-    return float(stability_margin(feet, on, center)[0])
 
 
 def describe(robot: Facts) -> str:
