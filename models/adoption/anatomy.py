@@ -82,7 +82,7 @@ class Pose:
         return np.array(self.data.qpos)
 
     @property
-    def weight(self) -> Array:
+    def center_of_mass(self) -> Array:
         """Centre of mass, shape (3,)."""
         return np.array(self.data.subtree_com[self.root])
 

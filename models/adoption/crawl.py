@@ -78,7 +78,7 @@ class _Body:
         return cls(
             hips=hips,
             arms=np.array([limb.toe[:2] for limb in limbs]) - hips,
-            weight=pose.weight[:2],
+            weight=pose.center_of_mass[:2],
             shares=model.body_subtreemass[bodies] / model.body_subtreemass[pose.root],
             leans=data.subtree_com[bodies][:, :2] - hips,
         )

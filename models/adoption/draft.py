@@ -85,7 +85,7 @@ def draft_card(source: Source) -> Draft:
 
 def _gait(pose: Pose, limbs: Sequence[Limb], source: str) -> GaitDraft:
     """Two groups that stand in turn; a crawl where there are none."""
-    weight = pose.weight[:2]
+    weight = pose.center_of_mass[:2]
     room = np.array([_room(pose, limb) for limb in limbs])
     try:
         ways = two_groups(limbs, weight, source)
