@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
+from sim.commands.options import add_set_argument
 from sim.commands.trusted import add_trust_argument, robot_of
 from sim.errors import UsageError
 
@@ -36,13 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--depth", type=int, metavar="N", help="highest degree of brackets to form"
     )
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="a parameter of the system; may be repeated",
-    )
+    add_set_argument(parser, "a parameter of the system")
 
 
 def execute(options: argparse.Namespace) -> None:

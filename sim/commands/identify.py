@@ -6,6 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
+from sim.commands.options import add_set_argument
 from sim.commands.trusted import add_robot_argument, robot_of
 
 if TYPE_CHECKING:
@@ -22,13 +23,7 @@ PLACES = (-1.0, 0.0, 1.0)  # of the span at which twists are shown
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_robot_argument(parser, "a shipped robot, or a FILE.xml")
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="any setting of a scenario, such as friction=0.5; may be repeated",
-    )
+    add_set_argument(parser, "any setting of a scenario, such as friction=0.5")
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -67,12 +67,22 @@ def add_scenario_arguments(
         default=None,
         help="walk plans that are predicted to tip over or to collide",
     )
+    add_set_argument(parser, "replace any key of the scenario file")
+
+
+def add_set_argument(parser: argparse.ArgumentParser, about: str) -> None:
+    """Add `--set`, which replaces values one by one.
+
+    Args:
+        parser: Parser of the command.
+        about: What may be set.
+    """
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
         action="append",
         default=[],
-        help="replace any key of the scenario file; may be repeated",
+        help=f"{about}; may be repeated",
     )
 
 
