@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from sim.commands.extras import needs_extra
-from sim.commands.trusted import add_trust_argument, robot_of
+from sim.commands.trusted import add_robot_argument, robot_of
 from sim.commands.values import whole
 from sim.errors import ExitCode, UsageError
 
@@ -20,10 +20,7 @@ HELP = "how few joints suffice: swings locked or coupled, legs lifted in groups"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument(
-        "robot", metavar="ROBOT", help="a shipped robot, or MJCF with a card"
-    )
-    add_trust_argument(parser)
+    add_robot_argument(parser, "a shipped robot, or MJCF with a card")
     parser.add_argument(
         "--walks",
         type=whole(0),
