@@ -20,6 +20,7 @@ from sim.drive.lead import Lead, smoothed
 from sim.motion.schedule import Schedule
 from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
+from sim.world.integrator import suitable_integrator
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 
@@ -53,6 +54,7 @@ def stiffened(setup: Setup) -> mujoco.MjModel:
     model.actuator_biasprm[joints, 1] = -stiffness
     model.actuator_biasprm[joints, 2] = -2 * np.sqrt(stiffness * inertia)
     model.actuator_forcelimited[joints] = 0
+    model.opt.integrator = suitable_integrator(model)
     return model
 
 

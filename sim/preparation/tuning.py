@@ -15,6 +15,7 @@ import mujoco
 from models import Robot, actuator_of
 from sim.scenarios.scenario import Scenario
 from sim.world.imperfections import PAYLOAD
+from sim.world.integrator import suitable_integrator
 from sim.world.model import World
 
 UNIT = (1.0, 0.0, 0.0, 0.0)  # payload: mass [kg] and place [m]
@@ -67,6 +68,7 @@ def tuned(
     servo = _set_gains(model, world.servo or (0.0, 0.0), robot, scenario)
     if scenario.payload is not None and scenario.payload[0]:
         _load(model, plain, *scenario.payload)
+    model.opt.integrator = suitable_integrator(model)
     # Nobody writes the model of a sweep's point, so its text is left as it was.
     return replace(world, servo=servo), model
 

@@ -112,9 +112,7 @@ class Scenario:
     friction: float = setting(
         Number(0, 10), "coefficient of sliding friction of feet and floor", 1.0
     )
-    timestep: float = setting(
-        Number(1e-6, 0.02), "time step of the physics [s]", 0.0005
-    )
+    timestep: float = setting(Number(1e-6, 0.02), "time step of the physics [s]", 0.001)
     servo_stiffness: float | None = setting(
         Number(0, 1e6, above=True), "stiffness of every servo [N m/rad]", None
     )
@@ -210,7 +208,7 @@ class Scenario:
         Flag(), "walk plans that are predicted to tip over or to collide", False
     )
     sample_every: int = setting(
-        Number(1, 1_000_000, whole=True), "physics steps between recorded rows", 20
+        Number(1, 1_000_000, whole=True), "physics steps between recorded rows", 10
     )
     playback: float | None = setting(
         Number(0, 1000, above=True),

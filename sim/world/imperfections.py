@@ -89,18 +89,28 @@ def _tilt(spec: mujoco.MjSpec, angle: float, direction: float) -> None:
 
 
 def _soften(floor: mujoco.MjsGeom, stiffness: float) -> None:
-    """Stiffness of the contact, its damping in the proportion that it has."""
+    """Stiffness of the contact; a softer one is damped less, in proportion.
+
+    The damping of a stiffer one stays, since the engine stops sliding feet by it: more
+    would be unstable at the timesteps of walks.
+    """
     before, damping = floor.solref
-    floor.solref = [-stiffness, damping * stiffness / -before]
+    floor.solref = [-stiffness, damping * min(stiffness / -before, 1.0)]
 
 
 def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
     """Make the floor give way to loose legs as far as to rigid ones.
 
-    The engine takes stiffness and damping of contacts as accelerations, so that a floor
-    gives way the more, the lighter what stands on it is.
+    The engine takes stiffness and damping of contacts as accelerations, and divides by
+    an impedance d what it multiplies by d / (1 - d) over the mobility of what stands on
+    the floor. Both the odds of d and the mobility grow by the ratio, so that forces
+    stay the same.
     """
-    floor.solref = [ratio * number for number in floor.solref]
+    impedance = floor.solimp[0]
+    odds = ratio * impedance / (1 - impedance)
+    higher = odds / (1 + odds)
+    floor.solimp[:2] = higher
+    floor.solref = [higher / impedance * number for number in floor.solref]
 
 
 def _mobility(spec: mujoco.MjSpec, robot: Robot) -> float:

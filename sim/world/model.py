@@ -17,6 +17,7 @@ from sim.world.assets import gather
 from sim.world.bumps import add_bumps
 from sim.world.floor import ensure_floor, scene
 from sim.world.imperfections import add_imperfections
+from sim.world.integrator import suitable_integrator
 from sim.world.sensors import ensure_sensors
 from sim.world.servo_settings import servo_settings
 from sim.world.servos import common_servo, ensure_servos
@@ -68,6 +69,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     add_walls(spec, robot.root, scenario.obstacles)
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
+    spec.option.integrator = suitable_integrator(model)
     servo = common_servo(model, robot)
     return World(str(spec.to_xml()), assets, servo, let_down, floor.name)
 

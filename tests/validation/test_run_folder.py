@@ -109,8 +109,8 @@ def test_a_rerun_from_the_folders_scenario_gives_the_same_numbers(folders):
 def test_the_last_row_is_the_state_after_the_last_command(folders, arrays):
     with np.load(folders[0] / "commands.npz") as commands:
         steps = len(commands["time"])
-    assert arrays["time"][-1] == pytest.approx(steps * 0.0005)
-    assert arrays["time"][0] == pytest.approx(7 * 0.0005)
+    assert arrays["time"][-1] == pytest.approx(steps * 0.001)
+    assert arrays["time"][0] == pytest.approx(7 * 0.001)
 
 
 def test_the_summary_has_the_keys_of_the_contract(folders):

@@ -199,7 +199,7 @@ def test_nobody_knows_the_imperfections_when_torques_are_rehearsed(scenario):
 
 def test_a_delay_shifts_all_commands_by_as_much(scenario):
     late, told = (
-        prepare(scenario(command_delay=seconds, **SOFT)) for seconds in (0.0125, 0.0)
+        prepare(scenario(command_delay=seconds, **SOFT)) for seconds in (0.025, 0.0)
     )
     schedule = swung(told)
     on_time, delayed = (rows(Drive(setup), schedule) for setup in (told, late))

@@ -48,7 +48,7 @@ def test_what_servos_take_as_it_is_leads_where_the_run_led(
     assert played["slip"] == pytest.approx(achieved["slip"], rel=1e-6)
     assert told["rate"] == 60
     steps = len(np.load(folder / "commands.npz")["time"])
-    assert told["commands"] == 1 + int((steps - 1) * 0.0005 * 60 + 1e-6)
+    assert told["commands"] == 1 + int((steps - 1) * 0.001 * 60 + 1e-6)
     off = summary["error"]["quasi_static"]["position"]
     assert played["error"]["quasi_static"]["position"] == pytest.approx(off, abs=1e-8)
 

@@ -114,6 +114,6 @@ def test_a_command_that_is_not_finite_is_stopped_before_the_engine(model):
     ctrl[4, 3] = np.nan
     name = model.actuator(3).name
     with pytest.raises(
-        SimulationError, match=rf"command of '{name}' is nan: t = 0.0020 s"
+        SimulationError, match=rf"command of '{name}' is nan: t = 0.0040 s"
     ):
         Engine(model).advance(ctrl)

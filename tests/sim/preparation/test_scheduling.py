@@ -74,7 +74,9 @@ def test_a_stay_lasts_as_long_as_its_longest_part(schedules):
     (_, apart), (_, together) = schedules
     longest = [p.steps for p in together.phases if p.kind == "swing"]
     timestep = together.limits.timestep
-    assert longest == pytest.approx([x / 0.5 / timestep + 300 for x in (0.4, 0.5, 0.2)])
+    assert longest == pytest.approx(
+        [(x / 0.5 + 0.15) / timestep for x in (0.4, 0.5, 0.2)]
+    )
     assert together.stop < apart.stop
     assert together.end.swing == pytest.approx(apart.end.swing)
 

@@ -27,9 +27,8 @@ def test_what_was_measured_in_a_world_holds_for_any_path_in_it(setup):
 
 def test_commands_are_those_of_the_whole_schedule_piece_by_piece(setup):
     scheduler = Scheduler(setup.limits, setup.at_rest)
-    schedule_flows(
-        setup, scheduler, [[Flow("1", "g1_1", 0.4), Flow("2", "g2_2", -0.4)]]
-    )
+    flows = 2 * [Flow("1", "g1_1", 0.4), Flow("2", "g2_2", -0.4)]
+    schedule_flows(setup, scheduler, [flows])
     schedule = scheduler.finish()
     whole = setup.channels.ctrl(*schedule.angles())
     pieces = list(setup.commands(schedule))

@@ -28,7 +28,7 @@ OTHER = {
     "name": "other", "description": "other", "stance": "paper", "words": "shortest",
     "segments": 3, "replan": True, "steer": "quasi-static", "optimise": "time",
     "path_tolerance": 0.1, "yaw_tolerance": 0.1, "together": True, "correct": 2,
-    "friction": 0.7, "timestep": 0.001, "servo": "mg90", "servo_stiffness": 432.198765,
+    "friction": 0.7, "timestep": 0.0008, "servo": "mg90", "servo_stiffness": 432.198765,
     "servo_damping": 3.21987654, "command_rate": 200.0, "resolution": 0.001,
     "feed_forward": True, "zero_offset": 0.01, "play": 0.001,
     "payload": (0.1, 0.01, 0.0, 0.02), "slope": (0.01, 1.0), "floor_stiffness": 2e4,

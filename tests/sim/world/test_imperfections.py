@@ -52,6 +52,38 @@ def test_a_soft_floor_keeps_the_proportion_of_its_damping(standing):
     assert after[1] / after[0] == pytest.approx(before[1] / before[0])
 
 
+def test_a_stiffer_floor_is_damped_no_more(standing):
+    """More than 2 / h would make standing feet swing about their places."""
+    stiff = standing(floor_stiffness=3e5).model
+    stiffness, damping = stiff.geom("floor").solref
+    assert (stiffness, damping) == (-3e5, standing().model.geom("floor").solref[1])
+    assert -damping / stiff.geom("floor").solimp[0] * stiff.opt.timestep < 2
+
+
+def test_the_floor_pushes_loose_legs_as_it_pushes_rigid_ones(standing):
+    """What the engine makes of stiffness, damping, impedance and mobility."""
+    loose, rigid = standing(play=0.01).model, standing().model
+    feet = [rigid.geom(f"foot_{leg}").bodyid[0] for leg in range(1, 7)]
+
+    def pushes(model):
+        floor, mobility = model.geom("floor"), model.body_invweight0[feet, 0].mean()
+        d = floor.solimp[0]
+        give = (1 - d) / d * mobility  # acceleration that a force does not hold up
+        return [*(floor.solref / d), give]
+
+    # numbers of six digits in the text of the model
+    assert pushes(loose) == pytest.approx(pushes(rigid), rel=1e-5)
+
+
+@pytest.mark.physics
+def test_a_robot_with_play_stands_without_rattling(standing):
+    model = standing(play=0.01).model
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_step(model, data, nstep=1000)
+    assert np.abs(data.qvel).max() < 0.01  # 0.5 rad/s with a floor damped too much
+
+
 def test_friction_of_a_foot_wins_over_that_of_the_floor(standing):
     values = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
     model = standing(foot_friction=values).model
