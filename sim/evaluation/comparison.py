@@ -7,7 +7,7 @@ from typing import Any
 
 HEADER = (
     f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics ends off by':28}"
-    f"{'at most':>9}{'margin':>10}{'slip':>11}"
+    f"{'at most':>10}{'margin':>10}{'slip':>11}"
 )
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are told
 TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told
@@ -147,12 +147,12 @@ def _row(
     x, y, yaw = pose
     end = f"{x:z8.4f} {y:z8.4f} {yaw:z8.4f}"
     way = "" if along is None else _way(along)
-    return f"{name:13}{end:29}{off:37}{way}".rstrip()
+    return f"{name:13}{end:29}{off:38}{way}".rstrip()
 
 
 def _off(error: Mapping[str, float], path_length: float) -> str:
     share = f"{error['position'] / path_length:6.2%}" if path_length else f"{'':6}"
-    farthest = f"{1e3 * error['farthest']:6.2f} mm" if "farthest" in error else ""
+    farthest = f"{1e3 * error['farthest']:7.2f} mm" if "farthest" in error else ""
     end = f"{1e3 * error['position']:6.2f} mm {share} {error['yaw']:7.4f} rad"
     return f"{end:28}{farthest}"
 
