@@ -37,13 +37,13 @@ def test_the_walk_starts_after_the_hold(judged):
     evaluation, summary = judged
     assert summary["walk_starts"] == pytest.approx(0.5)
     step = evaluation.walk.recording.moments.step
-    assert np.array_equal(step[evaluation.walking], step[step >= 1000])
+    assert np.array_equal(step[evaluation.walking], step[step >= 500])
 
 
 def test_slip_starts_with_the_walk(judged):
     evaluation, summary = judged
     recording = evaluation.walk.recording
-    since = recording.moments.slip[-1] - recording.slip_after(1000)
+    since = recording.moments.slip[-1] - recording.slip_after(500)
     assert evaluation.achieved.slip[-1] == pytest.approx(since, abs=1e-15)
     assert summary["achieved"]["slip"] == pytest.approx(since.sum())
 

@@ -186,7 +186,7 @@ def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch)
     with pytest.raises(ZeroDivisionError):
         run(load_scenario("line", SHORT), RunFolder(tmp_path))
     with np.load(tmp_path / "commands.npz") as commands:
-        assert np.array_equal(commands["time"], np.arange(len(commands["ctrl"])) * 5e-4)
+        assert np.array_equal(commands["time"], np.arange(len(commands["ctrl"])) * 1e-3)
 
 
 def carried_out(scenario, folder):
