@@ -50,7 +50,7 @@ class Exact:
             if lack > 0.0
         ]
         if self.excess > 1.0:
-            names = [f"strays {self.excess:.3g} times as far as it may", *names]
+            names = [f"strays {self.excess - 1:.2%} farther than it may", *names]
         return (
             f"{' and '.join(names)} between the points where it was checked; give "
             "larger tolerances, or ask for less"
@@ -112,7 +112,8 @@ class Between:
         padded = np.pad(amounts, (0, self.task.widest - len(amounts)))
         begin, places = solution.states[number][moved], solution.places
         ends = float(places[number]), float(places[number + 1])
-        found = self._known[stage](begin, solution.strokes[number], padded, *ends)
+        given = [begin, solution.strokes[number], padded, *ends]
+        found = self._known[stage].call(given)
         width, *lacks = (float(np.array(value).max(initial=0.0)) for value in found)
         return width, np.array(lacks)
 

@@ -12,6 +12,7 @@ import numpy as np
 from planner.errors import BoundError
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
+from planner.numerics.interruption import answer
 from planner.optimisation.between import Between, Exact
 from planner.optimisation.corridor import deviation
 from planner.optimisation.guesses import Coarse
@@ -128,7 +129,9 @@ class Optimiser:
         """
         goal = self.path(1.0) if goal is None else goal
         solutions, aim, best = self._solutions, goal, None
-        demands = [Demands.none(self.task, len(s.strokes)) for s in solutions]
+        demands: Sequence[Demands] = [
+            Demands.none(self.task, len(s.strokes)) for s in solutions
+        ]
         for _ in range(ROUNDS):
             flows = self.flows(solutions)
             miss, exact = goal - self._end(flows), self._exact(flows)
@@ -140,10 +143,16 @@ class Optimiser:
             aim = aim + miss
             before, demands = demands, self._between.demanded(demands, solutions, exact)
             changed = [d is not b for d, b in zip(demands, before, strict=True)]
-            again = self._again(solutions, demands, [*changed[:-1], True], aim)
-            if again is None:
+            try:
+                found = self._again(solutions, demands, [*changed[:-1], True], aim)
+            except KeyboardInterrupt as stop:
+                if best is None or type(stop) is not KeyboardInterrupt:
+                    raise
+                answer(stop)
                 break
-            solutions = again
+            if found is None:
+                break
+            solutions, demands = found
         if best is None:
             raise BoundError(f"the best plan found {exact.said(self.task)}")
         return self._plan(best[1], goal)
@@ -154,15 +163,27 @@ class Optimiser:
         demands: Sequence[Demands],
         changed: Sequence[bool],
         aim: Array,
-    ) -> list[Solution] | None:
-        """The solutions, of which some are solved again, and the last for an aim."""
+    ) -> tuple[list[Solution], list[Demands]] | None:
+        """The solutions, of which some are solved again, and the last for an aim.
+
+        Where a window has no such solution between its ends, all are solved as one.
+        """
         goals = [*(s.states[-1] for s in solutions[:-1]), aim]
-        found = [
-            self._search.again(*given) if anew else given[0]
-            for *given, anew in zip(solutions, goals, demands, changed, strict=True)
-        ]
-        whole = [solution for solution in found if solution is not None]
-        return whole if len(whole) == len(found) else None
+        found = list[Solution]()
+        for solution, goal, asked, anew in zip(
+            solutions, goals, demands, changed, strict=True
+        ):
+            again = self._search.again(solution, goal, asked) if anew else solution
+            if again is None:
+                break
+            found.append(again)
+        else:
+            return found, list(demands)
+        if len(solutions) == 1:
+            return None
+        whole, asked = Solution.joined(solutions), Demands.joined(demands)
+        again = self._search.again(whole, aim, asked)
+        return None if again is None else ([again], [asked])
 
     def _exact(self, flows: Sequence[Sequence[Flow]]) -> Exact:
         """How flows keep to the path, and to what else they have to keep."""

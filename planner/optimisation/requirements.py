@@ -36,6 +36,16 @@ class Demands:
         """Nothing in addition."""
         return cls(np.ones(count), np.zeros((count, len(task.inequalities))))
 
+    @classmethod
+    def joined(cls, parts: Sequence[Demands]) -> Demands:
+        """Demands on the stages of several solutions as one.
+
+        Args:
+            parts: In the order of the solutions.
+        """
+        shares = np.concatenate([part.shares for part in parts])
+        return cls(shares, np.vstack([part.lacks for part in parts]))
+
     def raised(self, shares: Array, lacks: Array) -> Demands:
         """Higher demands; the same if nothing is asked for.
 

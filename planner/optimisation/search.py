@@ -19,7 +19,6 @@ from planner.optimisation.requirements import TIGHTER, Demands
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.windows import (
     KEPT,
-    MOST,
     Report,
     Score,
     Window,
@@ -27,7 +26,7 @@ from planner.optimisation.windows import (
 )
 from planner.planning.paths import Path
 
-FEWEST = 3  # stages that the search begins with, at least
+FEWEST, MANY = 3, 48  # stages that the search begins with, at least and at most
 BEGIN = 10.0  # stages that it begins with, for each unit that a stroke moves by
 LONGEST = 15.0  # window at first, in units that a stroke moves by
 SHORTEST = 0.05  # window at last, likewise
@@ -139,4 +138,4 @@ class Search:
 
 def _first_count(length: float) -> int:
     """Stages to begin with, of a window in units that a stroke moves by."""
-    return int(np.clip(BEGIN * length, FEWEST, MOST))
+    return int(np.clip(BEGIN * length, FEWEST, MANY))

@@ -144,6 +144,24 @@ class Solution:
     cost: float
     width: float
 
+    @classmethod
+    def joined(cls, parts: Sequence[Solution]) -> Solution:
+        """Solutions that follow each other as one.
+
+        Args:
+            parts: Each begins where the one before it ends.
+        """
+        places = [parts[0].places, *(part.places[1:] for part in parts[1:])]
+        return cls(
+            first=parts[0].first,
+            strokes=np.concatenate([part.strokes for part in parts]),
+            recoveries=tuple(amounts for part in parts for amounts in part.recoveries),
+            states=np.vstack([parts[0].states, *(p.states[1:] for p in parts[1:])]),
+            places=np.concatenate(places),
+            cost=sum(part.cost for part in parts),
+            width=max(part.width for part in parts),
+        )
+
     def until(self, place: float) -> Solution:
         """The stages up to the first that ends beyond a place on the path."""
         count = int(np.searchsorted(self.places[1:-1], place)) + 1

@@ -8,23 +8,26 @@ import pytest
 from models.systems.catalogue import shipped_system
 from planner.errors import BoundError, BudgetError, StratumError
 from planner.extension.extended import extend
-from planner.optimisation import search, windows
+from planner.optimisation import optimise, program, requirements, search, windows
+from planner.optimisation.between import Exact
 from planner.optimisation.corridor import Tolerance, deviation
 from planner.optimisation.optimise import Criterion, Optimiser
+from planner.optimisation.requirements import Demands
 from planner.optimisation.solver import MissingSolverError
 from planner.optimisation.stages import cycle
 from planner.optimisation.task import Inequality, Task
 from planner.optimisation.windows import WindowSearch
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
-from planner.planning.rollouts import rollout
+from planner.planning.rollouts import play, rollout
 from planner.systems.fields import NumericField
 from planner.systems.strata import StratifiedSystem
 
 BIPED = shipped_system("biped")
 EXTENDED = extend(BIPED.system, BIPED.elements)
 STEP = line(np.zeros(7), [0.5, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0])
-POINTS = STEP.at(np.linspace(0, 1, 1001))
+POINTS_ALONG = np.linspace(0, 1, 1001)
+POINTS = STEP.at(POINTS_ALONG)
 POSITION, YAW, SPAN = 0.5, 1.0, 0.6
 
 
@@ -88,7 +91,7 @@ def test_fewest_switches_are_no_more_than_those_of_the_fastest(found):
 
 def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
     monkeypatch.setattr(search, "LONGEST", 2.0)
-    monkeypatch.setattr(search, "MOST", 8)
+    monkeypatch.setattr(search, "MANY", 8)
     monkeypatch.setattr(windows, "MOST", 8)
     monkeypatch.setattr(windows, "CLOSELY", 1)
     goal = np.array([4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -98,15 +101,61 @@ def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
     assert rollout(found)[-1] == pytest.approx(goal, abs=1e-6)
 
 
+def test_what_strays_between_its_checks_is_mended_in_every_window(monkeypatch):
+    for module in (program, requirements):  # so that nothing is kept in reserve
+        monkeypatch.setattr(module, "TIGHTER", 1.0)
+    for name, value in (("LONGEST", 1.0), ("MANY", 8)):
+        monkeypatch.setattr(search, name, value)
+    monkeypatch.setattr(windows, "CLOSELY", 1)
+    path = line(np.zeros(7), [2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    most, groups = np.array([0.3, 0.5]), [(0, 1), (2,)]
+    tight = (Tolerance((0, 1), most[0]), Tolerance((2,), most[1]))
+    optimiser, points = optimised(path, tolerances=tight), path.at(POINTS_ALONG)
+    assert len(optimiser._solutions) > 1
+    raw = [flow for part in optimiser.flows(optimiser._solutions) for flow in part]
+    states = play(BIPED.system, raw, path(0.0), optimise.SAMPLES)
+    assert (deviation(states, points, groups) / most).max() > 1.0001
+    states = rollout(optimiser.plan(), optimise.SAMPLES)
+    assert (deviation(states, points, groups) / most).max() <= 1.0
+
+
+def test_higher_demands_move_the_stages_of_one_window_between_its_ends(found):
+    optimiser = optimised()
+    (solution,) = optimiser._solutions
+    none = Demands.none(optimiser.task, len(solution.strokes))
+    exact = Exact(1.1, np.zeros(0))
+    (asked,) = optimiser._between.demanded([none], [solution], exact)
+    assert (asked.shares < 1.0).any()
+    again = optimiser._search.again(solution, solution.states[-1], asked)
+    assert again.states[-1] == pytest.approx(solution.states[-1], abs=1e-9)
+    for k in np.flatnonzero(asked.shares < 1.0)[:-1]:
+        off = np.linalg.norm((again.states[k + 1] - STEP(again.places[k + 1]))[:2])
+        assert off <= asked.shares[k] * POSITION
+
+
 def test_tolerances_that_are_not_kept_are_refused_with_those_that_are(monkeypatch):
-    monkeypatch.setattr(search, "MOST", 6)
+    monkeypatch.setattr(search, "MANY", 6)
     monkeypatch.setattr(windows, "MOST", 6)
     tight = (Tolerance((0, 1), 0.01), Tolerance((2,), 0.02))
     with pytest.raises(BoundError, match="within 0.01 and 0.02 .* nearest"):
         optimised(tolerances=tight).plan()
 
 
-def test_margins_are_kept_between_stages():
+def test_what_else_a_refused_plan_may_lack_is_named_by_its_task(monkeypatch):
+    for name, value in (("MANY", 6), ("SHORTEST", 0.2)):
+        monkeypatch.setattr(search, name, value)
+    for name, value in (("MOST", 6), ("ROUGHLY", 1)):
+        monkeypatch.setattr(windows, name, value)
+
+    def never(stage, state):
+        return [state[0] - 9.0]
+
+    asked = (Inequality("distance from home", never, relaxed=True),)
+    with pytest.raises(BoundError, match="and its distance from home may lack"):
+        optimised(inequalities=asked).plan()
+
+
+def test_inequalities_are_kept_as_stages_begin_and_end():
     def narrow(stage, state):
         return [0.3 - state[3], state[3] + 0.3]  # a leg's angle
 
