@@ -26,7 +26,7 @@ from planner.optimisation.windows import (
 )
 from planner.planning.paths import Path
 
-FEWEST, MANY = 3, 48  # stages that the search begins with, at least and at most
+FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
 BEGIN = 10.0  # stages that it begins with, for each unit that a stroke moves by
 LONGEST = 15.0  # window at first, in units that a stroke moves by
 SHORTEST = 0.05  # window at last, likewise

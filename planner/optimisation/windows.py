@@ -156,7 +156,7 @@ class WindowSearch:
 
     def _fewest(self, window: Window, few: int, count: int) -> int:
         """Find the fewest stages that do, if there are any; more than `few` of them."""
-        while (width := self._width(window, count, ROUGHLY)) > KEPT:
+        while (width := self._width_found(window, count)) > KEPT:
             if count >= MOST:
                 return count
             growth = np.clip(1 + STEEPNESS * (width - 1), STRIDE, 2.0)
@@ -168,6 +168,11 @@ class WindowSearch:
             else:
                 few = middle
         return count
+
+    def _width_found(self, window: Window, count: int) -> float:
+        """Least width of a number of stages, from more guesses if few lead nowhere."""
+        width = self._width(window, count, ROUGHLY)
+        return width if width < np.inf else self._width(window, count, CLOSELY)
 
     def _improve(self, window: Window, count: int) -> None:
         """Try more stages until they do no better."""

@@ -119,7 +119,7 @@ class PlannedWalk:
     @cached_property
     def _optimiser(self) -> Optimiser:
         setup = self.setup
-        path = setup.equations.configurations(setup.scenario.path.curve)
+        path = setup.equations.configurations(setup.scenario.path.undivided)
         return Optimiser(
             task_of(setup, self._within),
             criterion_of(setup),

@@ -44,6 +44,7 @@ class NominalPath:
         goal: Pose at s = 1.
         length: Arc length of the (x, y) curve itself [m].
         curve: The poses as the planner takes them.
+        uncut: The curve before it was divided; None for one that is not.
     """
 
     kind: str
@@ -51,6 +52,7 @@ class NominalPath:
     goal: Pose
     length: float
     curve: Path = field(compare=False, repr=False)
+    uncut: Path | None = field(default=None, compare=False, repr=False)
 
     def __call__(self, s: float) -> Array:
         """Pose at s, shape (3,)."""
@@ -58,7 +60,13 @@ class NominalPath:
 
     def recut(self, cuts: Array) -> NominalPath:
         """The same path, with s running evenly over the pieces between the cuts."""
-        return replace(self, curve=planner.recut(self.curve, cuts))
+        curve = planner.recut(self.curve, cuts)
+        return replace(self, curve=curve, uncut=self.undivided)
+
+    @property
+    def undivided(self) -> Path:
+        """The poses with s running as it did before the path was divided."""
+        return self.uncut or self.curve
 
 
 def line(goal: Sequence[float]) -> NominalPath:
