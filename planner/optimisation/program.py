@@ -125,7 +125,12 @@ class Program:
         unknown = self.unknowns.symbols()
         X, S, forward, backward, up, down, times, width = unknown
         D, A = forward - backward, up - down
-        states, places, numbers = list[Any](), list[Any](), list[int]()
+        states, places, wide, numbers = (
+            list[Any](),
+            list[Any](),
+            list[Any](),
+            list[int](),
+        )
         for stage in self._stages:
             k = [i for i, other in enumerate(self.unknowns.stages) if other == stage]
             after = [i + 1 for i in k]
@@ -139,10 +144,13 @@ class Program:
                 places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STEPS))
                 end = self.unknowns.count - 1 if last else None
                 numbers += [-1 if i == end else i for i in k]
-            ends_of, wider = (X[:, k], X[:, after]), width - TIGHTER
+            own = width[k] if width.numel() > 1 else ca.repmat(width, 1, len(k))
+            wide += [own] * STEPS
+            ends_of, wider = (X[:, k], X[:, after]), own - TIGHTER
             asked.inequalities(task, stage, self._start, ends_of, wider, k)
         along = following(task, self.path)
-        asked.corridor(along, states, places, width, np.array(numbers))
+        asked.corridor(along, states, places, wide, np.array(numbers))
+        asked.add(width[1:] - width[:-1], 0.0, 0.0)
         asked.add(S[1:] - S[:-1], 0.0, np.inf)
         lengths = forward + backward, up + down
         cost = self._cost(self.unknowns.stages, *lengths)
@@ -151,7 +159,7 @@ class Program:
             cost = ca.sum2(times) + PARALLEL * cost
         return {
             "x": ca.vertcat(*map(ca.vec, unknown)),
-            "f": cost + self._dear * width,
+            "f": cost + self._dear * width[-1],
             "g": ca.vertcat(*asked.rows),
         }
 

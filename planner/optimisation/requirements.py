@@ -101,7 +101,7 @@ class Requirements:
         following: Following,
         states: Sequence[Any],
         places: Sequence[Any],
-        width: Any,
+        widths: Sequence[Any],
         stages: Array,
     ) -> None:
         """Keep states within the tolerances of the path's points that go along.
@@ -110,15 +110,15 @@ class Requirements:
             following: The path and its tolerances.
             states: Columns of states.
             places: Where on the path the points are.
-            width: Of the corridor, in tolerances.
+            widths: Of the corridor there, in tolerances.
             stages: Number of each column's stage; one that is fixed has none, -1.
         """
         if not following.powers:
             return
         ca = solver()
         every, where = ca.horzcat(*states), ca.horzcat(*places)
-        everywhere = ca.repmat(width, 1, where.numel())
-        rows = following.function.map(where.numel())(every, where, everywhere)
+        wide = ca.horzcat(*widths)
+        rows = following.function.map(where.numel())(every, where, wide)
         powers = np.array(following.powers)[:, None]
 
         def narrowed(demands: Demands) -> Array:
@@ -147,7 +147,7 @@ class Requirements:
             stage: The stage.
             start: State that gives the coordinates that no stage moves, shape (n,).
             states: Where stages begin and end.
-            width: Of the corridor, in tolerances, beyond the least.
+            width: Of the corridor there, in tolerances, beyond the least.
             stages: Numbers of these stages.
         """
         if not task.inequalities:
@@ -172,7 +172,7 @@ class Requirements:
             return
         function = ca.Function("inequalities", [begin, end, more], [ca.vertcat(*parts)])
         count = states[0].shape[1]
-        mapped = function.map(count)(*states, ca.repmat(width, 1, count))
+        mapped = function.map(count)(*states, width)
 
         def narrowed(demands: Demands) -> Array:
             last = len(demands.shares) - 1

@@ -45,6 +45,15 @@ class Unknowns:
         """All of them in time order."""
         return tuple(self.task.stage(self.first + k) for k in range(self.count))
 
+    @property
+    def widths(self) -> int:
+        """Number of unknowns that stand for the width.
+
+        One that occurs in thousands of rows makes the solver's matrices dense. Each
+        stage has its own then, and they are asked to be equal.
+        """
+        return self.count if self.task.relaxed is not self.task else 1
+
     def symbols(self) -> tuple[Any, ...]:
         """CasADi's symbols in the order of the vector."""
         ca, task, count = solver(), self.task, self.count
@@ -56,7 +65,7 @@ class Unknowns:
             "up": (task.widest, count),
             "down": (task.widest, count),
             "times": (1, count if task.together else 0),
-            "width": (1, 1),
+            "width": (1, self.widths),
         }
         return tuple(ca.MX.sym(name, *shape) for name, shape in shapes.items())
 
@@ -70,7 +79,7 @@ class Unknowns:
             parts += [np.maximum(amounts, 0.0), np.maximum(-amounts, 0.0)]
         if self.task.together:
             parts.append(np.abs(solution.strokes))
-        parts.append(np.array([min(solution.width, WIDE)]))
+        parts.append(np.full(self.widths, min(solution.width, WIDE)))
         return np.concatenate(parts)
 
     def unpacked(self, values: Array, cost: float, start: Array) -> Solution:
@@ -112,8 +121,13 @@ class Unknowns:
         free = np.where(np.arange(wide) < np.array(laid)[:, None], np.inf, 0.0)
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
         times = np.full(count if self.task.together else 0, np.inf)
-        amounts, width = np.concatenate([*most, times]), np.array([narrowest])
-        high = [states[..., 1].ravel(), along[:, 1], amounts, np.array([np.inf])]
+        amounts, width = np.concatenate([*most, times]), np.full(self.widths, narrowest)
+        high = [
+            states[..., 1].ravel(),
+            along[:, 1],
+            amounts,
+            np.full(self.widths, np.inf),
+        ]
         low = [states[..., 0].ravel(), along[:, 0], np.zeros(len(amounts)), width]
         return np.concatenate(low), np.concatenate(high)
 
