@@ -14,7 +14,7 @@ them, which begins with the smallest number of stages that the first one has fou
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 
 import numpy as np
@@ -25,6 +25,7 @@ from planner.numerics.budget import tick
 from planner.numerics.interruption import answer
 from planner.optimisation.guesses import Coarse, guesses
 from planner.optimisation.program import Program
+from planner.optimisation.requirements import TIGHTER
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 
@@ -32,6 +33,7 @@ MOST = 96  # stages of a window
 BOTH = 20  # stages up to which the first may be any of the cycle's
 ROUGHLY = 2  # guesses that decide whether a number of stages will do
 CLOSELY = 5  # guesses at numbers of stages near the fewest
+FEW = 2  # guesses there, once all inequalities are kept, which decide more than they do
 STRIDE = 1.1  # from one number of stages that is tried to the next
 WORSE = 2  # numbers of stages without progress, after which the search ends
 BETTER = 0.999  # of the least so far, which is progress
@@ -111,8 +113,8 @@ class WindowSearch:
 
     def __post_init__(self) -> None:
         self.programs = Programs(self.task, self.path)
-        relaxed, same = self.task.relaxed, self.task.relaxed is self.task
-        self._relaxed = self.programs if same else Programs(relaxed, self.path)
+        without = Programs(self.task.relaxed, self.path)
+        self._relaxed = without if self._relaxes else self.programs
 
     def solve(self, window: Window, count: int) -> Solution | None:
         """The best that keeps the tolerances, or else the nearest to that.
@@ -126,7 +128,7 @@ class WindowSearch:
         """
         self._left = 1.0
         self._guesses.clear()
-        self._best, self.without = None, self.task.relaxed is not self.task
+        self._best, self.without = None, self._relaxes
         try:
             self._explore_both(window, count)
         except (KeyboardInterrupt, BudgetError) as stop:
@@ -185,7 +187,9 @@ class WindowSearch:
 
     def _width(self, window: Window, count: int, attempts: int) -> float:
         """Least width found for a number of stages; keeps the best solution."""
-        any_first = window.first == 0 and count <= BOTH
+        again = self._relaxes and not self.without
+        any_first = window.first == 0 and (count <= BOTH or again)
+        attempts = min(max(1, attempts // 2), FEW) if again else attempts
         turns = len(self.task.stages) if any_first else 1
         least = np.inf
         for first in range(window.first, window.first + turns):
@@ -212,12 +216,15 @@ class WindowSearch:
             guess = program.guess(strokes, window.start, window.ends)
             self._guesses[trial] = program.solve(guess, window.ends, window.goal)
         relaxed = self._guesses[trial]
-        if self.without or self.task.relaxed is self.task:
+        if self.without or not self._relaxes:
             return relaxed
         if relaxed is None or relaxed.width > KEPT or self._hopeless(relaxed):
             return None
         tick()
-        return self.programs(*trial[:2]).solve(relaxed, window.ends, window.goal)
+        guess = replace(relaxed, width=np.inf)  # far inside of a wide corridor
+        found = self.programs(*trial[:2]).solve(guess, window.ends, window.goal)
+        # what is left of the tolerances at the steps is no licence to violate the rest
+        return found and replace(found, width=found.width / TIGHTER)
 
     def _hopeless(self, relaxed: Solution) -> bool:
         """Whether more inequalities would only add to a score that is no better."""
@@ -238,6 +245,11 @@ class WindowSearch:
         if not self.without:
             stages, begin = len(found.strokes), float(found.places[0])
             tick(f"{stages} stages from {begin:.0%} of the path on")
+
+    @property
+    def _relaxes(self) -> bool:
+        """Whether some inequalities are left out at first."""
+        return self.task.relaxed is not self.task
 
     @staticmethod
     def _width_of(found: Solution | None) -> float:
