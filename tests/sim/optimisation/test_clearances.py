@@ -45,7 +45,7 @@ def test_outside_of_obstacles_they_are_exact_but_for_the_smoothing(passage, stra
     swing = rng.uniform(-0.45, 0.45, (60, 2))
     lift = np.array([g not in stratum for g in passage.robot.groups])
     lift = np.tile(lift * passage.limits.lift_angle, (60, 1))
-    exact = around.sweep(around.outline.configurations(poses, swing, lift)).least
+    exact = around.clearances(around.outline.configurations(poses, swing, lift)).least
     free = exact > 0
     assert 20 < free.sum() < 60
     least = np.array([float(found(x)) for x in np.hstack([poses, swing])])
