@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.dynamics import following, stage_function, whole_state
+from planner.optimisation.corridor import gaps
+from planner.optimisation.dynamics import stage_function, whole_state
 from planner.optimisation.requirements import Demands
 from planner.optimisation.solver import solver
 from planner.optimisation.stages import Stage
@@ -22,6 +23,7 @@ from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 
 FINE = 12  # steps of a stage
+POINTS = 1001  # of the path
 SAFE = 1e-3  # part of a tolerance asked in addition, because more moves the plan
 
 
@@ -89,7 +91,7 @@ class Between:
             for solution in solutions
             for k in range(len(solution.strokes))
         ]
-        over = np.array([max(1.0, width) for width, _ in looks])
+        over = np.maximum(1.0, self._widths(solutions, [states for states, _ in looks]))
         shares = np.ones(len(looks))
         if exact.excess > 1.0:
             over *= max(1.0, exact.excess / over.max())
@@ -103,39 +105,52 @@ class Between:
             for demands, share, lack in zip(before, *parts, strict=True)
         ]
 
-    def _looked_at(self, solution: Solution, number: int) -> tuple[float, Array]:
-        """Largest width and lacks within a stage."""
+    def _widths(self, solutions: Sequence[Solution], parts: Sequence[Array]) -> Array:
+        """Largest deviation over what is allowed, of the states of each stage.
+
+        The position is compared with the places on the path that the solutions know,
+        which follow each other in order.
+        """
+        asked = self.task.tolerances
+        groups = [list(tolerance.coordinates) for tolerance in asked]
+        points = self.path.at(np.linspace(0.0, 1.0, POINTS))
+        states = np.tile(points[0], (sum(map(len, parts)), 1))
+        states[:, self.task.moved] = np.vstack(parts)
+        found = gaps(states, points, groups)
+        share = np.arange(1, FINE + 1) / FINE
+        places = [
+            s.places[:-1, None] + np.diff(s.places)[:, None] * share for s in solutions
+        ]
+        apart = states - self.path.at(np.concatenate([p.ravel() for p in places]))
+        found[:, 0] = np.linalg.norm(apart[:, groups[0]], axis=1)
+        widths = (found / [t.most for t in asked]).max(axis=1)
+        return np.array([part.max() for part in np.split(widths, len(parts))])
+
+    def _looked_at(self, solution: Solution, number: int) -> tuple[Array, Array]:
+        """States within a stage, shape (FINE, m), and what they lack."""
         stage = self.task.stage(solution.first + number)
         if stage not in self._known:
             self._known[stage] = self._function(stage, solution.states[0])
-        moved, amounts = self.task.moved, solution.recoveries[number]
+        amounts = solution.recoveries[number]
         padded = np.pad(amounts, (0, self.task.widest - len(amounts)))
-        begin, places = solution.states[number][moved], solution.places
-        ends = float(places[number]), float(places[number + 1])
-        given = [begin, solution.strokes[number], padded, *ends]
-        found = self._known[stage].call(given)
-        width, *lacks = (float(np.array(value).max(initial=0.0)) for value in found)
-        return width, np.array(lacks)
+        begin = solution.states[number][self.task.moved]
+        states, *lacks = self._known[stage].call(
+            [begin, solution.strokes[number], padded]
+        )
+        return np.array(states).T, np.array([np.array(lack).max() for lack in lacks])
 
     def _function(self, stage: Stage, start: Array) -> Any:
-        """Widths and lacks at many steps, from what `_looked_at` gives."""
+        """States and lacks at many steps, from start, stroke and recoveries."""
         ca, task, n = solver(), self.task, len(self.task.moved)
         x, d, a = ca.MX.sym("x", n), ca.MX.sym("d"), ca.MX.sym("a", task.widest)
-        s, e, y = ca.MX.sym("s"), ca.MX.sym("e"), ca.SX.sym("y", n)
+        y, lacks = ca.SX.sym("y", n), list[Any]()
         moved = stage_function(task, stage, start, FINE)
         steps = moved(x, d, a)
-        where = s + (e - s) * ca.DM(np.arange(1, FINE + 1) / FINE).T
-        along = following(task, self.path)
-        found = along.function.map(FINE)(steps, where, ca.DM.zeros(1, FINE))
-        widths = [found[i, :] ** (1 / p) for i, p in enumerate(along.powers)]
         halfway = x if task.together else moved(x, 0.0, a / 2)[:, -1]
         every = ca.horzcat(x, halfway, steps)
         whole = whole_state(task, start, y)
-        lacks = []
         for inequality in task.inequalities:
             rows = ca.vertcat(ca.SX(0.0), *inequality.expressions(stage, whole))
             function = ca.Function("rows", [y], [rows])
             lacks.append(-function.map(every.shape[1])(every))
-        return ca.Function(
-            "stage", [x, d, a, s, e], [ca.vertcat(0, *map(ca.vec, widths)), *lacks]
-        )
+        return ca.Function("between", [x, d, a], [steps, *lacks])

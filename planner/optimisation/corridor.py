@@ -64,6 +64,24 @@ def deviation(
     return (most, *map(float, others))
 
 
+def gaps(states: Array, path: Array, groups: Sequence[Sequence[int]]) -> Array:
+    """How far each state is from its companion.
+
+    Args:
+        states: In time order, shape (T, n).
+        path: Points along the path, shape (K, n).
+        groups: Coordinates to compare together, as for `deviation`.
+
+    Returns:
+        Distances of every group, shape (T, G).
+    """
+    first = list(groups[0])
+    _, along = _along(states[:, first], path[:, first])
+    apart = states - path[along]
+    found = [np.linalg.norm(apart[:, list(group)], axis=1) for group in groups]
+    return np.stack(found, axis=1)
+
+
 def _along(states: Array, path: Array) -> tuple[float, Array]:
     """The Frechet distance, and the companion point of each state, shape (T,).
 

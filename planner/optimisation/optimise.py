@@ -29,7 +29,7 @@ Objective = Literal["time", "strokes", "switches"]
 Laid = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
 """Flows of each segment with what is left to lay, such as legs set anew between."""
 
-ROUNDS = 8  # of making a plan exact
+ROUNDS = 12  # of making a plan exact
 MISS = 1e-6  # of the goal, in units that a stroke moves by
 SAMPLES = 8  # of a flow, where a motion is compared with its path
 POINTS = 1001  # of the path, likewise
