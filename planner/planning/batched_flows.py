@@ -113,9 +113,10 @@ def _states(
     """States after each flow; None if so many nodes do not suffice."""
     batch = _Batch(system, flows, nodes)
     with np.errstate(all="ignore"):
-        if all(batch.advance(level, start) for level in order):
-            return batch.states[:, -1].T
-    return None
+        if not all(batch.advance(level, start) for level in order):
+            return None
+    ends: Array = batch.states[:, -1].T
+    return ends if np.isfinite(ends).all() else None
 
 
 class _Batch:
@@ -129,7 +130,9 @@ class _Batch:
         rows: dict[str, list[int]] = {}
         for k, flow in enumerate(flows):
             rows.setdefault(flow.field, []).append(k)
-        self.fields = [(system.compiled(name), on) for name, on in rows.items()]
+        self.fields = [
+            (system.compiled(name), np.array(on)) for name, on in rows.items()
+        ]
         self.states = np.zeros((system.dimension, nodes, len(flows)))
 
     def advance(self, level: Level, start: Array) -> bool:
@@ -141,6 +144,10 @@ class _Batch:
             if turned is None:
                 return False
             self._place(chosen, turned[None], begins)
+            return True
+        if not any(i in chosen for field, _ in self.fields for i, _ in field.varying):
+            steady = self._steady(chosen)[:, None] * self.durations
+            self._place(chosen, self.rule.nodes[:, None] * steady, begins)
             return True
         rates = self._rates(chosen) * self.durations
         self._place(chosen, self.rule.integral @ rates, begins)
@@ -159,11 +166,18 @@ class _Batch:
         self.states[coordinate] = value
         return self._rates([coordinate])[0]
 
+    def _steady(self, chosen: list[int]) -> Array:
+        """Rates of some coordinates where they are constant, (coordinates, flows)."""
+        steady = np.empty((len(chosen), self.durations.size))
+        for field, on in self.fields:
+            steady[:, on] = field.constant[chosen]
+        return steady
+
     def _rates(self, chosen: list[int]) -> Array:
         """Rates of some coordinates, shape (coordinates, nodes, flows)."""
         rates = np.empty((len(chosen), *self.states.shape[1:]))
+        rates[...] = self._steady(chosen)[:, None]
         for field, on in self.fields:
-            rates[:, :, on] = field.constant[chosen, 0][:, None, None]
             if any(i in chosen for i, _ in field.varying):
                 values = field.function(*self.states[:, :, on])
                 for (i, _), value in zip(field.varying, values, strict=True):

@@ -57,11 +57,13 @@ def play(
             f"start has shape {states[0].shape}; {system.dimension} coordinates are "
             "needed"
         )
-    parts = [
-        Flow(stratum, field, duration / samples)
-        for stratum, field, duration in flows
-        for _ in range(samples)
-    ]
+    parts = flows
+    if samples > 1:
+        parts = [
+            Flow(stratum, field, duration / samples)
+            for stratum, field, duration in flows
+            for _ in range(samples)
+        ]
     together = batched(system, parts, states[0]) if len(parts) >= MANY else None
     if together is not None:
         return np.concatenate([states, together])

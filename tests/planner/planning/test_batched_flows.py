@@ -76,6 +76,11 @@ def test_coordinates_that_drive_themselves_have_no_order():
     assert batched(system, [Flow("0", "f", 0.5)] * 9, np.ones(1)) is None
 
 
+def test_flows_beyond_all_numbers_are_left_to_others():
+    system = StratifiedSystem(["x"], {"0": {"f": ["1"]}}, "0")
+    assert batched(system, [Flow("0", "f", 1e308)] * 9, np.zeros(1)) is None
+
+
 def test_flows_too_long_for_their_polynomials_are_left_to_others():
     system = StratifiedSystem(["x", "y"], {"0": {"f": [1, "sin(x)"]}}, "0")
     assert batched(system, [Flow("0", "f", 500.0)] * 9, np.zeros(2)) is None
