@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 HEADER = (
-    f"{'':13}{'ends at x, y [m], yaw [rad]':29}{'physics ends off by':28}"
+    f"{'':13}{'ends at x, y [m], yaw [rad]':28}{'physics ends off by':28}"
     f"{'at most':>10}{'margin':>10}{'slip':>11}"
 )
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are told
@@ -147,7 +147,7 @@ def _row(
     x, y, yaw = pose
     end = f"{x:z8.4f} {y:z8.4f} {yaw:z8.4f}"
     way = "" if along is None else _way(along)
-    return f"{name:13}{end:29}{off:38}{way}".rstrip()
+    return f"{name:13}{end:28}{off:38}{way}".rstrip()
 
 
 def _off(error: Mapping[str, float], path_length: float) -> str:
