@@ -17,7 +17,6 @@ from sim.simulation import simulate
 WALK = {
     "path.goal": [0.01, 0.01, 0.0],
     "segments": 4,
-    "timestep": 0.001,
     "swing_speed": 1.0,
 }
 """How designs are tried: a step aside as long as one ahead."""
