@@ -23,12 +23,11 @@ from sim import load_scenario, simulate
 
 FAR = 0.8  # of the mean distance of the feet from the middle
 SEGMENTS = 20
-TIMESTEP = 0.001  # [s]
 PAGE = f"""# Adopted robots
 
 These robots were drawn as others draw them, without a card, and adopted by
 `stratawalk adopt FILE` alone; nothing was corrected by hand. Each walks from (0, 0, 0)
-to (s, s, 0) in {SEGMENTS} segments at a timestep of {1e3 * TIMESTEP:g} ms, where s is
+to (s, s, 0) in {SEGMENTS} segments, where s is
 {FAR} of the mean distance of its feet from the middle. The servos are the robot's own
 where it has any, and those that `adopt` drafted otherwise. The last but one column is
 the distance between where it ended and where the quasi-static prediction has it, as a
@@ -59,7 +58,6 @@ def row_of(adoptee: Adoptee, folder: Path) -> str:
         "robot": str(robot.path),
         "path.goal": [far, far, 0.0],
         "segments": SEGMENTS,
-        "timestep": TIMESTEP,
     }
     summary: Any = simulate(load_scenario("line", changes)).summary
     error, length = summary["error"], summary["path_length"]
