@@ -43,3 +43,13 @@ def test_the_goal_is_met_at_once_and_met_exactly_when_corrected(walked):
     at_once, corrected = walked[0]["missed"]
     assert at_once <= 1e-3
     assert corrected <= 1e-4
+
+
+def test_a_walk_between_walls_is_short_and_touches_none():
+    asked = {"optimise": "time", "plan_time": 3600.0}
+    summary = simulate(load_scenario("corridor", asked)).summary
+    assert summary["fallback"] is None
+    assert summary["simulated_time"] <= 90.0  # 86.4 measured, 391 by printed words
+    assert summary["wall_contacts"] == 0
+    assert summary["achieved"]["min_clearance"] >= 0.005
+    assert summary["error"]["goal"]["position"] <= 1e-3

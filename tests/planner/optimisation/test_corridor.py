@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from planner.optimisation.corridor import Tolerance, deviation
+from planner.optimisation.corridor import Tolerance, deviation, gaps
 
 POSITION, YAW = (0, 1), (2,)
 
@@ -28,6 +28,14 @@ def test_going_back_costs_half_the_way_back():
     states = along(np.concatenate([x, np.linspace(0.4, 1.0, 61)[1:]]))
     (position,) = deviation(states, PATH, [POSITION])
     assert position == pytest.approx(0.2, abs=1e-3)  # a point half a way back waits
+
+
+def test_gaps_say_which_state_is_how_far_off():
+    y = np.where(np.arange(50) == 20, 0.3, 0.1)
+    found = gaps(along(np.linspace(0, 1, 50), y=y, yaw=0.2), PATH, [POSITION, YAW])
+    assert found.shape == (50, 2)
+    assert found[:, 0] == pytest.approx(y, abs=1e-4)  # points are 0.001 apart
+    assert found[:, 1] == pytest.approx(0.2)
 
 
 def test_standing_still_does_not_follow_a_closed_path():

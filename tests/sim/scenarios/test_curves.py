@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipe
 
 from sim.errors import UsageError
-from sim.scenarios.body_path import decode, encode
+from sim.scenarios.body_path import decode, encode, line
 from sim.scenarios.file import dumps, load_scenario
 
 S = {"kind": "formulas", "x": "0.15*s", "y": "0.02*sin(2*pi*s)", "yaw": "pi/2*s"}
@@ -101,3 +101,11 @@ def test_files_of_spreadsheets_begin_with_a_mark(tmp_path):
     file.write_text("x,y,yaw\n0,0,0\n1,0,0", encoding="utf-8-sig")
     path = decode({"kind": "table", "file": str(file)})
     assert path.goal == (1, 0, 0)
+
+
+def test_a_path_that_is_divided_twice_knows_how_it_ran_before():
+    path = line((0.2, 0.1, 0.3))
+    divided = path.recut(np.array([0.0, 0.1, 1.0])).recut(np.array([0.0, 0.5, 1.0]))
+    assert path.undivided is path.curve
+    assert divided.undivided is path.curve
+    assert divided.curve(0.25) != pytest.approx(path(0.25))
