@@ -1,9 +1,12 @@
 """Scenarios that ask for short walks get them, within what else they ask for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from planner.errors import BoundError, BudgetError
+from planner.numerics.budget import limited
 from sim.errors import UsageError
 from sim.motion.sampling import inspections
 from sim.motion.stability import stability_margin
@@ -12,6 +15,7 @@ from sim.optimisation.judging import Judge
 from sim.optimisation.margins import margins
 from sim.optimisation.planned import PlannedWalk
 from sim.planning.open_loop import plan_open_loop
+from sim.planning.soundness import require_sound
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 
@@ -128,6 +132,15 @@ def test_a_plan_that_falls_back_says_why(monkeypatch, error, reason):
     chosen = PlannedWalk(setup).choose()
     assert chosen.fallback.startswith(reason)
     assert chosen.plan.flows == plan_open_loop(setup).flows
+
+
+def test_what_a_search_ends_with_is_looked_at_when_its_time_is_over(setup):
+    planned = plan_open_loop(setup)
+    with limited(1e-9):
+        require_sound(setup, planned)
+    stratified = replace(setup, scenario=replace(setup.scenario, optimise="none"))
+    with pytest.raises(BudgetError), limited(1e-9):
+        require_sound(stratified, planned)
 
 
 def test_a_plan_that_was_asked_for_does_not_say_that_it_falls_back(chosen):
