@@ -41,7 +41,7 @@ SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 FRESH = 1000  # cases after which libraries have kept enough for another process
 
 
-class Crew:
+class Worker:
     """One process that runs cases, and the next one where it fails."""
 
     def __init__(self, limit: float = LIMIT, patience: float | None = None) -> None:
@@ -106,7 +106,7 @@ class Crew:
     def _comes(self, seconds: float) -> bool:
         return any(self._cases.poll(SLICE) for _ in range(math.ceil(seconds / SLICE)))
 
-    def __enter__(self) -> Crew:
+    def __enter__(self) -> Worker:
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -187,11 +187,11 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=LIMIT, help="[s] for a case")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
-    with Crew(patience=asked.patience) as crew:
-        return _run(asked, crew)
+    with Worker(patience=asked.patience) as worker:
+        return _run(asked, worker)
 
 
-def _run(asked: argparse.Namespace, crew: Crew) -> int:
+def _run(asked: argparse.Namespace, worker: Worker) -> int:
     keep, done = Path(asked.keep).resolve(), Counter[str]()
     faults, longest = 0, dict[str, tuple[float, int]]()
     end = time.monotonic() + asked.seconds
@@ -201,7 +201,7 @@ def _run(asked: argparse.Namespace, crew: Crew) -> int:
         with tempfile.TemporaryDirectory() as folder:
             words = KINDS[kind](Path(folder), random.Random(seed))
             began = time.monotonic()
-            wrong = crew.fault(words, folder)
+            wrong = worker.fault(words, folder)
             took = time.monotonic() - began
             done[kind] += 1
             longest[kind] = max(longest.get(kind, (0.0, 0)), (round(took, 1), seed))

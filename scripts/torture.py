@@ -142,8 +142,8 @@ def main(numbers: Sequence[str]) -> int:
     """Run all rows, or those of some numbers; 1 if one does not end as it must."""
     rows = [row for row in ROWS if not numbers or str(row.number) in numbers]
     wrong, lines = 0, []
-    with ThreadPoolExecutor(AT_ONCE) as crew:
-        for row, end in zip(rows, crew.map(ending, rows), strict=True):
+    with ThreadPoolExecutor(AT_ONCE) as pool:
+        for row, end in zip(rows, pool.map(ending, rows), strict=True):
             lines.append(line(row, end))
             wrong += bool(end.wrong(row))
             print(f"{end.seconds:5.1f} s {lines[-1]}", flush=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import zipfile
+import zlib
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +20,7 @@ REMEDY = "give the folder of a finished run"
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 UNREADABLE = (
     OSError, KeyError, ValueError, IndexError, EOFError, ModelError, zipfile.BadZipFile,
+    zlib.error, csv.Error,
 )  # fmt: skip
 
 
@@ -34,9 +36,11 @@ def reading(folder: Path, otherwise: str, remedy: str = REMEDY) -> Iterator[None
     Raises:
         UsageError: If the block ends with an error of a file or what is in it.
     """
-    if not (folder / "scenario.toml").is_file():
-        raise UsageError("no such run folder", str(folder), remedy)
     try:
+        if not folder.is_dir():
+            raise UsageError("no such run folder", str(folder), remedy)
+        if not (folder / "scenario.toml").is_file():
+            raise FileNotFoundError("it lacks scenario.toml")
         yield
     except UsageError:
         raise
@@ -46,7 +50,10 @@ def reading(folder: Path, otherwise: str, remedy: str = REMEDY) -> Iterator[None
 
 
 def arrays_of(
-    folder: Path, name: str, keys: Collection[str] | None = None
+    folder: Path,
+    name: str,
+    keys: Collection[str] | None = None,
+    without: Collection[str] = (),
 ) -> dict[str, Array]:
     """Arrays of one of its files; those that are not there are left out.
 
@@ -54,15 +61,24 @@ def arrays_of(
         folder: Of the run.
         name: `trajectory.npz` or `commands.npz`.
         keys: Names of the arrays; all if not given.
+        without: Names of arrays that are not even decompressed.
     """
     with open_file(folder / name) as file, np.load(file, allow_pickle=False) as arrays:
-        return {key: arrays[key] for key in arrays if keys is None or key in keys}
+        asked = arrays.files if keys is None else keys
+        return {k: arrays[k] for k in arrays if k in asked and k not in without}
 
 
 def phases_of(folder: Path) -> list[dict[str, str]]:
-    """Lines of flows.csv, by the names of its columns."""
+    """Lines of flows.csv, by the names of its columns.
+
+    Raises:
+        ValueError: If a line has more or fewer entries than there are columns.
+    """
     text = read_file(folder / "flows.csv").decode()
-    return list(csv.DictReader(text.splitlines()))
+    lines = [line for line in csv.reader(text.splitlines()) if line]
+    if len({len(line) for line in lines}) != 1:
+        raise ValueError("flows.csv is incomplete")
+    return [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
 
 
 def nominal_poses(path: NominalPath) -> Array:

@@ -10,7 +10,7 @@ COMMAND = [sys.executable, "-m", "sim.cli"]
 OUTSIDE = {
     key: value
     for key, value in os.environ.items()
-    if key != gl.WISH and not key.startswith("PYTHON")
+    if key != gl.ASKED and not key.startswith("PYTHON")
 } | {"PYTHONPATH": os.getcwd()}
 """The tests' surroundings without what changes Python or the driver of pictures."""
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from scripts.torture_sweeps import DEADLY, sweep
 from sim.pictures import gl
 
-ENV = {k: v for k, v in os.environ.items() if k != gl.WISH}
+ENV = {k: v for k, v in os.environ.items() if k != gl.ASKED}
 ENV["PYTHONPATH"] = str(Path(__file__).parents[1])
 
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 HEADER = (
-    f"{'':13}{'ends at x, y [m], yaw [rad]':28}{'physics ends off by':28}"
-    f"{'at most':>10}{'margin':>10}{'slip':>11}"
+    f"{'':13}{'ends at x, y [m], yaw [rad]':28}{'physics ends off by':^30}"
+    f"{'at most':>8}{'margin':>10}{'slip':>11}"
 )
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are told
 TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told

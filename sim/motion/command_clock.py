@@ -6,7 +6,7 @@ import numpy as np
 
 from planner import Array
 
-SLACK = 1e-9  # of a command's number, for rounding
+SLACK = 1e-9  # of a number of a command or step, for rounding
 
 
 def command_at(step: Array, pace: float) -> Array:

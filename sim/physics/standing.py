@@ -24,6 +24,7 @@ from models import (
     silence_the_engine,
 )
 from sim.errors import UsageError
+from sim.world.integrator import suitable_integrator
 from sim.world.sensors import contact_sensor
 from sim.world.walls import PREFIX
 
@@ -93,8 +94,7 @@ def _blame_the_timestep(
     """Refuse the timestep instead, if the robot stands at a shorter one."""
     asked = model.opt.timestep
     for timestep in (step for step in SHORTER if step < asked):
-        finer = copy.copy(model)
-        finer.opt.timestep = timestep
+        finer = with_timestep(model, timestep)
         with suppress(ModelError):
             _check_standing(kinematics, finer, lift_angle)
             raise UsageError(
@@ -103,6 +103,19 @@ def _blame_the_timestep(
                 "timestep",
                 f"give at most {timestep:g}, at which it stands",
             ) from refusal
+
+
+def with_timestep(model: mujoco.MjModel, timestep: float) -> mujoco.MjModel:
+    """The same world with another timestep and the integrator that suits it.
+
+    Args:
+        model: World, which stays as it is.
+        timestep: Of the other one [s].
+    """
+    other = copy.copy(model)
+    other.opt.timestep = timestep
+    other.opt.integrator = suitable_integrator(other)
+    return other
 
 
 def _refuse(robot: Robot, problems: Iterable[tuple[str, str]]) -> None:

@@ -17,7 +17,7 @@ from sim.errors import RenderError
 
 BACKENDS = ("egl", "osmesa")  # in the order they are tried
 OFF = ("disable", "disabled", "off", "false", "0")  # as MuJoCo spells it
-WISH = "STRATAWALK_GL"  # what MUJOCO_GL said before physics silenced it
+ASKED = "STRATAWALK_GL"  # what MUJOCO_GL said before physics silenced it
 TRIAL_LIMIT = 60.0  # [s]; a trial takes 0.5 s
 INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,7 +30,7 @@ def choose() -> None:
     processes that draw: `osmesa` is then tried first, `disabled` forbids pictures, and
     any unknown value is ignored.
     """
-    os.environ.setdefault(WISH, os.environ.get("MUJOCO_GL", ""))
+    os.environ.setdefault(ASKED, os.environ.get("MUJOCO_GL", ""))
     os.environ["MUJOCO_GL"] = "disabled"
 
 
@@ -42,14 +42,14 @@ def probe() -> str:
     Raises:
         RenderError: If none does, or if MUJOCO_GL switches pictures off.
     """
-    wish = os.environ.get(WISH, os.environ.get("MUJOCO_GL", "")).strip().lower()
-    if wish in OFF:
+    asked = os.environ.get(ASKED, os.environ.get("MUJOCO_GL", "")).strip().lower()
+    if asked in OFF:
         raise RenderError(
             "pictures are switched off",
-            f"MUJOCO_GL={wish}",
+            f"MUJOCO_GL={asked}",
             f"unset MUJOCO_GL, or set it to {BACKENDS[0]}",
         )
-    return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != wish)))
+    return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != asked)))
 
 
 def environment(backend: str) -> dict[str, str]:

@@ -101,7 +101,7 @@ def _clearance(run: Record) -> Drawing:
 
 
 def _slip(run: Record) -> Drawing:
-    achieved, floor = MM * run.arrays["slip"], run.summary["achieved"]["creep_floor"]
+    achieved = MM * run.arrays["slip"]
     foreseen = MM * run.arrays[key_of(run.best, "slip")]
     with sheet(1.25 * HEIGHT) as (figure, axes):
         for i in range(len(run.legs)):
@@ -110,11 +110,12 @@ def _slip(run: Record) -> Drawing:
         _over_time(axes, run)
         axes.set_ylim(bottom=0)
         keys = [Key(f"leg {leg}", of_leg(i)) for i, leg in enumerate(run.legs)]
-        note = (
-            f"Dotted lines are the {PREDICTIONS[run.best]} prediction. Standing still "
-            f"for as long, all feet together creep by {MM * floor:.3g} mm: that much "
-            "is the solver's."
-        )
+        note = f"Dotted lines are the {PREDICTIONS[run.best]} prediction."
+        if (floor := run.summary["achieved"]["creep_floor"]) is not None:
+            note += (
+                f" Standing still for as long, all feet together creep by "
+                f"{MM * floor:.3g} mm: that much is the solver's."
+            )
         return finish(figure, "Slip of each foot since the start [mm]", keys, note)
 
 

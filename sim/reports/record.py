@@ -127,7 +127,6 @@ def read_run(folder: Path) -> Record:
 
 def _read(folder: Path) -> Record:
     settings = parse_toml(read_file(folder / "scenario.toml").decode())
-    arrays = arrays_of(folder, "trajectory.npz")
     return Record(
         folder=folder,
         summary=json.loads(read_file(folder / "summary.json")),
@@ -135,7 +134,7 @@ def _read(folder: Path) -> Record:
         card=read_card(folder / "model.toml"),
         card_text=read_file(folder / "model.toml").decode(),
         phases=tuple(map(_phase, phases_of(folder))),
-        arrays={k: array for k, array in arrays.items() if k not in ("qpos", "qvel")},
+        arrays=arrays_of(folder, "trajectory.npz", without=("qpos", "qvel")),
         nominal=nominal_poses(body_path.decode(settings["path"])),
         obstacles=tuple(
             piece.corners

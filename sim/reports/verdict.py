@@ -30,8 +30,7 @@ def _margin(achieved: Mapping[str, Any]) -> str:
 
 
 def _slip(achieved: Mapping[str, Any]) -> str:
-    slip, floor = MM * achieved["slip"], MM * achieved["creep_floor"]
-    return (
-        f"Its feet slipped {slip:.1f} mm in all; {floor:.2g} mm of that is the "
-        "solver's creep."
-    )
+    slipped = f"Its feet slipped {MM * achieved['slip']:.1f} mm in all"
+    if (floor := achieved["creep_floor"]) is None:
+        return f"{slipped}."
+    return f"{slipped}; {MM * floor:.2g} mm of that is the solver's creep."

@@ -18,7 +18,7 @@ import numpy as np
 from models import root_body
 from planner import Array
 from sim.errors import UsageError
-from sim.folder import whole
+from sim.folder import blamed_on, whole
 from sim.pictures import style
 from sim.pictures.clock import clock
 from sim.pictures.filmed_walk import FilmedWalk, read_walk
@@ -51,8 +51,8 @@ def write_replay(
         UsageError: If the folder holds no finished run, or viser is not installed.
         FilesError: If the page cannot be written.
     """
-    walk = read_walk(folder)
-    page = _page(walk, progress).encode()
+    with blamed_on(folder):
+        page = _page(read_walk(folder), progress).encode()
     path = folder / NAME
     with whole(path, len(page)) as part:
         part.write_bytes(page)

@@ -17,6 +17,7 @@ import mujoco
 
 from models import root_body
 from sim.errors import UsageError
+from sim.folder import blamed_on
 from sim.pictures.filmed_walk import FilmedWalk
 from sim.viewing.marks import Marks
 from sim.viewing.playback import Playback, RecordedWalk, read_recorded
@@ -63,9 +64,10 @@ def serve(
     Raises:
         UsageError: If the folder holds no finished run, or the port is taken.
     """
-    walk = read_recorded(folder)
-    model = looked_through(walk.shown)
-    playback = Playback(end=float(walk.shown.time[-1]), speed=speed)
+    with blamed_on(folder):
+        walk = read_recorded(folder)
+        model = looked_through(walk.shown)
+        playback = Playback(end=float(walk.shown.time[-1]), speed=speed)
     handle = _launch(walk, model, playback, (host, port), started)
     with handle:
         handle.set_model(model)

@@ -12,12 +12,21 @@ COMMANDS = {
     "film": ("film", "run", "--to", "0.1"),
     "show": ("show", "run", "--no-browser"),
     "export": ("export", "run", "--format", "csv", "--out", "e.csv"),
+    "view": ("view", "run", "--no-browser"),
+    "replay": ("view", "run", "--replay", "--no-browser"),
     "compare": ("compare", "run", "run", "--out", "c.html"),
 }
 
 
 def cut(path):
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def rotten(path):
+    content = bytearray(path.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 64] = bytes(64)
+    path.write_bytes(content)
 
 
 def emptied(path):
@@ -52,16 +61,18 @@ def without(key):
     )
 
 
+VIEWS = "film view replay"
 DAMAGES = {
-    "states cut": ("trajectory.npz", cut, "film show export compare"),
-    "states empty": ("trajectory.npz", emptied, "film show export compare"),
-    "states gone": ("trajectory.npz", removed, "film show export compare"),
+    "states cut": ("trajectory.npz", cut, f"{VIEWS} show export compare"),
+    "states rotten": ("trajectory.npz", rotten, VIEWS),
+    "states empty": ("trajectory.npz", emptied, f"{VIEWS} show export compare"),
+    "states gone": ("trajectory.npz", removed, f"{VIEWS} show export compare"),
     "states without rows": (
         "trajectory.npz",
         arrays(lambda kept: kept.update(time=kept["time"][:0])),
-        "film show",
+        f"{VIEWS} show",
     ),
-    "commands empty": ("commands.npz", emptied, "export"),
+    "commands empty": ("commands.npz", emptied, "view export"),
     "commands of no number": (
         "commands.npz",
         arrays(lambda kept: kept.update(ctrl=kept["ctrl"] * np.nan)),
@@ -74,11 +85,11 @@ DAMAGES = {
     ),
     "a summary without its name": ("summary.json", without("scenario"), "show"),
     "a summary cut": ("summary.json", cut, "show export compare"),
-    "phases cut": ("flows.csv", cut, "show compare"),
+    "phases cut": ("flows.csv", cut, f"{VIEWS} show compare"),
     "a phase of great length": (
         "flows.csv",
         words(lambda text: text + "1" * 200_000 + "\n"),
-        "show compare",
+        f"{VIEWS} show compare",
     ),
     "a model without its start": (
         "model.xml",
@@ -88,8 +99,9 @@ DAMAGES = {
     "a card without gait": (
         "model.toml",
         words(lambda text: text.partition("[gait]")[0]),
-        "film show export compare",
+        f"{VIEWS} show export compare",
     ),
+    "a scenario that is gone": ("scenario.toml", removed, f"{VIEWS} show compare"),
 }
 CASES = [
     (name, command) for name, (_, _, by) in DAMAGES.items() for command in by.split()

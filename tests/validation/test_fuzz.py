@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scripts.fuzz import LIMIT, Crew, decided
+from scripts.fuzz import LIMIT, Worker, decided
 from scripts.fuzz_inputs import KINDS
 from scripts.fuzz_worker import fault
 
@@ -59,10 +59,10 @@ def robot(folder, old, new):
 def test_a_case_that_never_ends_is_a_find_and_not_the_end_of_the_fuzz(tmp_path):
     """The compiler is busy for minutes, and no signal of Python's interrupts it."""
     robot(tmp_path, "<worldbody>", BOMB)
-    with Crew(limit=2) as crew:
-        assert "takes 2 s" in crew.fault(["robots", "mine.xml"], str(tmp_path))
+    with Worker(limit=2) as worker:
+        assert "takes 2 s" in worker.fault(["robots", "mine.xml"], str(tmp_path))
         (tmp_path / "mine.xml").write_text("")
-        assert crew.fault(["robots", "mine.xml"], str(tmp_path)) is None
+        assert worker.fault(["robots", "mine.xml"], str(tmp_path)) is None
 
 
 def test_what_the_real_command_bears_is_no_find(tmp_path):
@@ -70,8 +70,8 @@ def test_what_the_real_command_bears_is_no_find(tmp_path):
     more = '<asset><model name="a" file="mine.xml"/></asset><worldbody>'
     robot(tmp_path, "<worldbody>", f'{more}<attach model="a" prefix="q"/>')
     words = ["robots", "mine.xml"]
-    with Crew() as crew:
-        assert "does not survive" in str(crew.answer(words, str(tmp_path)))
+    with Worker() as worker:
+        assert "does not survive" in str(worker.answer(words, str(tmp_path)))
     assert decided(words, str(tmp_path)) is None
 
 

@@ -37,7 +37,7 @@ def test_everything_works_here(capsys):
 
 @pytest.mark.physics
 def test_pictures_switched_off_end_with_5_and_a_way_back(examined, monkeypatch):
-    monkeypatch.setenv(gl.WISH, "off")
+    monkeypatch.setenv(gl.ASKED, "off")
     code, findings = examined()
     assert code == 5
     assert findings["rendering"]["repair"].startswith("unset MUJOCO_GL")
@@ -48,7 +48,7 @@ def test_pictures_switched_off_end_with_5_and_a_way_back(examined, monkeypatch):
 @pytest.mark.physics
 def test_an_encoder_that_fails_is_named_with_its_repair(examined, monkeypatch):
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", "/bin/false")
-    monkeypatch.setenv(gl.WISH, "off")
+    monkeypatch.setenv(gl.ASKED, "off")
     _, findings = examined()
     assert "/bin/false" in findings["film"]["detail"]
     assert "imageio-ffmpeg" in findings["film"]["repair"]
@@ -57,7 +57,7 @@ def test_an_encoder_that_fails_is_named_with_its_repair(examined, monkeypatch):
 @pytest.mark.physics
 def test_a_missing_package_is_to_be_installed(examined, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "matplotlib.figure", None)
-    monkeypatch.setenv(gl.WISH, "off")
+    monkeypatch.setenv(gl.ASKED, "off")
     _, findings = examined()
     assert not findings["figures"]["works"]
     assert findings["figures"]["repair"].endswith("--force-reinstall matplotlib")
@@ -73,7 +73,7 @@ def test_a_report_that_cannot_be_drawn_is_repaired_by_its_own_package(
         raise TypeError("no such filter")
 
     monkeypatch.setattr(templates, "template", broken)
-    monkeypatch.setenv(gl.WISH, "off")
+    monkeypatch.setenv(gl.ASKED, "off")
     code, findings = examined()
     assert code == 5
     assert findings["report"]["repair"].endswith("--force-reinstall jinja2")
@@ -85,7 +85,7 @@ def test_a_film_is_really_made(examined, monkeypatch):
     from sim.pictures import file
 
     monkeypatch.setattr(file, "count_pictures", lambda film: 0)
-    monkeypatch.setenv(gl.WISH, "off")
+    monkeypatch.setenv(gl.ASKED, "off")
     _, findings = examined()
     assert "0 of 3 pictures" in findings["film"]["detail"]
 

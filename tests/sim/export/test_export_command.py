@@ -154,4 +154,4 @@ def test_a_file_that_cannot_be_made_is_refused_before_the_walk(
 def test_a_folder_that_is_no_run_is_refused(tmp_path, capsys):
     out = str(tmp_path / "walk")
     assert main(["export", str(tmp_path), "--format", "csv", "--out", out]) == 2
-    assert "no such run folder" in capsys.readouterr().err
+    assert "not a finished run, it lacks scenario.toml" in capsys.readouterr().err

@@ -19,7 +19,7 @@ UNIT = ((1.0, 0.0), (0.0, 1.0))
 STANDING = LegState((0.0, 0.0), "12")
 
 
-def lay(*flows):
+def scheduled(*flows):
     scheduler = Scheduler(LIMITS, STANDING)
     scheduler.hold(0.1)
     for stratum, group, amount in flows:
@@ -28,7 +28,7 @@ def lay(*flows):
     return scheduler.finish()
 
 
-WALK = lay(("1", 0, 0.2), ("1", 1, -0.1), ("2", 1, 0.003), ("2", 0, -0.4))
+WALK = scheduled(("1", 0, 0.2), ("1", 1, -0.1), ("2", 1, 0.003), ("2", 0, -0.4))
 
 
 @pytest.mark.parametrize("amount", [1e-6, 0.003, 0.05, 0.4, -0.4, 3.0])

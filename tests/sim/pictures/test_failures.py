@@ -113,7 +113,7 @@ def test_an_unfinished_run_is_refused(folder, name):
 
 def test_a_folder_without_a_scenario_is_no_run(folder):
     (folder / "scenario.toml").unlink()
-    with pytest.raises(UsageError, match="no such run folder"):
+    with pytest.raises(UsageError, match="unfinished run, it lacks scenario.toml"):
         read_walk(folder)
 
 

@@ -14,9 +14,9 @@ NO_EGL = {"__EGL_VENDOR_LIBRARY_FILENAMES": os.devnull}  # libEGL without a vend
 
 @pytest.fixture(autouse=True)
 def clean(monkeypatch):
-    """No wish and no memory of earlier trials, before the test and after it."""
+    """No driver asked for, none remembered, before the test and after it."""
     monkeypatch.setenv("MUJOCO_GL", "")
-    monkeypatch.delenv(gl.WISH, raising=False)
+    monkeypatch.delenv(gl.ASKED, raising=False)
     gl._first_that_draws.cache_clear()
     yield
     gl._first_that_draws.cache_clear()
@@ -128,9 +128,9 @@ def test_physics_imports_mujoco_whatever_the_environment_says(value):
 
 def test_the_wish_outlives_the_silence(monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "osmesa")
-    monkeypatch.setenv(gl.WISH, "")  # for monkeypatch to undo what choose() does
-    monkeypatch.delenv(gl.WISH)
+    monkeypatch.setenv(gl.ASKED, "")  # for monkeypatch to undo what choose() does
+    monkeypatch.delenv(gl.ASKED)
     gl.choose()
     gl.choose()
     assert os.environ["MUJOCO_GL"] == "disabled"
-    assert os.environ[gl.WISH] == "osmesa"
+    assert os.environ[gl.ASKED] == "osmesa"

@@ -30,8 +30,8 @@ def moves(*given):
     return [(0, flow, direction) for flow, direction in given]
 
 
-def changes(laid):
-    return sum(np.multiply(flow.duration, direction) for _, flow, direction in laid)
+def changes(moved):
+    return sum(np.multiply(flow.duration, direction) for _, flow, direction in moved)
 
 
 def test_a_recovery_goes_along_with_the_stroke_of_its_stay():
@@ -47,9 +47,9 @@ def test_a_recovery_is_shared_out_among_the_strokes_of_a_stay():
         (Flow("1", "g1_2", 0.2), RECOVERY),
         (Flow("1", "other", -0.1), STROKE),
     )
-    laid = together(stay, GROUPS)
-    assert [d[1] * f.duration for _, f, d in laid] == pytest.approx([0.15, 0.05])
-    assert changes(laid) == pytest.approx(changes(stay))
+    shared = together(stay, GROUPS)
+    assert [d[1] * f.duration for _, f, d in shared] == pytest.approx([0.15, 0.05])
+    assert changes(shared) == pytest.approx(changes(stay))
 
 
 def test_other_stays_are_left_alone():
@@ -101,7 +101,7 @@ def contacts(phases):
     return [(phase.kind, GROUPS[phase.moving[0]]) for phase in moved]
 
 
-def laid(flows, gait=None):
+def scheduled(flows, gait=None):
     changes = {"segments": 1} | ({"gait": gait} if gait else {})
     setup = prepare(load_scenario("line", changes))
     scheduler = Scheduler(setup.limits, setup.at_rest)
@@ -118,12 +118,13 @@ def test_a_gait_is_walked_in_full_also_where_nothing_flows():
     """S1, S2 and again S1, between which the gait comes back to S12 and S1."""
     twice = ["12", "1", "12", "1", "12", "2", "12"]
     flows = [Flow("1", "g1_1", 0.2), Flow("2", "g2_2", 0.1), Flow("1", "g1_1", -0.2)]
-    assert contacts(laid(flows)) == [UP_2, DOWN_2, UP_1, DOWN_1, UP_2, DOWN_2]
-    assert contacts(laid(flows, twice)) == contacts(laid(flows))  # enters it half-way
+    assert contacts(scheduled(flows)) == [UP_2, DOWN_2, UP_1, DOWN_1, UP_2, DOWN_2]
+    half_way = contacts(scheduled(flows, twice))  # where it enters the gait
+    assert half_way == contacts(scheduled(flows))
     back = [*flows, Flow("2", "g2_2", -0.1)]
     once = [UP_2, DOWN_2, UP_1, DOWN_1]
-    assert contacts(laid(back, twice)) == [*once, UP_2, DOWN_2, *once]
-    assert visited(laid(back, twice)) == ["1", "2", "1", "2"]
+    assert contacts(scheduled(back, twice)) == [*once, UP_2, DOWN_2, *once]
+    assert visited(scheduled(back, twice)) == ["1", "2", "1", "2"]
 
 
 def test_between_two_strokes_on_a_stratum_the_gait_goes_around():
@@ -131,7 +132,7 @@ def test_between_two_strokes_on_a_stratum_the_gait_goes_around():
     flows = [Flow("2", "g2_2", 0.2), Flow("1", "g1_1", 0.1), Flow("2", "g2_2", -0.2)]
     thrice = ["12", "1", "12", "1", "12", "1", "12", "2", "12"]
     turn = [UP_2, DOWN_2]
-    assert contacts(laid(flows, thrice)) == [UP_1, DOWN_1, *turn * 3, UP_1, DOWN_1]
+    assert contacts(scheduled(flows, thrice)) == [UP_1, DOWN_1, *turn * 3, UP_1, DOWN_1]
 
 
 def test_the_gait_of_the_card_changes_nothing_for_tripods():

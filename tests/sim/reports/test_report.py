@@ -15,7 +15,10 @@ from sim.folder import RunFolder
 from sim.pictures.run_film import film_folder
 from sim.pictures.style import FRAME_RATE
 from sim.reports.page import NAME, write_report
-from sim.run_folder import run
+from sim.run_folder import run, write
+from sim.scenarios.body_path import line
+from sim.scenarios.scenario import Scenario
+from sim.simulation import simulate
 from tests.browser import ask
 
 SEEN = """
@@ -181,8 +184,20 @@ def test_show_draws_the_report_again_and_prints_its_path(folder, capsys):
     assert (folder / NAME).exists()
 
 
+def test_a_run_without_a_creep_floor_says_nothing_of_it(tmp_path):
+    """Its parts are left out as the table of a comparison leaves out what is not."""
+    short = Scenario(name="short", segments=1, path=line((0.01, 0.0, 0.0)))
+    done = simulate(short, without=("identified", "creep_floor"))
+    folder = write(done, tmp_path / "run")
+    page = (folder / NAME).read_text()
+    assert "Its feet slipped" in page
+    assert "creep" not in page.partition("<table")[0]
+    assert main(["compare", str(folder), str(folder)]) == 0
+
+
 def test_show_of_what_is_no_run_is_refused(tmp_path, capsys):
     assert main(["show", str(tmp_path)]) == 2
+    assert "it lacks scenario.toml" in capsys.readouterr().err
     assert main(["show", str(tmp_path / "nothing")]) == 2
     assert "no such run folder" in capsys.readouterr().err
     with pytest.raises(UsageError):

@@ -37,8 +37,12 @@ def test_time_passes_at_its_speed_stops_and_ends_with_the_walk():
 
 
 def test_a_folder_that_is_no_run_is_refused(tmp_path):
-    with pytest.raises(UsageError, match="no such run folder"):
+    with pytest.raises(UsageError, match="it lacks scenario.toml"):
         read_recorded(tmp_path)
+    with pytest.raises(UsageError, match="no such run folder"):
+        read_recorded(tmp_path / "nothing")
+    with pytest.raises(UsageError, match="File name too long"):
+        read_recorded(tmp_path / ("long" * 100))
 
 
 def test_a_run_without_its_commands_is_refused(folder):

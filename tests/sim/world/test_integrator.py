@@ -3,7 +3,7 @@
 import mujoco
 import pytest
 
-from models.library import load
+from models.library import load, shipped_robots
 from sim.preparation.setup import prepare
 from sim.world.integrator import STABLE, explicitness, suitable_integrator
 
@@ -48,7 +48,7 @@ def test_eulers_integrator_diverges_from_two_on(factor):
     assert (abs(data.qvel[0]) > 1) == (factor > 1)
 
 
-@pytest.mark.parametrize("name", ["hexapod", "hexapod-classroom", "quadruped"])
+@pytest.mark.parametrize("name", shipped_robots())
 def test_shipped_robots_are_integrated_by_euler(name, scenario):
     model = prepare(scenario(), load(name)).model
     assert explicitness(model) < STABLE
