@@ -63,9 +63,9 @@ def test_angles_are_the_commands_of_the_run_at_their_instants(walked, tmp_path, 
     names = values.dtype.names
     assert names[:3] == ("time", "swing_1", "lift_1")
     assert len(names) == 1 + ctrl.shape[1]
-    assert len(values) == np.ceil(len(ctrl) / 40)
+    assert len(values) == np.ceil(len(ctrl) / 20)
     for number, name in enumerate(names[1:]):
-        assert (values[name] == ctrl[::40, number]).all(), name
+        assert (values[name] == ctrl[::20, number]).all(), name
 
 
 def test_a_walk_for_servos_of_no_rate_is_noticed(walked, tmp_path, capsys):
