@@ -59,6 +59,12 @@ class Exact:
         )
 
 
+def _blamed(excess: Array) -> Array:
+    """Stages that exceed something, or all where none does, along the first axis."""
+    blamed: Array = (excess > 0.0) | ~(excess > 0.0).any(axis=0)
+    return blamed
+
+
 @dataclass
 class Between:
     """Looks at the motion within stages.
@@ -94,11 +100,11 @@ class Between:
         over = np.maximum(1.0, self._widths(solutions, [states for states, _ in looks]))
         shares = np.ones(len(looks))
         if exact.excess > 1.0:
-            over *= max(1.0, exact.excess / over.max())
-            shares = 1.0 / np.where(over > 1.0, over + SAFE, 1.0)
+            more = max(1.0, exact.excess / over.max())
+            shares = np.where(_blamed(over - 1.0), 1.0 / (over * more + SAFE), 1.0)
         own = np.array([lacks for _, lacks in looks])
-        lacks = own + np.maximum(exact.lacks - own.max(axis=0), 0.0)
-        lacks = np.where(exact.lacks > 0.0, lacks, 0.0)
+        more = np.maximum(exact.lacks - own.max(axis=0), 0.0)
+        lacks = np.where(_blamed(own) & (exact.lacks > 0.0), own + more, 0.0)
         parts = np.split(shares, starts[:-1]), np.split(lacks, starts[:-1])
         return [
             demands.raised(share, lack)

@@ -12,6 +12,7 @@ import numpy as np
 from planner.errors import BoundError
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
+from planner.numerics.budget import unlimited
 from planner.numerics.interruption import answer
 from planner.optimisation.between import Between, Exact
 from planner.optimisation.corridor import deviation
@@ -26,11 +27,12 @@ from planner.planning.rollouts import play
 from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]
-Laid = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
-"""Flows of each segment with what is left to lay, such as legs set anew between."""
+Completion = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
+"""Flows of each segment with those that belong between, such as legs set anew."""
 
 ROUNDS = 12  # of making a plan exact
 MISS = 1e-6  # of the goal, in units that a stroke moves by
+FAR = 1e-2  # of the goal, which no plan misses by as much
 SAMPLES = 8  # of a flow, where a motion is compared with its path
 POINTS = 1001  # of the path, likewise
 
@@ -43,13 +45,13 @@ class Criterion:
         objective: What is to be least.
         duration: Time that flows in their order take.
         predict: State that flows lead to; played on the task's system if not given.
-        lay: What is laid between the flows afterwards; nothing if not given.
+        complete: Adds what belongs between the flows; nothing is added if not given.
     """
 
     objective: Objective
     duration: Callable[[Sequence[Flow]], float]
     predict: Callable[[Sequence[Flow]], Array] | None = None
-    lay: Laid | None = None
+    complete: Completion | None = None
 
 
 class Optimiser:
@@ -109,7 +111,8 @@ class Optimiser:
                 middle = float(np.mean(solution.places[k : k + 2]))
                 segment = min(int(middle * self.segments), self.segments - 1)
                 parts[segment] += stage.flows(float(stroke), recoveries.tolist())
-        return self.criterion.lay(parts) if self.criterion.lay else parts
+        complete = self.criterion.complete
+        return complete(parts) if complete else parts
 
     def plan(self, goal: Array | None = None) -> Plan:
         """The plan, made exact: it meets its goal and keeps to what it has to keep.
@@ -128,17 +131,25 @@ class Optimiser:
             MissingSolverError: If CasADi is not installed.
         """
         goal = self.path(1.0) if goal is None else goal
-        solutions, aim, best = self._solutions, goal, None
+        solutions = self._solutions
+        with unlimited():  # what was found in time is not to be lost now
+            return self._plan(self._made_exact(solutions, goal), goal)
+
+    def _made_exact(
+        self, solutions: Sequence[Solution], goal: Array
+    ) -> list[list[Flow]]:
+        """Flows of each segment that meet the goal and keep to what they have to."""
+        aim, best, interrupted = goal, None, False
         demands: Sequence[Demands] = [
             Demands.none(self.task, len(s.strokes)) for s in solutions
         ]
-        for _ in range(ROUNDS):
+        for left in reversed(range(ROUNDS)):
             flows = self.flows(solutions)
             miss, exact = goal - self._end(flows), self._exact(flows)
             off = self._off(miss)
             if exact.kept and (best is None or off < best[0]):
                 best = off, flows
-            if exact.kept and off < MISS:
+            if left == 0 or (exact.kept and off < MISS):
                 break
             aim = aim + miss
             before, demands = demands, self._between.demanded(demands, solutions, exact)
@@ -149,13 +160,19 @@ class Optimiser:
                 if best is None or type(stop) is not KeyboardInterrupt:
                     raise
                 answer(stop)
+                interrupted = True
                 break
             if found is None:
                 break
             solutions, demands = found
         if best is None:
             raise BoundError(f"the best plan found {exact.said(self.task)}")
-        return self._plan(best[1], goal)
+        if best[0] > FAR and not interrupted:
+            raise BoundError(
+                f"the best plan found misses its goal by {best[0]:.2g} of what a unit "
+                "of its strokes moves by; give larger tolerances"
+            )
+        return best[1]
 
     def _again(
         self,

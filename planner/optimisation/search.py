@@ -85,7 +85,7 @@ class Search:
             count = len(found.strokes)
             done.append(found if last else found.until(float(np.mean(ends))))
             here, place = done[-1].states[-1], 1.0 if last else done[-1].places[-1]
-            first += len(done[-1].strokes)
+            first = done[-1].first + len(done[-1].strokes)
             self.report(place)
         return done
 
@@ -119,16 +119,22 @@ class Search:
 
     def _refusal(self, window: Window, found: Solution | None) -> BoundError:
         """Says which tolerances were kept, at most stages on the shortest window."""
-        if found is None:
-            return BoundError(
-                f"no plan was found along the path, whatever its tolerances, at "
-                f"{window.ends[0]:.0%} of it; take a path that the joint ranges allow"
-            )
-        kept = " and ".join(f"{found.width * t.most:.3g}" for t in self.task.tolerances)
-        asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
-        lack = (found.width - TIGHTER) * self.task.unit(self.path(0.0))
         relaxed = [i.name for i in self.task.inequalities if i.relaxed]
         names = " and ".join([] if self._windows.without else relaxed)
+        if found is None:
+            remedy = (
+                f"ask for less {names}"
+                if names
+                else "take a path that the joint ranges allow"
+            )
+            return BoundError(
+                f"no plan was found along the path, whatever its tolerances, at "
+                f"{window.ends[0]:.0%} of it; {remedy}"
+            )
+        width = found.width * TIGHTER if names else found.width
+        kept = " and ".join(f"{width * t.most:.3g}" for t in self.task.tolerances)
+        asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
+        lack = (width - TIGHTER) * self.task.unit(self.path(0.0))
         lacking = f", and its {names} may lack {lack:.3g}" if names else ""
         return BoundError(
             f"no plan was found within {asked} of the path at {window.ends[0]:.0%} of "

@@ -54,7 +54,7 @@ class Task:
         price: Cost of one unit of each field, such as its time; 1 if not given.
         together: Whether recoveries happen during strokes.
         centred: Whether every stroke starts from legs set anew around zero, whose
-            recoveries are laid later.
+            recoveries are added later.
         inequalities: What else must hold in every stage.
     """
 

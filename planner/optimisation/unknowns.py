@@ -117,8 +117,8 @@ class Unknowns:
             states[-1] = goal[moved, None]
         along = np.tile(np.array(places), (count + 1, 1))
         along[0], along[-1] = places
-        laid = [0 if self.task.centred else len(s.recoveries) for s in self.stages]
-        free = np.where(np.arange(wide) < np.array(laid)[:, None], np.inf, 0.0)
+        here = [0 if self.task.centred else len(s.recoveries) for s in self.stages]
+        free = np.where(np.arange(wide) < np.array(here)[:, None], np.inf, 0.0)
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
         times = np.full(count if self.task.together else 0, np.inf)
         amounts, width = np.concatenate([*most, times]), np.full(self.widths, narrowest)

@@ -62,6 +62,11 @@ class Window:
     goal: Array | None
     first: int
 
+    @property
+    def begins(self) -> bool:
+        """Whether the motion begins here, so that any stage may be the first."""
+        return self.ends[0] == 0.0
+
 
 @dataclass
 class Programs:
@@ -144,7 +149,7 @@ class WindowSearch:
         return self._best
 
     def _explore_both(self, window: Window, count: int) -> None:
-        few = 0 if window.first == 0 else round(count / STRIDE**2)
+        few = 0 if window.begins else round(count / STRIDE**2)
         self._tried.clear()
         count = self._fewest(window, few, count)
         if self.without:
@@ -188,7 +193,7 @@ class WindowSearch:
     def _width(self, window: Window, count: int, attempts: int) -> float:
         """Least width found for a number of stages; keeps the best solution."""
         again = self._relaxes and not self.without
-        any_first = window.first == 0 and (count <= BOTH or again)
+        any_first = window.begins and (count <= BOTH or again)
         attempts = min(max(1, attempts // 2), FEW) if again else attempts
         turns = len(self.task.stages) if any_first else 1
         least = np.inf

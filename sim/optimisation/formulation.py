@@ -135,7 +135,7 @@ def criterion_of(setup: Setup) -> Criterion:
         objective=objective,
         duration=judge.duration,
         predict=judge.end,
-        lay=judge.stepped if _centred(setup) else None,
+        complete=judge.stepped if _centred(setup) else None,
     )
 
 

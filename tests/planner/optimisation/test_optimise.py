@@ -1,6 +1,7 @@
 """Optimised plans meet their goals, keep to their paths, and are short."""
 
 import sys
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,7 +9,15 @@ import pytest
 from models.systems.catalogue import shipped_system
 from planner.errors import BoundError, BudgetError, StratumError
 from planner.extension.extended import extend
-from planner.optimisation import optimise, program, requirements, search, windows
+from planner.numerics.budget import limited
+from planner.optimisation import (
+    between,
+    optimise,
+    program,
+    requirements,
+    search,
+    windows,
+)
 from planner.optimisation.between import Exact
 from planner.optimisation.corridor import Tolerance, deviation
 from planner.optimisation.optimise import Criterion, Optimiser
@@ -101,6 +110,21 @@ def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
     assert rollout(found)[-1] == pytest.approx(goal, abs=1e-6)
 
 
+def test_stages_go_on_where_the_window_before_ended(monkeypatch):
+    """Also where the first window begins with another stage than the cycle does."""
+    for name, value in (("LONGEST", 2.0), ("MANY", 8)):
+        monkeypatch.setattr(search, name, value)
+    for name, value in (("MOST", 8), ("CLOSELY", 1)):
+        monkeypatch.setattr(windows, name, value)
+    optimiser = optimised(line(np.zeros(7), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    optimiser._search._windows.score = lambda solution: -solution.first
+    solutions, cycle_length = optimiser._solutions, len(optimiser.task.stages)
+    assert len(solutions) > 1
+    assert solutions[0].first == 1
+    for before, after in pairwise(solutions):
+        assert after.first == (before.first + len(before.strokes)) % cycle_length
+
+
 def test_what_strays_between_its_checks_is_mended_in_every_window(monkeypatch):
     for module in (program, requirements):  # so that nothing is kept in reserve
         monkeypatch.setattr(module, "TIGHTER", 1.0)
@@ -131,6 +155,39 @@ def test_higher_demands_move_the_stages_of_one_window_between_its_ends(found):
     for k in np.flatnonzero(asked.shares < 1.0)[:-1]:
         off = np.linalg.norm((again.states[k + 1] - STEP(again.places[k + 1]))[:2])
         assert off <= asked.shares[k] * POSITION
+
+
+def test_stages_that_exceed_nothing_are_asked_for_nothing_more(monkeypatch):
+    optimiser = optimised()
+    (solution,) = optimiser._solutions
+    none = Demands.none(optimiser.task, len(solution.strokes))
+    widths = np.full(len(solution.strokes), 0.9)
+    widths[1] = 1.05
+    monkeypatch.setattr(type(optimiser._between), "_widths", lambda *_: widths)
+    exact = Exact(1.1, np.zeros(0))
+    (one,) = optimiser._between.demanded([none], [solution], exact)
+    widths[1] = 0.9
+    (every,) = optimiser._between.demanded([none], [solution], exact)
+    assert np.flatnonzero(one.shares < 1.0).tolist() == [1]
+    assert one.shares[1] == pytest.approx(1 / (1.1 + between.SAFE))
+    assert (every.shares < 1.0).all()  # nobody knows where
+
+
+def test_a_plan_that_misses_its_goal_by_far_is_none(monkeypatch):
+    optimiser = optimised()
+    optimiser._solutions  # noqa: B018, found before
+    monkeypatch.setattr(type(optimiser._search), "again", lambda *_: None)
+    goal = optimiser.path(1.0) + [0.05, 0, 0, 0, 0, 0, 0]
+    with pytest.raises(BoundError, match="misses its goal by 0.0"):
+        optimiser.plan(goal)
+
+
+def test_what_was_found_in_time_is_made_exact_in_any_time(found):
+    optimiser = optimised()
+    optimiser._solutions  # noqa: B018, found before
+    with limited(1e-9):
+        plan = optimiser.plan()
+    assert rollout(plan)[-1] == pytest.approx(rollout(found)[-1], abs=1e-6)
 
 
 def test_tolerances_that_are_not_kept_are_refused_with_those_that_are(monkeypatch):
