@@ -102,8 +102,12 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
         summary = json.loads(read_file(folder / "summary.json"))
         arrays = arrays_of(folder, "trajectory.npz", REFERENCE)
         ctrl = arrays_of(folder, "commands.npz", ("ctrl",))["ctrl"]
-        card, model = read_card(folder / "model.toml"), _model(folder / "model.xml")
-        model.key("start")
+        card = read_card(folder / "model.toml")
+        open_file(folder / "model.xml").close()
+    silence_the_engine()
+    inspect_model(folder / "model.xml")  # may refuse it as it refuses any robot's
+    with reading(folder, "not a finished run", UNFINISHED):
+        model = _model(folder / "model.xml")
     servo = servo_settings(scenario, card)
     robot = load(
         scenario.robot,
@@ -146,7 +150,6 @@ def from_scenario(
 
 
 def _model(path: Path) -> mujoco.MjModel:
-    silence_the_engine()
-    open_file(path).close()
-    inspect_model(path)
-    return compile_model(mujoco.MjSpec.from_file(str(path)), str(path))
+    model = compile_model(mujoco.MjSpec.from_file(str(path)), str(path))
+    model.key("start")
+    return model
