@@ -1,6 +1,7 @@
 """Every way in which filming fails: one clear line, and never half a film."""
 
 import os
+import re
 
 import numpy as np
 import pytest
@@ -114,6 +115,27 @@ def test_an_unfinished_run_is_refused(folder, name):
 def test_a_folder_without_a_scenario_is_no_run(folder):
     (folder / "scenario.toml").unlink()
     with pytest.raises(UsageError, match="unfinished run, it lacks scenario.toml"):
+        read_walk(folder)
+
+
+def test_phases_that_are_cut_or_endless_are_refused(folder):
+    path = folder / "flows.csv"
+    whole = path.read_text()
+    path.write_text(whole[:900])
+    with pytest.raises(UsageError, match="flows.csv is incomplete"):
+        read_walk(folder)
+    path.write_text(whole + "1" * 200_000)
+    with pytest.raises(UsageError, match="field larger than field limit"):
+        read_walk(folder)
+
+
+def test_arrays_that_are_no_longer_compressed_are_refused(folder):
+    path = folder / "trajectory.npz"
+    content = bytearray(path.read_bytes())
+    for start in (m.end() for m in re.finditer(rb"PK\x03\x04.{26,60}?npy", content)):
+        content[start + 20 : start + 60] = b"\xff" * 40
+    path.write_bytes(content)
+    with pytest.raises(UsageError, match="while decompressing data"):
         read_walk(folder)
 
 

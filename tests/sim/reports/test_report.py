@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+import zipfile
 from html.parser import HTMLParser
 
 import numpy as np
@@ -15,6 +16,7 @@ from sim.folder import RunFolder
 from sim.pictures.run_film import film_folder
 from sim.pictures.style import FRAME_RATE
 from sim.reports.page import NAME, write_report
+from sim.reports.record import read_run
 from sim.run_folder import run, write
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
@@ -193,6 +195,20 @@ def test_a_run_without_a_creep_floor_says_nothing_of_it(tmp_path):
     assert "Dotted lines are the quasi-static prediction." in page
     assert "creep" not in page
     assert main(["compare", str(folder), str(folder)]) == 0
+
+
+def test_a_report_reads_no_states_that_it_does_not_show(folder):
+    """Velocities that cannot be read are no hindrance."""
+    path = folder / "trajectory.npz"
+    with zipfile.ZipFile(path) as file:
+        kept = {name: file.read(name) for name in file.namelist()}
+    with zipfile.ZipFile(path, "w") as file:
+        for name, content in kept.items():
+            file.writestr(name, b"?" if name == "qvel.npy" else content)
+    assert kept.keys() - {f"{k}.npy" for k in read_run(folder).arrays} == {
+        "qpos.npy",
+        "qvel.npy",
+    }
 
 
 def test_show_of_what_is_no_run_is_refused(tmp_path, capsys):
