@@ -14,9 +14,6 @@ from .errors import (
     ResolutionError as ResolutionError,
     SingularConfigurationError as SingularConfigurationError,
     StratumError as StratumError,
-    did_you_mean as did_you_mean,
-    point as point,
-    unknown as unknown,
 )
 from .execution.execution import (
     Coordinates as Coordinates,
@@ -49,13 +46,6 @@ from .extension.height_functions import (
     stratified_panels as stratified_panels,
 )
 from .extension.steering import Steering as Steering
-from .files import (
-    open_file as open_file,
-    read_file as read_file,
-    remove_unfinished as remove_unfinished,
-    require_space as require_space,
-    whole_file as whole_file,
-)
 from .lie.adjoint import (
     adjoint_action as adjoint_action,
     coordinate_rates as coordinate_rates,
@@ -85,17 +75,6 @@ from .lie.tensor import Tensor as Tensor
 from .numerics.arrays import (
     ROUNDING as ROUNDING,
     Array as Array,
-)
-from .numerics.budget import (
-    best_so_far as best_so_far,
-    limited as limited,
-    tick as tick,
-    unlimited as unlimited,
-)
-from .numerics.interruption import (
-    forget_interruption as forget_interruption,
-    note_interruption as note_interruption,
-    unanswered_interruption as unanswered_interruption,
 )
 from .optimisation.corridor import (
     Tolerance as Tolerance,

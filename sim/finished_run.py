@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from models import ModelError
-from planner import Array, open_file, read_file
+from planner import Array
+from planner.support import open_file, read_file
 from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
 

@@ -19,7 +19,7 @@ from typing import IO
 
 import numpy as np
 
-from planner import require_space, whole_file
+from planner.support import require_space, whole_file
 from sim.errors import ExitCode, FilesError, UsageError, exit_code
 
 

@@ -18,7 +18,7 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import NoReturn
 
-from planner import (
+from planner.support import (
     best_so_far,
     forget_interruption,
     note_interruption,

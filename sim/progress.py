@@ -177,7 +177,7 @@ def at_most(progress: Progress, name: str, seconds: float) -> Iterator[None]:
     Raises:
         BudgetError: If it takes longer.
     """
-    from planner import limited
+    from planner.support import limited
 
     within = f"{name}, {seconds:g} s at most"
     with stage(progress, within), limited(seconds, lambda p: progress(within, p)):

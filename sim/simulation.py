@@ -13,7 +13,8 @@ from typing import Protocol
 import numpy as np
 
 from models import Robot
-from planner import Array, Plan, limited
+from planner import Array, Plan
+from planner.support import limited
 from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.comparison import describe
 from sim.motion.poses import wrap

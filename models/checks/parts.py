@@ -12,7 +12,7 @@ from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
 from models.errors import ModelError
-from planner import did_you_mean
+from planner.support import did_you_mean
 
 FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from models.description.joint_servo import JointServo
 from models.description.servos import SERVO_KINDS
-from planner import unknown
+from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3

@@ -23,7 +23,7 @@ from models.description.servos import SERVO_KINDS
 from models.description.table import Table
 from models.description.toml import parse_toml
 from models.errors import ModelError
-from planner import read_file
+from planner.support import read_file
 
 KEYS = {
     "description": (),

@@ -10,7 +10,7 @@ from math import isfinite
 from reprlib import repr as shortened
 from typing import Any, TypeVar
 
-from planner import did_you_mean
+from planner.support import did_you_mean
 
 LARGEST = 1e12  # numbers beyond it overflow somewhere
 T = TypeVar("T")

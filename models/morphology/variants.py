@@ -27,7 +27,7 @@ from models.morphology.shipped import (
     PIVOT,
     RADIAL_BEARINGS,
 )
-from planner import unknown
+from planner.support import unknown
 
 Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group

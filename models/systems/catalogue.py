@@ -9,7 +9,7 @@ from typing import Any, get_type_hints
 from models.errors import ProblemError
 from models.systems import fingers, hexapods, legged, smooth
 from models.systems.problem import Problem
-from planner import unknown
+from planner.support import unknown
 
 SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "paper-hexapod": hexapods.paper_hexapod,

@@ -36,10 +36,9 @@ from planner import (
     PlannerError,
     StanceRule,
     StratifiedSystem,
-    read_file,
     read_formula,
-    unknown,
 )
+from planner.support import read_file, unknown
 
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (

@@ -23,8 +23,8 @@ from planner import (
     StratumError,
     line,
     require_segments,
-    unknown,
 )
+from planner.support import unknown
 
 State = Mapping[str, float]  # values of coordinates by name
 Words = Literal["printed", "shortest", "symmetric"]

@@ -20,7 +20,7 @@ from planner.errors import ConvergenceError
 from planner.extension.extended import ExtendedSystem
 from planner.extension.steering import Spelled
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
+from planner.support.stopping import tick
 from planner.systems.flows import Word, flow_map
 from planner.systems.strata import StratifiedSystem
 

@@ -17,8 +17,8 @@ from planner.errors import PlannerError, RankError, SingularConfigurationError
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.fields_on_bottom import on_bottom
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
 from planner.numerics.subspaces import column_space, in_words
+from planner.support.stopping import tick
 from planner.systems.closure import involutive_closure
 from planner.systems.elements import Tree, leaves, parse_names
 from planner.systems.fields import VectorField

@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 
 from planner.errors import ConvergenceError, point
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
+from planner.support.stopping import tick
 
 NODES = 24  # of a step; the tail of its Chebyshev series shows whether they suffice
 ITERATIONS = 40  # of Picard; a triangular field needs as many as it has levels

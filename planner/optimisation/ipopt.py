@@ -16,8 +16,8 @@ from types import FrameType
 from typing import Any
 
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
 from planner.optimisation.solver import solver
+from planner.support.stopping import tick
 
 QUIET: dict[str, Any] = {
     "ipopt.print_level": 0,

@@ -12,8 +12,6 @@ import numpy as np
 from planner.errors import BoundError
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.numerics.budget import unlimited
-from planner.numerics.interruption import answer
 from planner.optimisation.between import Between, Exact
 from planner.optimisation.corridor import deviation
 from planner.optimisation.guesses import Coarse
@@ -24,6 +22,7 @@ from planner.optimisation.windows import Report
 from planner.planning.algorithm import Plan
 from planner.planning.paths import Path
 from planner.planning.rollouts import play
+from planner.support.stopping import answer, unlimited
 from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]

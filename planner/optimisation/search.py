@@ -13,7 +13,6 @@ import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
-from planner.numerics.budget import unlimited
 from planner.optimisation.guesses import Coarse
 from planner.optimisation.requirements import TIGHTER, Demands
 from planner.optimisation.task import Solution, Task
@@ -25,6 +24,7 @@ from planner.optimisation.windows import (
     WindowSearch,
 )
 from planner.planning.paths import Path
+from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
 BEGIN = 10.0  # stages that it begins with, for each unit that a stroke moves by

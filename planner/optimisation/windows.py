@@ -21,13 +21,12 @@ import numpy as np
 
 from planner.errors import BudgetError
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
-from planner.numerics.interruption import answer
 from planner.optimisation.guesses import Coarse, guesses
 from planner.optimisation.program import Program
 from planner.optimisation.requirements import TIGHTER
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
+from planner.support.stopping import answer, tick
 
 MOST = 96  # stages of a window
 BOTH = 20  # stages up to which the first may be any of the cycle's

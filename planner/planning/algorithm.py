@@ -13,7 +13,6 @@ from planner.errors import RangeError, ResolutionError, unknown
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
 from planner.numerics.collector import uncollected
 from planner.planning.nominal import (
     default_nodes,
@@ -25,6 +24,7 @@ from planner.planning.nominal import (
 from planner.planning.paths import Path, as_path
 from planner.planning.regularity import require_regular
 from planner.planning.steered_systems import Steerable
+from planner.support.stopping import tick
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
 from planner.systems.gait_order import gait_walk, walk_switches

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from planner.files import read_file, whole_file
 from planner.planning.algorithm import Plan
+from planner.support.files import read_file, whole_file
 from planner.systems.fields import NumericField
 from planner.systems.flows import Flow
 from planner.systems.formulas import read_formula, write_formula

@@ -18,12 +18,12 @@ from planner.errors import ConvergenceError, PlannerError, RangeError
 from planner.execution.execution import CHOICES, Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
 from planner.planning.algorithm import Plan, assemble, with_remedy
 from planner.planning.nominal import fictitious_inputs_along, require_segments, sample
 from planner.planning.paths import Path, as_path, grid, line
 from planner.planning.replanning import FINEST, NODES
 from planner.planning.rollouts import play
+from planner.support.stopping import tick
 
 STALLED = 10  # shots that must at least halve the distance together
 AIMED_PIECES = (1, 2, 4, 8)  # tried in turn where shots stall

@@ -17,7 +17,7 @@ import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
-from planner.numerics.budget import tick
+from planner.support.stopping import tick
 
 MOST_SEGMENTS = 1000  # more than an hour of walking
 MOST_PIECES = 3  # of a segment at once, since the law holds for short segments only

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from itertools import chain, groupby
 
-from planner.numerics.budget import tick
+from planner.support.stopping import tick
 from planner.systems.flows import Flow, Word
 from planner.systems.strata import StratifiedSystem
 

@@ -11,7 +11,7 @@ from contextlib import suppress
 from importlib.util import find_spec
 from typing import Any
 
-from planner import best_so_far, limited
+from planner.support import best_so_far, limited
 from sim.bench.row import Row
 from sim.optimisation.judging import Judge
 from sim.optimisation.planned import PlannedWalk

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 
 COMMANDS = (

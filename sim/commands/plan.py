@@ -113,7 +113,8 @@ def _planned(
 
 def _outlook(setup: Setup) -> dict[str, Any]:
     """What finer plans would bring; nothing where that takes too long to find out."""
-    from planner import BudgetError, limited
+    from planner import BudgetError
+    from planner.support import limited
 
     extended, path = setup.extended, setup.nominal()
     try:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from models import ProblemError, parse_toml
-from planner import did_you_mean, read_file
+from planner.support import did_you_mean, read_file
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override
 

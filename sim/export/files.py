@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from models import JointServo
-from planner import read_file
+from planner.support import read_file
 from sim.errors import UsageError
 from sim.export.header import read_header, write_header
 from sim.export.servo_commands import ServoCommands

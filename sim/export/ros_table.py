@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 from models import JointServo
-from planner import read_file
+from planner.support import read_file
 from sim.errors import UsageError
 
 KEYS = ("name", "id", "ticks", "center", "max_radians", "sign", "offset")

@@ -21,7 +21,8 @@ from models import (
     read_card,
     silence_the_engine,
 )
-from planner import Array, open_file, read_file
+from planner import Array
+from planner.support import open_file, read_file
 from sim.evaluation.arrays import trajectory
 from sim.export.servo_commands import ServoCommands, taken
 from sim.finished_run import arrays_of, reading

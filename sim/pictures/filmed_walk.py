@@ -11,7 +11,8 @@ import mujoco
 import numpy as np
 
 from models import Card, read_card
-from planner import Array, open_file
+from planner import Array
+from planner.support import open_file
 from sim.finished_run import arrays_of, nominal_poses, phases_of, reading
 from sim.motion.poses import rotate
 from sim.pictures.style import Colour

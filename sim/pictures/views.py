@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 
 ELEVATION = -50.0  # [degrees]

@@ -24,8 +24,8 @@ from planner import (
     grid,
     plan,
     plan_step,
-    tick,
 )
+from planner.support import tick
 from sim.motion.poses import compose, relative
 from sim.preparation.setup import Setup
 

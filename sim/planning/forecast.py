@@ -14,7 +14,8 @@ from functools import cached_property
 import numpy as np
 
 from models import TwistModel
-from planner import Array, tick
+from planner import Array
+from planner.support import tick
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor
 from sim.motion.sampling import inspections

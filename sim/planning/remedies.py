@@ -11,7 +11,8 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from planner import BudgetError, PlannerError, limited
+from planner import BudgetError, PlannerError
+from planner.support import limited
 from sim.errors import StratawalkError
 
 FAR = 0.05  # of the way; plans that end farther off are told what would help

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from planner import Array, BoundError, point, tick
+from planner import Array, BoundError
+from planner.support import point, tick
 from sim.errors import UsageError
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.preparation.setup import Setup

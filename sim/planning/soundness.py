@@ -12,7 +12,8 @@ from contextlib import nullcontext
 import mujoco
 import numpy as np
 
-from planner import Array, Flow, Plan, tick, unlimited
+from planner import Array, Flow, Plan
+from planner.support import tick, unlimited
 from sim.errors import SimulationError
 from sim.motion.sampling import inspections
 from sim.motion.schedule import LegState, Schedule, Scheduler

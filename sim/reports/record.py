@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from models import Card, parse_toml, read_card
-from planner import Array, read_file
+from planner import Array
+from planner.support import read_file
 from sim.finished_run import arrays_of, nominal_poses, phases_of, reading
 from sim.motion.poses import wrap
 from sim.pictures.clock import clock

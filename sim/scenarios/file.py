@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from models import parse_toml
-from planner import did_you_mean, read_file
+from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.scenario import Scenario, settings

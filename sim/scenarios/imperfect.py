@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from models import Robot
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 

@@ -6,7 +6,7 @@ import csv
 import io
 from pathlib import Path
 
-from planner import read_file
+from planner.support import read_file
 
 COLUMNS = ("x", "y", "yaw")  # [m], [m], [rad]
 MOST_POSES = 100_000

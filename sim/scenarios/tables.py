@@ -10,7 +10,7 @@ import reprlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any, TypeGuard
 
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.settings import is_number
 

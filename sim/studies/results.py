@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from planner import Array, did_you_mean
+from planner import Array
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table

@@ -9,7 +9,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.file import anchor, read_toml, scenario_from, scenario_table
 from sim.scenarios.scenario import Scenario

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from models import geometry_of, shipped_robots
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.preparation.shared import OF_THE_PHYSICS, everything_but
 from sim.scenarios.file import to_table

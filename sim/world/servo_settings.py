@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 from models import SERVO_KINDS, Card, ServoKind
-from planner import did_you_mean
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 

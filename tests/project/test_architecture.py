@@ -19,7 +19,7 @@ LAYERS = {
     "scripts": {"planner", "models", "sim", "scripts"},
     "examples": {"planner", "models", "sim"},
 }
-DOORS = {"planner", "models", "sim"}
+HOUSES = {"planner", "models", "sim"}
 ONLY_IN = {
     "mujoco": {"models", "sim", "scripts"},
     "sympy": {"planner", "models", "examples"},
@@ -89,7 +89,7 @@ def test_imports_point_downwards():
 def test_examples_go_through_the_front_doors():
     examples = [path for path in SOURCES if layer_of(path) == "examples"]
     inner = {path: [n for n in imports(path) if "." in n] for path in examples}
-    no((path, [n for n in names if top(n) in DOORS]) for path, names in inner.items())
+    no((path, [n for n in names if top(n) in HOUSES]) for path, names in inner.items())
 
 
 def test_imports_are_absolute():

@@ -8,15 +8,15 @@ import threading
 
 import pytest
 
-from planner.files import whole_file
-from planner.numerics.budget import limited, tick
+from planner.support.files import whole_file
+from planner.support.stopping import limited, tick
 from sim import interruption
 
 BUSY = """
 import os, sys, threading
 import mujoco
 from pathlib import Path
-from planner import limited, tick, whole_file
+from planner.support import limited, tick, whole_file
 from sim import interruption
 
 interruption.listen()

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from planner.numerics.budget import tick
+from planner.support.stopping import tick
 from sim import progress
 from sim.progress import PATIENCE, Lines, at_most, bar, left, silent, stage
 from tests.commands import PROGRESS

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from planner.errors import BudgetError
-from planner.numerics.budget import limited
 from planner.optimisation.ipopt import Ipopt
+from planner.support.stopping import limited
 
 SIZE = 400
 

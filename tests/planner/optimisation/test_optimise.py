@@ -9,7 +9,6 @@ import pytest
 from models.systems.catalogue import shipped_system
 from planner.errors import BoundError, BudgetError, StratumError
 from planner.extension.extended import extend
-from planner.numerics.budget import limited
 from planner.optimisation import (
     between,
     optimise,
@@ -29,6 +28,7 @@ from planner.optimisation.windows import WindowSearch
 from planner.planning.algorithm import plan
 from planner.planning.paths import line
 from planner.planning.rollouts import play, rollout
+from planner.support.stopping import limited
 from planner.systems.fields import NumericField
 from planner.systems.strata import StratifiedSystem
 

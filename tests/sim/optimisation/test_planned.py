@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from planner.errors import BoundError, BudgetError
-from planner.numerics.budget import limited
+from planner.support.stopping import limited
 from sim.errors import UsageError
 from sim.motion.sampling import inspections
 from sim.motion.stability import stability_margin

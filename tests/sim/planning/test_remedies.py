@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from planner.errors import PlannerError
-from planner.numerics.budget import tick
+from planner.support.stopping import tick
 from sim import cli
 from sim.planning.remedies import tried
 from sim.planning.walk_remedies import miss_of

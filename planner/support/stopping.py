@@ -1,8 +1,11 @@
-"""A time limit for searches, which also reports the best result found so far.
+"""How a search is stopped: by its limit of time, or by Ctrl-C.
 
-A search calls `tick` regularly. Inside a `limited` block, `tick` raises an error once
-the time is over; outside of such a block it does nothing. The search may describe its
-best result to `tick`; the description becomes part of the message if it ends early.
+A search calls `tick` regularly, with its best result so far in words. Inside a
+`limited` block `tick` raises an error once the time is over, which repeats those words.
+
+Whoever handles signals notes the exception that it raises. A search may answer it with
+its best result and let the work go on; until then `tick` raises it again, for libraries
+written in C that carry on as if nothing had happened.
 """
 
 from __future__ import annotations
@@ -14,9 +17,8 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 
 from planner.errors import BudgetError
-from planner.numerics.interruption import reraise
 
-SELDOM = 0.1  # [s] between two reports at least
+REPORT_PERIOD = 0.1  # [s] between two reports at least
 
 
 @dataclass(eq=False)
@@ -28,8 +30,15 @@ class _Budget:
     next_report: float = 0.0  # [s] after it began
 
 
+@dataclass(frozen=True)
+class _Interruption:
+    stop: KeyboardInterrupt
+    when_answered: Callable[[], object]
+
+
 _current: ContextVar[_Budget | None] = ContextVar("budget", default=None)
 _open: list[_Budget] = []  # of all threads, the innermost last
+_noted: list[_Interruption] = []  # the last interruption until it is answered
 
 
 @contextmanager
@@ -59,11 +68,6 @@ def limited(
         _current.reset(token)
 
 
-def best_so_far() -> str:
-    """The best that the searches going on have found, in words; empty if nothing."""
-    return next((budget.best for budget in reversed(_open) if budget.best), "")
-
-
 @contextmanager
 def unlimited() -> Iterator[None]:
     """Let what is inside end, even if the time to search in is over."""
@@ -82,8 +86,10 @@ def tick(best: str = "") -> None:
 
     Raises:
         BudgetError: If the time is over.
+        KeyboardInterrupt: If an interruption was noted and nothing has answered it.
     """
-    reraise()
+    if stop := unanswered_interruption():
+        raise stop
     budget = _current.get()
     if budget is None:
         return
@@ -92,5 +98,40 @@ def tick(best: str = "") -> None:
     if spent > budget.seconds:
         raise BudgetError(budget.seconds, budget.best)
     if spent >= budget.next_report:
-        budget.next_report = spent + SELDOM
+        budget.next_report = spent + REPORT_PERIOD
         budget.report(spent / budget.seconds)
+
+
+def best_so_far() -> str:
+    """The best that the searches going on have found, in words; empty if nothing."""
+    return next((budget.best for budget in reversed(_open) if budget.best), "")
+
+
+def note_interruption(
+    stop: KeyboardInterrupt, when_answered: Callable[[], object]
+) -> None:
+    """Note an interruption that is about to be raised.
+
+    Args:
+        stop: What will be raised.
+        when_answered: Called if a search answers it with its best result and goes on.
+    """
+    _noted[:] = [_Interruption(stop, when_answered)]
+
+
+def forget_interruption() -> None:
+    """Forget the last interruption."""
+    _noted.clear()
+
+
+def unanswered_interruption() -> KeyboardInterrupt | None:
+    """The interruption that nothing has answered yet, if there is one."""
+    return _noted[0].stop if _noted else None
+
+
+def answer(stop: KeyboardInterrupt) -> None:
+    """Take a search's best result as the answer to an interruption; work goes on."""
+    noted = [last for last in _noted if last.stop is stop]
+    forget_interruption()
+    for last in noted:
+        last.when_answered()

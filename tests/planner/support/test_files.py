@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from planner.files import read_file, require_space, whole_file
+from planner.support.files import read_file, require_space, whole_file
 
 
 def names(folder):
@@ -38,8 +38,8 @@ def test_block_that_fails_leaves_the_file_that_was_there(tmp_path):
 
 def test_process_that_dies_halfway_leaves_no_file_under_its_name(tmp_path):
     program = (
-        "import os, planner\n"
-        f"with planner.whole_file({str(tmp_path / 'a.txt')!r}) as part:\n"
+        "import os, planner.support\n"
+        f"with planner.support.whole_file({str(tmp_path / 'a.txt')!r}) as part:\n"
         "    part.write_text('half')\n"
         "    os._exit(9)\n"
     )

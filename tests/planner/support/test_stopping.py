@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from planner.errors import BudgetError
-from planner.numerics.budget import limited, tick
 from planner.numerics.collocation import follow
+from planner.support.stopping import limited, tick
 
 
 def search(seconds, *found):
