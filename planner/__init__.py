@@ -4,7 +4,9 @@ The paper is Goodwine and Burdick, "Quasi-Static Legged Locomotors as Nonholonom
 Systems", IROS 2000. Equation, section and figure numbers throughout this project are
 those of the paper. Public names are imported from here, `from planner import plan`, and
 are loaded when they are first used; `__init__.pyi` lists them. The rooms behind this
-front door follow the paper:
+front door follow the paper. Each has a door of its own with the names that `models` and
+`sim` need in addition, such as `from planner.optimisation import Task`; those of the
+table that are not here are there.
 
 =========  ============  ===================================  ==========================
 Paper      Notation      In the code                          Room and module

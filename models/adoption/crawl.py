@@ -22,7 +22,8 @@ from models.contact.dissipation import least_dissipation_twist
 from models.contact.loads import static_loads
 from models.contact.static_stability import least_load
 from models.errors import ModelError
-from planner import Array, reposition_legs
+from planner import Array
+from planner.execution import reposition_legs
 
 FEWEST, MOST = 4, 6  # legs of robots for which crawls are searched for
 PLACES = 9  # of the feet, along each axis

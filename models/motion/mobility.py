@@ -17,7 +17,8 @@ from models.description.card import Twist
 from models.description.robot import Robot
 from models.motion.equations_of_motion import POSE
 from models.motion.robot_equations import Equations
-from planner import AFFORDABLE, DirectionCost, PlannerError, stroke_costs
+from planner import PlannerError
+from planner.extension import AFFORDABLE, DirectionCost, stroke_costs
 
 WAYS = dict(zip(map(str, POSE), ("go forward", "go sideways", "turn"), strict=True))
 STRAIGHT = 1e-3  # rad of yaw while the body moves by the size of its stance

@@ -28,14 +28,9 @@ from models.motion.equations_of_motion import (
     Swing,
     walking_system,
 )
-from planner import (
-    Execution,
-    Path,
-    ShapeLimits,
-    StabilityTest,
-    StanceRule,
-    StratifiedSystem,
-)
+from planner import Execution, Path, StratifiedSystem
+from planner.execution import StabilityTest, StanceRule
+from planner.systems import ShapeLimits
 
 Fields = Literal["paper", "lifted"]
 STILL: Twist = (0.0, 0.0, 0.0)

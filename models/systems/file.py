@@ -30,15 +30,11 @@ from models.description.table import Table
 from models.description.toml import parse_toml
 from models.errors import ProblemError
 from models.systems.problem import Problem, Words
-from planner import (
-    RESERVED,
-    FlatOutputs,
-    PlannerError,
-    StanceRule,
-    StratifiedSystem,
-    read_formula,
-)
+from planner import PlannerError, StratifiedSystem
+from planner.execution import StanceRule
+from planner.planning import FlatOutputs
 from planner.support import read_file, unknown
+from planner.systems import RESERVED, read_formula
 
 REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (

@@ -9,22 +9,11 @@ from typing import Literal
 
 import numpy as np
 
-from planner import (
-    Array,
-    Coordinates,
-    Execution,
-    FlatOutputs,
-    Gait,
-    Path,
-    ShapeCoordinates,
-    ShapeLimits,
-    StanceRule,
-    StratifiedSystem,
-    StratumError,
-    line,
-    require_segments,
-)
+from planner import Array, Execution, Gait, Path, StratifiedSystem, StratumError, line
+from planner.execution import Coordinates, StanceRule
+from planner.planning import FlatOutputs, require_segments
 from planner.support import unknown
+from planner.systems import ShapeCoordinates, ShapeLimits
 
 State = Mapping[str, float]  # values of coordinates by name
 Words = Literal["printed", "shortest", "symmetric"]

@@ -11,7 +11,8 @@ from typing import Any
 import sympy as sp
 
 from models.systems.problem import Problem, State
-from planner import FlatOutputs, StratifiedSystem
+from planner import StratifiedSystem
+from planner.planning import FlatOutputs
 
 ONLY = "0"  # the one stratum, without contacts that change
 MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree

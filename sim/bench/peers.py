@@ -19,7 +19,6 @@ import numpy as np
 from models import equations, load, shipped_system
 from planner import (
     ConvergenceError,
-    Coordinates,
     Execution,
     ExtendedSystem,
     Plan,
@@ -28,6 +27,7 @@ from planner import (
     line,
     plan,
 )
+from planner.execution import Coordinates
 from sim.bench.arcs import Arcs, Stroke, Task, joined, travel
 from sim.bench.row import REPEATS, timed
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from models import SYSTEMS, equations, load, shipped_robots, shipped_system
 from planner import (
-    Coordinates,
     Execution,
     ExtendedSystem,
     Plan,
@@ -21,14 +20,13 @@ from planner import (
     degree,
     extend,
     hall_basis,
-    lie_algebra,
     line,
     merged,
-    place,
     plan,
     rollout,
-    structure_constants,
 )
+from planner.execution import Coordinates
+from planner.lie import lie_algebra, place, structure_constants
 from sim.bench.row import Row, median, paired, seconds
 from sim.preparation.setup import Setup, prepare
 from sim.scenarios.file import load_scenario

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from models import Problem
-from planner import Array, extend, flow_map, rates_with
+from planner import Array, extend, flow_map
+from planner.systems import rates_with
 
 ROUNDS = 6  # in which every field is on once
 STEPS = 4  # of Runge and Kutta's method for a flow

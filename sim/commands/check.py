@@ -14,7 +14,8 @@ from sim.commands.trusted import add_trust_argument, robot_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from planner import Array, Controllability, DirectionCost, StratifiedSystem
+    from planner import Array, Controllability, StratifiedSystem
+    from planner.extension import DirectionCost
 
 Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
@@ -45,7 +46,8 @@ def execute(options: argparse.Namespace) -> None:
     from dataclasses import asdict
 
     from models import configuration
-    from planner import MAX_DEPTH, gait_controllability
+    from planner import gait_controllability
+    from planner.controllability import MAX_DEPTH
     from sim.commands.problems import coordinates, refused
     from sim.progress import bar, stage
 
@@ -107,7 +109,8 @@ class _Subject:
 
 def _costs(subject: _Subject, report: Controllability) -> Sequence[DirectionCost]:
     """What each direction costs in strokes; nothing where that cannot be said."""
-    from planner import PlannerError, choose_elements, stroke_costs
+    from planner import PlannerError, choose_elements
+    from planner.extension import stroke_costs
 
     system = subject.system
     try:

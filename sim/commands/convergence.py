@@ -7,7 +7,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from planner import Coordinates, ExtendedSystem, Path
+    from planner import ExtendedSystem, Path
+    from planner.execution import Coordinates
 
 
 def convergence(
@@ -20,7 +21,8 @@ def convergence(
         path: Configurations to follow.
         coordinates: Words of the plan.
     """
-    from planner import convergence_order, faster
+    from planner import convergence_order
+    from planner.planning import faster
 
     expected = convergence_order(extended, path, coordinates)
     offers = faster(extended, path, coordinates)
@@ -44,7 +46,8 @@ def step_lengths(
     """
     import numpy as np
 
-    from planner import critical_step, grid
+    from planner import critical_step
+    from planner.planning import grid
 
     start, end = path.at(grid(path, segments)[:2])
     if not (length := float(np.linalg.norm(end - start))):

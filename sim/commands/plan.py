@@ -181,7 +181,8 @@ def summarise(
 
 def _switches(setup: Setup, system: StratifiedSystem, flows: Sequence[Flow]) -> int:
     """Lift-offs and touchdowns, also on strata that a gait visits without a flow."""
-    from planner import contact_switches, gait_walk, walk_switches
+    from planner import contact_switches
+    from planner.systems import gait_walk, walk_switches
 
     gait = setup.scenario.gait
     if not gait:

@@ -122,7 +122,7 @@ def extended(problem: Problem) -> ExtendedSystem:
         UsageError: An element is unknown or no element.
         PlannerError: The elements do not serve.
     """
-    from planner import extend_along
+    from planner.planning import extend_along
 
     with refused(problem.name):
         elements, degree = problem.elements or None, problem.degree
@@ -142,7 +142,8 @@ def solve(problem: Problem, compiled: ExtendedSystem, aimed: bool = False) -> Pl
         UsageError: The problem asks for the impossible.
         PlannerError: There is no plan.
     """
-    from planner import aim, plan, plan_between
+    from planner import aim, plan
+    from planner.planning import plan_between
 
     with refused(problem.name):
         path, segments = problem.path, problem.segments
@@ -162,7 +163,7 @@ def lifted(problem: Problem) -> bool:
     Raises:
         StratumError: An end lies on no stratum.
     """
-    from planner import stratum_at
+    from planner.planning import stratum_at
 
     system = problem.system
     return any(stratum_at(system, x) != system.bottom for x in problem.states)

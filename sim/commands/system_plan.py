@@ -20,7 +20,8 @@ from sim.errors import UsageError
 
 if TYPE_CHECKING:
     from models import Problem
-    from planner import Array, ExtendedSystem, Objective, Plan
+    from planner import Array, ExtendedSystem, Plan
+    from planner.optimisation import Objective
 
 OBJECTIVES: tuple[Objective, ...] = ("time", "strokes", "switches")
 PLAN_TIME = 300.0  # [s] that planning a system may take
@@ -129,7 +130,7 @@ def execute(options: argparse.Namespace) -> None:
 
 def _chained(problem: Problem, segments: int) -> tuple[Plan, dict[str, Any]]:
     """A plan in chained form, which is exact in a single segment."""
-    from planner import chained_form
+    from planner.planning import chained_form
     from sim.commands.problems import refused
 
     with refused(problem.name):
@@ -163,7 +164,8 @@ def _problem(options: argparse.Namespace) -> Problem:
 
 
 def _plan(options: argparse.Namespace) -> tuple[Plan, dict[str, Any]]:
-    from planner import line, set_down
+    from planner import line
+    from planner.planning import set_down
     from sim.commands.problems import extended, solve
 
     problem = _problem(options)

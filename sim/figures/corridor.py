@@ -9,7 +9,8 @@ import numpy as np
 import shapely
 
 from models import PIVOT
-from planner import Array, recut
+from planner import Array
+from planner.planning import recut
 from sim.figures.paper import PaperWalk
 from sim.figures.passage import LEAST, Passage, passage
 from sim.figures.physics import Job, Walked

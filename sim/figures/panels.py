@@ -9,7 +9,8 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from models import equations, load, shipped_system
-from planner import Array, Flow, StratifiedPanels, play, stratified_panels
+from planner import Array, Flow, play, stratified_panels
+from planner.extension import StratifiedPanels
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Sheet, Table, words
 from sim.figures.style import (

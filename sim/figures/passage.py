@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from models import KAPPA, PIVOT
-from planner import Array, Path, Slack, recut, subdivide
+from planner import Array, Path, subdivide
+from planner.planning import Slack, recut
 from sim.figures.paper import PaperWalk, walk
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.preparation.setup import prepare

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner import Array, Path, deviation
+from planner import Array, Path
+from planner.optimisation import deviation
 
 POINTS = 1001  # of the path
 GROUPS = ((0, 1), (2,))

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from planner import Stage
+from planner.optimisation import Stage
 from sim.obstacles.clearance import surroundings
 from sim.optimisation.outlines import BODY, MovingPart, Place, discs, moving_parts
 from sim.preparation.setup import Setup

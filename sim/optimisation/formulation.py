@@ -13,18 +13,8 @@ from functools import lru_cache
 from math import inf, pi
 
 from models import Equations, contact_equations, contact_fields
-from planner import (
-    Criterion,
-    Flow,
-    Inequality,
-    Path,
-    Plan,
-    Task,
-    Tolerance,
-    cycle,
-    plan,
-    play,
-)
+from planner import Flow, Path, Plan, plan, play
+from planner.optimisation import Criterion, Inequality, Task, Tolerance, cycle
 from sim.experiments.predictions import twist_model
 from sim.motion.straying import straying
 from sim.optimisation.clearances import clearances

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from models import TwistModel
-from planner import Array, BoundError, Flow, Plan, contact_switches, stepped
+from planner import Array, BoundError, Flow, Plan, contact_switches
+from planner.execution import stepped
 from sim.errors import SimulationError
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 
 from models import Kinematics
-from planner import Array, Stage
+from planner import Array
+from planner.optimisation import Stage
 from sim.preparation.setup import Setup
 
 FIRST_ANGLE = 3  # of the state, after the pose

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from planner import BoundError, BudgetError, Optimiser, Plan, PlannerError
+from planner import BoundError, BudgetError, Plan, PlannerError
+from planner.optimisation import Optimiser
 from planner.support import unlimited
 from sim.optimisation.formulation import (
     Coarse,

@@ -14,21 +14,23 @@ import numpy as np
 from models import Problem
 from planner import (
     BoundError,
-    Criterion,
     Execution,
     ExtendedSystem,
     Flow,
-    Objective,
-    Optimiser,
     Path,
     Plan,
-    Task,
-    Tolerance,
     contact_switches,
-    cycle,
-    deviation,
     plan,
     rollout,
+)
+from planner.optimisation import (
+    Criterion,
+    Objective,
+    Optimiser,
+    Task,
+    Tolerance,
+    cycle,
+    deviation,
 )
 
 LEAST = 0.01  # tolerance, in sizes of the path, where the stratified plan strays less

@@ -13,18 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from models import Strokes, TwistModel, travel
-from planner import (
-    Array,
-    ConvergenceError,
-    Coordinates,
-    Path,
-    Plan,
-    RangeError,
-    Step,
-    grid,
-    plan,
-    plan_step,
-)
+from planner import Array, ConvergenceError, Path, Plan, RangeError, plan
+from planner.execution import Coordinates
+from planner.planning import Step, grid, plan_step
 from planner.support import tick
 from sim.motion.poses import compose, relative
 from sim.preparation.setup import Setup

@@ -18,11 +18,10 @@ from planner import (
     Execution,
     RangeError,
     ResolutionError,
-    Slack,
-    grid,
     plan,
     subdivide,
 )
+from planner.planning import Slack, grid
 from sim.motion.stability import stability_margin
 from sim.obstacles.clearance import surroundings
 from sim.planning.clearance_bound import ClearanceBound

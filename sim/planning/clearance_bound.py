@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from planner import Array, BoundError, Slack
+from planner import Array, BoundError
+from planner.planning import Slack
 from planner.support import point
 from sim.obstacles.clearance import Surroundings
 from sim.planning.forecast import ForeseenStretch

@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner import Array, Flow, Plan, Step, grid, merged
+from planner import Array, Flow, Plan, merged
+from planner.planning import Step, grid
 from sim.preparation.setup import Setup
 
 MOST = 4  # counts that are tried as one, for legs of other gains

@@ -8,7 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from models import TwistModel
-from planner import Plan, Step, grid, require_segments
+from planner import Plan
+from planner.planning import Step, grid, require_segments
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, nearest_turn, relative
 from sim.planning.aiming import plan_along, segment_ends, steer_along, steer_towards

@@ -8,7 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from planner import Array, play, recut
+from planner import Array, play
+from planner.planning import recut
 from sim.motion.poses import wrap
 from sim.planning.aiming import plan_along
 from sim.planning.remedies import Offer

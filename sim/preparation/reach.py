@@ -8,7 +8,8 @@ from contextlib import contextmanager
 import numpy as np
 
 from models import Equations, Mobility, Robot, mobility_of, propose
-from planner import AFFORDABLE, Array, Path, PlannerError
+from planner import Array, Path, PlannerError
+from planner.extension import AFFORDABLE
 from planner.support import limited
 from sim.errors import SimulationError
 

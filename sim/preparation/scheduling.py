@@ -10,7 +10,8 @@ from itertools import groupby
 
 import numpy as np
 
-from planner import Flow, gait_steps
+from planner import Flow
+from planner.systems import gait_steps
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import Setup
 

@@ -10,15 +10,8 @@ import mujoco
 import numpy as np
 
 from models import Equations, Kinematics, Lifting, Robot, equations, free_joint, load
-from planner import (
-    Array,
-    Coordinates,
-    Execution,
-    ExtendedSystem,
-    Path,
-    StanceRule,
-    extend,
-)
+from planner import Array, Execution, ExtendedSystem, Path, extend
+from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
 from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-import planner
+import planner.planning
 from planner import Array, Path
 from sim.errors import UsageError
 from sim.scenarios.pose_file import COLUMNS, read_poses
@@ -60,7 +60,7 @@ class NominalPath:
 
     def recut(self, cuts: Array) -> NominalPath:
         """The same path, with s running evenly over the pieces between the cuts."""
-        curve = planner.recut(self.curve, cuts)
+        curve = planner.planning.recut(self.curve, cuts)
         return replace(self, curve=curve, uncut=self.undivided)
 
     @property
@@ -92,7 +92,7 @@ def ellipse(semi_axes: Sequence[float]) -> NominalPath:
     a, b = axes = _numbers("path.semi_axes", semi_axes, 2, AXES)
     if min(axes) <= 0:
         raise _refusal("path.semi_axes", semi_axes, AXES)
-    length = planner.ellipse_perimeter(axes)
+    length = planner.planning.ellipse_perimeter(axes)
     return NominalPath("ellipse", axes, START, length, planner.ellipse(START, (a, b)))
 
 
@@ -127,7 +127,7 @@ def table(poses: Sequence[Sequence[float]]) -> NominalPath:
     """
     points = _poses("path.poses", poses)
     try:
-        curve, length = planner.table_curve(points)
+        curve, length = planner.planning.table_curve(points)
     except ValueError as error:
         raise UsageError(str(error), "path.poses", "give different poses") from error
     return NominalPath("table", points, points[-1], length, curve)
@@ -143,7 +143,7 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
         UsageError: If one is no formula of s, or the path does not start there.
     """
     try:
-        curve, length = planner.formula_curve(given)
+        curve, length = planner.planning.formula_curve(given)
     except ValueError as error:
         raise UsageError.at("path", error, "write formulas of s") from error
     start, goal = curve(0.0), curve(1.0)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner import Array, Step
+from planner import Array
+from planner.planning import Step
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import seen_from
 from sim.motion.schedule import LegState

@@ -7,6 +7,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("planner", "models", "sim")
+ROOMS = sorted(f"planner/{p.parent.name}" for p in ROOT.glob("planner/*/__init__.pyi"))
 
 
 def exported(package):
@@ -15,7 +16,7 @@ def exported(package):
     return {alias.asname or alias.name for node in stub.body for alias in node.names}
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", [*PACKAGES, *ROOMS])
 def test_no_name_at_the_front_door_is_that_of_a_module_or_folder(package):
     folder = ROOT / package
     inside = (path.relative_to(folder) for path in folder.rglob("*.py"))

@@ -1,0 +1,19 @@
+from .corridor import (
+    Tolerance as Tolerance,
+    deviation as deviation,
+)
+from .optimise import (
+    Criterion as Criterion,
+    Objective as Objective,
+    Optimiser as Optimiser,
+)
+from .solver import MissingSolverError as MissingSolverError
+from .stages import (
+    Stage as Stage,
+    cycle as cycle,
+)
+from .task import (
+    Inequality as Inequality,
+    Solution as Solution,
+    Task as Task,
+)

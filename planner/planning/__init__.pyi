@@ -1,0 +1,58 @@
+from .algorithm import (
+    Plan as Plan,
+    plan as plan,
+)
+from .archive import (
+    load_plan as load_plan,
+    save_plan as save_plan,
+)
+from .chained_forms import (
+    ChainedForm as ChainedForm,
+    FlatOutputs as FlatOutputs,
+    chained_form as chained_form,
+)
+from .convergence import (
+    ConvergenceOrder as ConvergenceOrder,
+    convergence_order as convergence_order,
+    faster as faster,
+)
+from .critical_steps import critical_step as critical_step
+from .curves import (
+    formula_curve as formula_curve,
+    table_curve as table_curve,
+)
+from .lifted_ends import (
+    plan_between as plan_between,
+    set_down as set_down,
+    stratum_at as stratum_at,
+)
+from .nominal import (
+    extend_along as extend_along,
+    require_segments as require_segments,
+)
+from .paths import (
+    Path as Path,
+    ellipse as ellipse,
+    ellipse_perimeter as ellipse_perimeter,
+    grid as grid,
+    line as line,
+    recut as recut,
+    waypoints as waypoints,
+)
+from .replanning import (
+    Step as Step,
+    plan_step as plan_step,
+)
+from .rollouts import (
+    play as play,
+    rollout as rollout,
+)
+from .shooting import (
+    Steered as Steered,
+    aim as aim,
+    steer as steer,
+)
+from .subdivision import (
+    Slack as Slack,
+    subdivide as subdivide,
+)

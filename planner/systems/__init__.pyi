@@ -1,0 +1,33 @@
+from .closure import (
+    LieClosure as LieClosure,
+    involutive_closure as involutive_closure,
+)
+from .fields import (
+    NumericField as NumericField,
+    VectorField as VectorField,
+    bracket as bracket,
+    rates_with as rates_with,
+)
+from .flows import (
+    Flow as Flow,
+    contact_switches as contact_switches,
+    flow_map as flow_map,
+    merged as merged,
+)
+from .formulas import (
+    RESERVED as RESERVED,
+    read_formula as read_formula,
+)
+from .gait import Gait as Gait
+from .gait_order import (
+    gait_steps as gait_steps,
+    gait_walk as gait_walk,
+    walk_switches as walk_switches,
+)
+from .grouping import regroup as regroup
+from .level_sets import LevelSet as LevelSet
+from .shape import (
+    ShapeCoordinates as ShapeCoordinates,
+    ShapeLimits as ShapeLimits,
+)
+from .strata import StratifiedSystem as StratifiedSystem
