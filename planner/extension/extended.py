@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
 CONDITION = 1e9  # number of B(x) beyond which the elements count as dependent
+KEPT = 32  # extended systems that later plans find ready
 UNREACHED = 1e-6  # relative part of a velocity that the elements may miss
 
 
@@ -81,10 +82,7 @@ class ExtendedSystem:
         Raises:
             ValueError: It is below an element's degree, or beyond all use.
         """
-        if degree == self.steering.degree:
-            return self
-        trees = [parse(text, self.system) for text in self.elements]
-        return replace(self, steering=steering(self.system, trees, degree))
+        return self if degree == self.steering.degree else _to_degree(self, degree)
 
     @cached_property
     def shape(self) -> ShapeCoordinates:
@@ -165,8 +163,8 @@ def extend(
 ) -> ExtendedSystem:
     """The extended system of chosen elements, eqs. (4) and (15).
 
-    Forming and compiling the brackets is the slow part of planning. Extend a system
-    once where it serves several plans.
+    Forming and compiling the brackets is the slow part of planning. The result is kept
+    with the system, so that later plans have it at once.
 
     Args:
         system: System whose fields the elements are made of.
@@ -185,6 +183,13 @@ def extend(
     """
     if isinstance(elements, str):
         raise ValueError(f"elements is the text {elements!r}; give a sequence of names")
+    return _extended(system, tuple(elements), degree)
+
+
+@lru_cache(maxsize=KEPT)
+def _extended(
+    system: StratifiedSystem, elements: tuple[str, ...], degree: int | None
+) -> ExtendedSystem:
     trees = [parse(text, system) for text in elements]
     system, trees = on_bottom(system, trees)
     names = tuple(map(name_of, trees))
@@ -197,6 +202,12 @@ def extend(
             raise PlannerError(f"element {name} vanishes everywhere: {reason}; drop it")
     compiled = compile_fields(columns, system.state, names)
     return ExtendedSystem(system, names, compiled, steering(system, trees, degree))
+
+
+@lru_cache(maxsize=KEPT)
+def _to_degree(extended: ExtendedSystem, degree: int) -> ExtendedSystem:
+    trees = [parse(text, extended.system) for text in extended.elements]
+    return replace(extended, steering=steering(extended.system, trees, degree))
 
 
 def _require_distinct(names: Sequence[str]) -> None:

@@ -14,9 +14,9 @@ from .chained_forms import (
 from .convergence import (
     ConvergenceOrder as ConvergenceOrder,
     convergence_order as convergence_order,
+    critical_step as critical_step,
     faster as faster,
 )
-from .critical_steps import critical_step as critical_step
 from .curves import (
     formula_curve as formula_curve,
     table_curve as table_curve,

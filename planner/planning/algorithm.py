@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import chain, groupby
+from itertools import chain, groupby, pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,12 +19,11 @@ from planner.planning.nominal import (
     default_nodes,
     extend_along,
     fictitious_inputs_along,
+    require_regular,
     require_segments,
     sample,
 )
 from planner.planning.paths import Path, as_path
-from planner.planning.regularity import require_regular
-from planner.planning.steered_systems import Steerable
 from planner.support.stopping import tick
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
@@ -111,10 +111,9 @@ class Plan:
     @property
     def contact_switches(self) -> int:
         """Number of lift-offs and touchdowns."""
-        ends = self.depart, self.arrive
         if self.gait:
             return walk_switches(self.system, self.walk)
-        return contact_switches(self.system, self.flows, *ends)
+        return contact_switches(self.system, self.flows, self.depart, self.arrive)
 
     @property
     def walk(self) -> tuple[str, ...]:
@@ -127,9 +126,7 @@ class Plan:
 
     def segments(self) -> Iterator[tuple[Flow, ...]]:
         """The flows of each segment."""
-        for first, last in zip(
-            (0, *self.segment_ends), self.segment_ends, strict=False
-        ):
+        for first, last in pairwise((0, *self.segment_ends)):
             yield self.flows[first:last]
 
     def __str__(self) -> str:
@@ -148,6 +145,29 @@ class Plan:
         return "\n".join(lines)
 
 
+class Steerable(Protocol):
+    """A system that knows how it is best steered, such as the equations of a robot."""
+
+    @property
+    def system(self) -> StratifiedSystem:
+        """The stratified system."""
+        ...
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Elements of the extended system to steer with."""
+        ...
+
+    @property
+    def execution(self) -> Execution:
+        """How plans are carried out: order of flows, joint ranges, static stability."""
+        ...
+
+    def configurations(self, path: Path) -> Path:
+        """The path as one of configurations, if it consists of poses of the body."""
+        ...
+
+
 def plan(
     system: StratifiedSystem | ExtendedSystem | Steerable,
     path: Path | Callable[[float], ArrayLike],
@@ -161,13 +181,12 @@ def plan(
     """Plan flows along a path, open loop (Sec. 5.2).
 
     Args:
-        system: System to steer. Several plans are faster if it is extended beforehand.
+        system: System to steer.
         path: Configurations on the bottom stratum for s in [0, 1], or poses of the body
             if the system is that of a robot.
         segments: Number of segments of the path, each of which is planned separately.
         elements: Fields and brackets of the extended system. If they are not given,
-            they are those of the robot's equations, or chosen by `extension.choice`. A
-            system that is extended already has its elements.
+            they are those of the robot's equations, or chosen by `extension.choice`.
         execution: How the flows are ordered, and within which limits. By default it is
             that of the robot's equations, or the order of the paper.
         nodes: Number of samples of the path in each segment; larger for long segments
@@ -207,11 +226,7 @@ def follow_path(
     execution: Execution,
     nodes: int | None = None,
 ) -> Plan:
-    """The five steps of Sec. 5.2 for one number of segments.
-
-    Raises:
-        RangeError: The plan leaves the limits; no other number of segments is tried.
-    """
+    """The five steps of Sec. 5.2 for one number of segments; no other is tried."""
     nodes = nodes or default_nodes(segments)
     samples = sample(path, extended.system, segments, nodes)
     tick()
@@ -230,15 +245,7 @@ def assemble(
     nominal: Array,
     execution: Execution,
 ) -> Plan:
-    """The plan for given Hall coordinates (step 5 of Sec. 5.2).
-
-    Args:
-        extended: System that they are of.
-        inputs: Fictitious inputs behind them, shape (segments, nodes, p).
-        hall_coordinates: Backward coordinates, shape (segments, s).
-        nominal: Configurations between segments, ends included, (segments + 1, n).
-        execution: How to carry them out.
-    """
+    """The plan for given Hall coordinates (step 5 of Sec. 5.2); shapes as in `Plan`."""
     with uncollected():
         ordered = execution.flows(extended, hall_coordinates, nominal)
         flows = tuple(chain.from_iterable(ordered))
@@ -266,12 +273,7 @@ def with_remedy(
 ) -> RangeError:
     """The same error with the smallest number of segments found to keep the limits.
 
-    Args:
-        refusal: The error of the plan.
-        extended: System to steer.
-        path: Configurations on the bottom stratum for s in [0, 1].
-        segments: A number that does not suffice; larger ones are tried.
-        execution: How plans are carried out.
+    The given number does not suffice; larger ones are tried.
     """
     for end in (path(0.0), path(1.0)):
         try:

@@ -1,4 +1,4 @@
-"""The rate at which the end of a plan approaches its goal as segments are added.
+"""How plans converge: the rate as segments are added, and how long a step may be.
 
 With n segments, an element of degree d has a coordinate of size 1/n in each of them,
 and the flows of its word have length n^(-1/d). A word that is exact to degree k leaves
@@ -11,29 +11,46 @@ where d is the highest degree of the brackets that the path requires. If the fie
 this part of the error vanish, there is one more factor, and the error is
 n^(-(k + 2 - d)/d). This is the case for walkers with d = k = 2 whose two strokes are
 mirror images of each other. If all brackets of degree k + 1 vanish, the plan is exact.
+
+A plan that at least halves the distance to its target converges to it when it is
+repeated from where it ended (Sec. 2.1, and the critical algorithm of the paper's
+reference [3]). The critical step is how long such a plan may be.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from planner.execution.execution import CHOICES, Coordinates
+from planner.errors import BudgetError, PlannerError
+from planner.execution.execution import CHOICES, Coordinates, Execution
 from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.extended import ExtendedSystem
 from planner.extension.steering import Wording
 from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
 from planner.numerics.arrays import Array
-from planner.planning.nominal import default_nodes, fictitious_inputs_along, sample
-from planner.planning.paths import Path
+from planner.planning.nominal import (
+    default_nodes,
+    extend_along,
+    fictitious_inputs_along,
+    sample,
+)
+from planner.planning.paths import Path, line
+from planner.planning.shooting import shot_towards
 from planner.systems.fields import compile_fields
 from planner.systems.flows import Word
+from planner.systems.strata import StratifiedSystem
 
-PLACES = 3  # places on the path where the leading error is looked at
-NEGLIGIBLE = 1e-9  # part of a path's inputs, or of an error's terms, that is rounding
+ERROR_PLACES = 3  # places on the path where the leading error is looked at
+ROUNDED_OFF = 1e-9  # part of a path's inputs, or of an error's terms
+DOUBLINGS = 20  # from the given step, or from one of length 1, to infinite ones
+HALVINGS = 40  # to one that counts as none
+ACCURACY = 1e-3  # relative, of the step
 
 
 @dataclass(frozen=True)
@@ -109,13 +126,13 @@ def convergence_order(
     steering = extended.steering
     k, degrees = steering.degree, np.array(steering.selected_degrees)
     sizes = np.abs(inputs).max(axis=0)
-    used = sizes > NEGLIGIBLE * sizes.max(initial=0.0)
+    used = sizes > ROUNDED_OFF * sizes.max(initial=0.0)
     d = int(degrees[used].max(initial=1))
     longer = hall_fields(extended.system, steering.hall.generators, k + 1)
     if not used.any() or max(lie_algebra(longer.elements).degrees) <= k:
         return ConvergenceOrder(k, d, np.inf, cancelled=True)
-    places = np.linspace(0, len(samples) - 1, PLACES).astype(int)
-    leading = np.zeros((PLACES, len(steering.basis)))
+    places = np.linspace(0, len(samples) - 1, ERROR_PLACES).astype(int)
+    leading = np.zeros((ERROR_PLACES, len(steering.basis)))
     leading[:, list(steering.selected)] = inputs[places] * (degrees == d)
     if coordinates == "symmetric":
         cancelled = (k - d) % 2 == 0
@@ -151,7 +168,7 @@ def _misses(
     for x, word in zip(samples, words, strict=True):
         columns, missed = fields(x), word_logarithm(longer, generators, word)[beyond]
         size = np.abs(columns).max() * np.abs(missed).max()
-        if np.abs(columns @ missed).max() > NEGLIGIBLE * size:
+        if np.abs(columns @ missed).max() > ROUNDED_OFF * size:
             return True
     return False
 
@@ -170,3 +187,85 @@ def word_logarithm(hall: HallFields, generators: Sequence[str], word: Word) -> A
         step = duration * unit[name]
         coordinates = exponential(hall.elements, step, coordinates)
     return logarithm(hall.elements, coordinates)
+
+
+def critical_step(
+    system: StratifiedSystem | ExtendedSystem,
+    at: ArrayLike,
+    direction: ArrayLike,
+    execution: Execution | None = None,
+    *,
+    within: float = inf,
+) -> float:
+    """Length of the longest straight step of which a plan leaves at most half.
+
+    The given step is doubled or halved until one step serves and one twice as long does
+    not, and the place between them is bisected. Steps beyond the first that fails may
+    serve again; they are not looked for.
+
+    Args:
+        system: System to steer; compiled by `extend` beforehand where speed matters.
+        at: Configuration to start from, shape (n,).
+        direction: Step to begin with, shape (n,), in the direction of interest.
+        execution: How to carry the steps out; in backward coordinates if not given, or
+            where it leaves the choice of coordinates open.
+        within: Length from which on no longer step is tried.
+
+    Returns:
+        A length in the mixed unit of the state, infinite where every step that is tried
+        serves, as on nilpotent systems, and 0 where none does.
+
+    Raises:
+        ValueError: The direction is zero, or something is misshapen or not finite.
+    """
+    if np.shape(at) != np.shape(direction):
+        raise ValueError(
+            f"direction of shape {np.shape(direction)} at a configuration of shape "
+            f"{np.shape(at)}; give both as states"
+        )
+    way = line(at, np.add(at, direction))
+    start, step = way(0.0), way(1.0) - way(0.0)
+    if not step.any():
+        raise ValueError("the direction is zero; give the step to begin with")
+    if execution is None or execution.coordinates == "fewest":
+        execution = replace(execution or Execution(), coordinates="backward")
+    extended = extend_along(system, None, way)
+    length = float(np.linalg.norm(step))
+    return length * _longest(extended, start, step, execution, within / length)
+
+
+def _longest(
+    extended: ExtendedSystem,
+    start: Array,
+    step: Array,
+    execution: Execution,
+    within: float,
+) -> float:
+    """The critical step as a multiple of the given one; `within` likewise."""
+
+    def serves(factor: float) -> bool:
+        target = start + factor * step
+        try:
+            end = shot_towards(extended, start, target, execution).end
+        except BudgetError:
+            raise
+        except PlannerError:
+            return False
+        return bool(np.linalg.norm(target - end) <= np.linalg.norm(factor * step) / 2)
+
+    low, high = (1.0, 2.0) if serves(1.0) else (0.5, 1.0)
+    if low == 1.0:
+        unit = 1.0 / float(np.linalg.norm(step))
+        while serves(high):
+            low, high = high, 2 * high
+            if low >= within or high > 2.0**DOUBLINGS * max(1.0, unit):
+                return inf
+    else:
+        while not serves(low):
+            low, high = low / 2, low
+            if low < 2.0**-HALVINGS:
+                return 0.0
+    while high - low > ACCURACY * high:
+        middle = (low + high) / 2
+        low, high = (middle, high) if serves(middle) else (low, middle)
+    return low

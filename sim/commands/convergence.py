@@ -37,7 +37,7 @@ def convergence(
 def step_lengths(
     extended: ExtendedSystem, path: Path, segments: int
 ) -> dict[str, float | None] | None:
-    """The first step of a path beside the critical one, which is None if infinite.
+    """The first step of a path and the critical one; None if twice the first serves.
 
     Args:
         extended: System to steer.
@@ -52,7 +52,7 @@ def step_lengths(
     start, end = path.at(grid(path, segments)[:2])
     if not (length := float(np.linalg.norm(end - start))):
         return None
-    critical = critical_step(extended, start, end - start)
+    critical = critical_step(extended, start, end - start, within=2 * length)
     return {"first": length, "critical": _finite(critical)}
 
 
@@ -64,19 +64,23 @@ def describe(facts: Mapping[str, Any]) -> list[str]:
     """Accuracy and steps in lines for a terminal, of facts that have them."""
     lines = describe_order(facts["accuracy"]) if "accuracy" in facts else []
     if steps := facts.get("steps"):
-        lines.append(describe_steps(steps, facts["segments"]))
+        exact = facts["accuracy"]["order"] is None
+        lines.append(describe_steps(steps, facts["segments"], exact))
     return lines
 
 
-def describe_steps(steps: Mapping[str, float | None], segments: int) -> str:
+def describe_steps(
+    steps: Mapping[str, float | None], segments: int, exact: bool
+) -> str:
     """The number of segments beside the one that the critical step would ask for."""
     first, critical = steps["first"], steps["critical"]
-    if first is None or critical is None:
+    if first is None or (exact and critical is None):
         return f"{'steps':10}of any length are halved at least by one plan"
     if critical == 0:
         return f"{'steps':10}of no length converge in this direction"
-    of = f"of {first:.3g}, the critical step is {critical:.3g}"
-    if first <= critical:
+    length = "beyond twice that" if critical is None else f"{critical:.3g}"
+    of = f"of {first:.3g}, the critical step is {length}"
+    if critical is None or first <= critical:
         return f"{'steps':10}{of}: short enough to converge when repeated"
     needed = math.ceil(segments * first / critical)
     return f"{'steps':10}{of}: too long to converge when repeated, {needed} would do"

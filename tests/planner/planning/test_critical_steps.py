@@ -9,7 +9,7 @@ import sympy as sp
 from models.systems.catalogue import shipped_system
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
-from planner.planning.critical_steps import ACCURACY, critical_step
+from planner.planning.convergence import ACCURACY, critical_step
 from planner.planning.shooting import shot_towards, steer
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod
@@ -51,6 +51,17 @@ def test_unicycle_is_critical_where_its_rectangle_errs_by_half():
     a = np.sqrt(critical)
     miss = np.hypot(a * (np.cos(a) - 1), a * np.sin(a) - critical)
     assert miss / critical == pytest.approx(0.5, abs=1e-3)
+
+
+def test_steps_beyond_a_length_are_not_tried():
+    problem = shipped_system("unicycle")
+    critical = critical_step(problem.system, np.zeros(3), [0, 1, 0])
+    near, far = (
+        critical_step(problem.system, np.zeros(3), [0, critical / 3, 0], within=limit)
+        for limit in (critical / 2, critical * 2)
+    )
+    assert near == inf
+    assert far == pytest.approx(critical, rel=2 * ACCURACY)
 
 
 def test_nilpotent_systems_have_none():
