@@ -35,7 +35,9 @@ COMMANDS = (
 )
 MODULES = {"film": "film_run"}  # `film` is a function of the front door
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
-EPILOG = "stratawalk help COMMAND explains a command."
+EPILOG = (
+    "stratawalk help COMMAND explains a command; docs/glossary.md defines the terms."
+)
 OPTIONS = ("-h", "--help", "--version")  # that need no command
 PLACE = "the command line"
 
