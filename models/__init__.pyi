@@ -4,31 +4,31 @@ from .adoption.coupled_swings import (
 )
 from .adoption.draft import (
     Draft as Draft,
-    draft_card as draft_card,
-)
-from .adoption.proposal import (
     Proposal as Proposal,
+    draft_card as draft_card,
     propose as propose,
 )
-from .adoption.servo import servo_for as servo_for
 from .adoption.source import (
     Source as Source,
     source_of as source_of,
 )
-from .checks.posture import UPRIGHT as UPRIGHT
-from .contact.cores import covering_core as covering_core
+from .adoption.standing import servo_for as servo_for
+from .checks import UPRIGHT as UPRIGHT
 from .contact.ground import (
     Ground as Ground,
     ground_of as ground_of,
 )
 from .contact.kinematics import (
     Kinematics as Kinematics,
+    Lifting as Lifting,
     Stance as Stance,
 )
-from .contact.lifting import Lifting as Lifting
-from .contact.loads import static_loads as static_loads
+from .contact.loads import (
+    StaticStability as StaticStability,
+    static_loads as static_loads,
+)
 from .contact.paper_stance import PaperStance as PaperStance
-from .contact.static_stability import StaticStability as StaticStability
+from .contact.soles import covering_core as covering_core
 from .description.card import Card as Card
 from .description.card_file import read_card as read_card
 from .description.compiled import (
@@ -41,18 +41,20 @@ from .description.compiled import (
     silence_the_engine as silence_the_engine,
     weight_of as weight_of,
 )
-from .description.files import elements_with_files as elements_with_files
-from .description.inspection import inspect_model as inspect_model
-from .description.joint_servo import JointServo as JointServo
+from .description.inspection import (
+    elements_with_files as elements_with_files,
+    inspect_model as inspect_model,
+)
 from .description.robot import (
     FOLDER as FOLDER,
     Robot as Robot,
 )
 from .description.servos import (
     SERVO_KINDS as SERVO_KINDS,
+    JointServo as JointServo,
     ServoKind as ServoKind,
 )
-from .description.toml import parse_toml as parse_toml
+from .description.table import parse_toml as parse_toml
 from .errors import (
     MeasurementError as MeasurementError,
     ModelError as ModelError,
@@ -77,11 +79,6 @@ from .morphology.variants import (
     geometry_of as geometry_of,
     reshaped as reshaped,
 )
-from .motion.identified import (
-    FailedField as FailedField,
-    IdentifiedTwists as IdentifiedTwists,
-    MeasuredField as MeasuredField,
-)
 from .motion.mobility import (
     Mobility as Mobility,
     mobility_of as mobility_of,
@@ -103,7 +100,10 @@ from .motion.strokes import (
     travel as travel,
 )
 from .motion.twists import (
+    FailedField as FailedField,
     IdealTwists as IdealTwists,
+    IdentifiedTwists as IdentifiedTwists,
+    MeasuredField as MeasuredField,
     QuasiStaticTwists as QuasiStaticTwists,
     TwistModel as TwistModel,
 )

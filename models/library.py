@@ -8,12 +8,10 @@ from difflib import get_close_matches
 from os.path import lexists
 from pathlib import Path
 
-from models.checks.parts import check_parts
-from models.checks.posture import check_posture
+from models.checks import check_parts, check_posture
 from models.description.card_file import parse_card, read_text
 from models.description.compiled import read_spec
-from models.description.files import Opened
-from models.description.inspection import inspect_model
+from models.description.inspection import Opened, inspect_model
 from models.description.robot import FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 from models.morphology.mjcf import write_mjcf

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models.checks.posture import STEEP
+from models.checks import STEEP
 from models.contact.soles import find_sole
 from models.description.compiled import joints_above
 from models.errors import ModelError

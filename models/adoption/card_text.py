@@ -1,15 +1,122 @@
-"""The text of a drafted card."""
+"""The text of a drafted card: legs, posture, groups and gait, and what was guessed."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
-from models.adoption.gait_draft import GaitDraft
+from models.adoption.crawl import Crawl
+from models.adoption.pivots import LEAST_LOAD, Stand
 from models.adoption.standing import joint_span
 from models.description.card import Servo
+from planner import Array
 
-LIFT = 0.3  # [rad]
+LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
+NAMES = "123456789"
+
+
+@dataclass(frozen=True)
+class GaitDraft:
+    """How a robot is to walk.
+
+    Attributes:
+        turns: How far each leg is turned from how it stands, anticlockwise (L,) [rad].
+        lines: Groups, gait and patterns as the card has them.
+        said: What was guessed, a sentence each.
+        pivots: Points that the groups turn the body about, shape (2,) [m]; none in a
+            crawl.
+        settings: Further numbers of the card, by key.
+    """
+
+    turns: Array
+    lines: tuple[str, ...]
+    said: tuple[str, ...]
+    pivots: tuple[Array, ...] = ()
+    settings: Mapping[str, float] = field(default_factory=dict)
+
+
+def alternating(limbs: Sequence[Limb], pair: Sequence[Stand]) -> GaitDraft:
+    """Two groups of legs that stand in turn, each turning the body about its pivot.
+
+    Args:
+        limbs: Legs of the robot.
+        pair: The two groups.
+    """
+    turns = np.zeros(len(limbs))
+    for stand in pair:
+        turns[list(stand.legs)] = stand.turns
+    lines = [
+        line
+        for name, s in zip("12", pair, strict=True)
+        for line in _group(name, s, limbs)
+    ]
+    return GaitDraft(
+        turns=turns,
+        lines=(*lines, "", "[gait]", _strata(["12", "1", "12", "2", "12"])),
+        said=tuple(_pivot_said(name, s) for name, s in zip("12", pair, strict=True)),
+        pivots=tuple(stand.pivot for stand in pair),
+    )
+
+
+def _group(name: str, stand: Stand, limbs: Sequence[Limb]) -> Iterator[str]:
+    sense = -1 if stand.pivot[1] > 0 else 1  # forward for a positive angle
+    gains = ", ".join(
+        f"{i + 1} = {sense * limbs[i].turn * gain:.9g}"
+        for i, gain in zip(stand.legs, stand.gains, strict=True)
+    )
+    x, y = stand.pivot
+    yield from ("", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})")
+    yield f"legs = {{ {gains} }}"
+
+
+def _pivot_said(name: str, stand: Stand) -> str:
+    legs = " ".join(str(i + 1) for i in stand.legs)
+    x, y = stand.pivot
+    most = np.rad2deg(np.abs(stand.turns).max())
+    return (
+        f"group {name}, legs {legs}: turned by up to {most:.0f} degrees to meet at "
+        f"({x:.3f}, {y:.3f}) m, swings {stand.swing:.2f} rad either way"
+    )
+
+
+def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
+    """A crawl: each leg a group of its own, and two patterns in which all of them row.
+
+    Args:
+        limbs: Legs of the robot.
+        crawl: How they row.
+    """
+    names = NAMES[: len(limbs)]
+    singles = [names.replace(name, "") for name in names]
+    strata = [names, *(s for single in singles for s in (single, names))]
+    lines = ["", "[group]  # a positive angle turns a leg anticlockwise"]
+    lines += [
+        f"{name} = {{ legs = {{ {name} = {limb.turn:g} }} }}"
+        for name, limb in zip(names, limbs, strict=True)
+    ]
+    lines += ["", "[gait]", _strata(strata), f"least_load = {LEAST_LOAD:g}"]
+    for pattern, gains in (("forward", crawl.forward), ("turn", crawl.turning)):
+        swings = (f"{n} = {g:.9g}" for n, g in zip(names, gains, strict=True) if g)
+        lines += ["", f"[pattern.{pattern}]", _strata([names])]
+        lines.append(f"groups = {{ {', '.join(swings)} }}")
+    most = np.rad2deg(np.abs(crawl.turns).max())
+    said = (
+        "no two groups of its legs can stand alone in turn: it rows on all of them, "
+        "ahead and around, and sets them back one at a time",
+        f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
+        f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
+    )
+    return GaitDraft(crawl.turns, tuple(lines), said, settings={"lift_time": LIFT_TIME})
+
+
+def _strata(names: Iterable[str]) -> str:
+    return f"strata = [{', '.join(f'{name!r}' for name in names)}]".replace("'", '"')
+
+
+LARGEST_LIFT = 0.3  # [rad]
 
 
 def card_text(
@@ -65,7 +172,7 @@ def _lift_angle(pose: Pose, limbs: Sequence[Limb]) -> float:
         low, high = joint_span(pose, limb.lift)
         angle = float(pose.data.joint(limb.lift).qpos[0])
         rooms.append(high - angle if limb.up > 0 else angle - low)
-    return min(LIFT, 0.95 * min(rooms))
+    return min(LARGEST_LIFT, 0.95 * min(rooms))
 
 
 def _key(name: str) -> str:

@@ -19,8 +19,7 @@ import numpy as np
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.pivots import LEAST_LOAD, MOST_SWING
 from models.contact.dissipation import least_dissipation_twist
-from models.contact.loads import static_loads
-from models.contact.static_stability import least_load
+from models.contact.loads import least_load, static_loads
 from models.errors import ModelError
 from planner import Array
 from planner.execution import reposition_legs

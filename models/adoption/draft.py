@@ -1,30 +1,37 @@
-"""The draft of a card, together with the guesses that it rests on."""
+"""The draft of a card, together with the guesses that it rests on.
+
+For a robot that has a card, the draft proposes another posture and other groups.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose, find_limbs
-from models.adoption.card_text import card_text
+from models.adoption.card_text import GaitDraft, alternating, card_text, rowing
 from models.adoption.crawl import find_crawl
-from models.adoption.gait_draft import GaitDraft, alternating, rowing
 from models.adoption.pivots import posed, two_groups
-from models.adoption.servo import drafted_servo, has_servo, servo_stiffness
 from models.adoption.source import Source
-from models.adoption.standing import joint_span, standing_angles, stands
-from models.description.card import Servo
-from models.description.compiled import (
-    compile_model,
-    named,
-    root_body,
+from models.adoption.standing import (
+    drafted_servo,
+    has_servo,
+    joint_span,
+    servo_stiffness,
+    standing_angles,
+    stands,
 )
-from models.description.robot import START
+from models.description.card import Servo
+from models.description.card_file import parse_card
+from models.description.compiled import compile_model, named, root_body
+from models.description.robot import START, Robot
 from models.errors import ModelError
-from planner import Array
+from models.motion.mobility import Mobility, mobility_of
+from models.motion.robot_equations import equations
+from planner import Array, PlannerError
 
 SOFT = 0.05  # of the stiffness with which a servo sags little
 
@@ -158,3 +165,51 @@ def _soft(model: mujoco.MjModel, own: Sequence[str], suited: Servo) -> Iterator[
             f"--set servo_stiffness={suited.stiffness:.3g} "
             f"--set servo_damping={suited.damping:.3g} shows whether they are why"
         )
+
+
+UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """Groups and posture that `draft_card` would give a robot.
+
+    Attributes:
+        turned: How far its legs are turned at most from where they stand [rad].
+        mobility: What the robot can do then.
+    """
+
+    turned: float
+    mobility: Mobility
+
+    def __str__(self) -> str:
+        costs = (
+            f"{cost.strokes:,.0f} strokes a {UNITS[cost.direction]}"
+            for cost in self.mobility.costs
+        )
+        return (
+            f"with its legs turned by up to {np.rad2deg(self.turned):.0f} degrees it "
+            f"would take {', '.join(costs)}"
+        )
+
+
+def propose(robot: Robot) -> Proposal | None:
+    """Try the groups and the posture that adopting the robot anew would give.
+
+    Args:
+        robot: Robot that lacks a direction.
+
+    Returns:
+        None if there are none in which it lacks nothing.
+    """
+    try:
+        draft = draft_card(Source(robot.path, robot.path, None))
+        card = parse_card(draft.card, "draft")
+        posed = replace(robot, card_text=draft.card, card=card)
+        found = mobility_of(posed, equations(posed))
+    except (ModelError, PlannerError):
+        return None
+    if found.lacking:
+        return None
+    turned = float(np.abs(draft.gait.turns).max())
+    return Proposal(turned, found)

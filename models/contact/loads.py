@@ -1,9 +1,19 @@
-"""Normal forces under the feet of a standing robot, from statics."""
+"""Static loads of a robot's feet on level ground, and whether it stands on them.
+
+A foot that bears little of the weight loses contact at the slightest disturbance; a
+card may therefore demand a least share of the weight on every foot on the ground.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
+from models.contact.kinematics import Kinematics
+from models.description.robot import Robot
 from planner import Array
 
 ROUNDING = 1e-12  # share of the weight that counts as zero
@@ -38,3 +48,109 @@ def static_loads(feet: Array, center_of_mass: Array) -> Array:
         standing &= ~pulled
     loads = np.maximum(loads, 0.0)
     return loads / loads.sum(axis=-1, keepdims=True)
+
+
+@dataclass(frozen=True)
+class StaticStability:
+    """Loads of a robot's feet with some of them in the air."""
+
+    robot: Robot
+
+    def stands(self, strata: Sequence[str], places: Mapping[str, Array]) -> Array:
+        """Whether every foot on the ground bears the card's least load.
+
+        Args:
+            strata: Groups on the ground, S cases.
+            places: Angles of each group by its coordinate `phi_G`, shape (P_G,) [rad].
+
+        Returns:
+            For all combinations of places in the order of groups, (S, P_1, ..., P_G).
+        """
+        angles = [places[f"phi_{group}"] for group in self.robot.groups]
+        return self.least_loads(strata, angles) >= self.robot.card.least_load
+
+    def least_loads(self, strata: Sequence[str], angles: Sequence[Array]) -> Array:
+        """Smallest share of the weight that a foot on the ground bears.
+
+        Args:
+            strata: Groups on the ground, S cases.
+            angles: Of each group, shape (P_G,) [rad].
+
+        Returns:
+            For all combinations, (S, P_1, ..., P_G); 0 or less where it would tip over.
+        """
+        feet, center = self._combined(angles)
+        standing = map(self.robot.planted, strata)
+        return np.stack([least_load(feet[..., on, :], center) for on in standing])
+
+    def at_rest_and_best(self) -> dict[str, tuple[float, float]]:
+        """Least share with all legs at angle 0, and with legs anywhere in range.
+
+        By stratum of the gait with feet in the air; 0 or less where it would tip over.
+        """
+        card, spans = self.robot.card, self.robot.swing_range.values()
+        strata = [name for name in dict.fromkeys(card.gait) if name != card.bottom]
+        rest = self.least_loads(strata, [np.zeros(1)] * len(spans))
+        anywhere = self.least_loads(strata, [np.array([a, 0.0, b]) for a, b in spans])
+        found = zip(strata, rest, anywhere, strict=True)
+        return {name: (float(r.max()), float(a.max())) for name, r, a in found}
+
+    def _combined(self, angles: Sequence[Array]) -> tuple[Array, Array]:
+        """Feet (P_1, ..., P_G, F, 2) and centre of mass (P_1, ..., P_G, 2).
+
+        Each leg moves only its own foot and its own share of the weight.
+        """
+        shape = [len(angle) for angle in angles]
+        groups = np.arange(len(shape))
+        owner = np.repeat(groups, shape)
+        alone = np.concatenate(angles)[:, None] * (owner[:, None] == groups)
+        stance = self._kinematics.stance(alone)
+        moved = stance.center_of_mass - self._middle
+        feet = np.empty((*shape, len(self.robot.legs), 2))
+        center = np.broadcast_to(self._middle, (*shape, 2)).copy()
+        for g in groups:
+            along = np.where(groups == g, -1, 1)
+            own = self.robot.group_of_leg == g
+            center += moved[owner == g].reshape(*along, 2)
+            feet[..., own, :] = stance.feet[owner == g][:, own].reshape(
+                *along, own.sum(), 2
+            )
+        return feet, center
+
+    @cached_property
+    def _middle(self) -> Array:
+        """Centre of mass with all legs at angle 0, shape (2,)."""
+        return self._kinematics.standing.center_of_mass
+
+    @cached_property
+    def _kinematics(self) -> Kinematics:
+        return Kinematics(self.robot)
+
+
+def least_load(feet: Array, center: Array) -> Array:
+    """Smallest share of the weight on any of the feet; 0 or less where they tip.
+
+    Args:
+        feet: Feet on the ground, shape (..., F, 2) [m].
+        center: Centre of mass, shape (..., 2) [m].
+
+    Returns:
+        Shape (...).
+    """
+    if feet.shape[-2] == 3:
+        return _shares(feet, center).min(axis=-1)
+    rows = static_loads(feet.reshape(-1, *feet.shape[-2:]), center.reshape(-1, 2))
+    return rows.min(axis=-1).reshape(center.shape[:-1])
+
+
+def _shares(feet: Array, center: Array) -> Array:
+    """Share of the weight on each of three feet, negative outside, shape (..., 3).
+
+    The weight's barycentric coordinates: the triangle that it makes with the other two
+    feet over the whole one.
+    """
+    spokes = feet - center[..., None, :]
+    after = np.roll(spokes, -1, axis=-2)
+    areas = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
+    opposite = np.roll(areas, -1, axis=-1)
+    return opposite / areas.sum(axis=-1, keepdims=True)

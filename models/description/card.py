@@ -1,7 +1,7 @@
 """The robot card: which parts of an MJCF file are legs, joints, feet and groups.
 
 The classes refuse contradictory values. `description.card_file` reads them from TOML,
-and `checks.parts` checks that the parts they name exist.
+and `checks` checks that the parts they name exist.
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
 
-from models.description.joint_servo import JointServo
-from models.description.servos import SERVO_KINDS
+from models.description.servos import SERVO_KINDS, JointServo
 from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases

@@ -14,14 +14,8 @@ from models.description.card import (
     Servo,
     Twist,
 )
-from models.description.joint_servo import (
-    KEYS as JOINT_KEYS,
-    JointServo,
-    read_joint_servo,
-)
-from models.description.servos import SERVO_KINDS
-from models.description.table import Table
-from models.description.toml import parse_toml
+from models.description.servos import SERVO_KINDS, JointServo
+from models.description.table import Table, parse_toml
 from models.errors import ModelError
 from planner.support import read_file
 
@@ -36,6 +30,8 @@ KEYS = {
     "servo": ("stiffness", "damping", "armature", "kind"),
     "start": (),
 }
+JOINT_SERVO_NUMBERS = ("sign", "center", "offset", "counts_per_radian")
+JOINT_SERVO_KEYS = ("channel", *JOINT_SERVO_NUMBERS, "limits")
 OPTIONAL = ("pattern",)
 
 
@@ -154,13 +150,22 @@ def _servo(servo: Table) -> Servo | None:
 
 def _joint_servos(table: Table) -> dict[str, JointServo]:
     """The tables `[servo.JOINT]`."""
-    joints = [key for key, value in table.values.items() if isinstance(value, dict)]
     return {
-        joint: read_joint_servo(
-            Table(table.values[joint], f"servo.{joint}", JOINT_KEYS)
-        )
-        for joint in joints
+        joint: _joint_servo(Table(value, f"servo.{joint}", JOINT_SERVO_KEYS))
+        for joint, value in table.values.items()
+        if isinstance(value, dict)
     }
+
+
+def _joint_servo(table: Table) -> JointServo:
+    given: dict[str, object] = {
+        key: table.number(key) for key in JOINT_SERVO_NUMBERS if key in table
+    }
+    if "channel" in table:
+        given["channel"] = table.whole("channel")
+    if "limits" in table:
+        given["limits"] = table.numbers("limits")
+    return table.make(JointServo, **given)
 
 
 def _twist(table: Table) -> Twist | None:

@@ -1,6 +1,6 @@
 """A robot: an MJCF file, its card, and the places of the card's parts in the model.
 
-Shipped robots and those of users are treated alike. `checks.parts` and `checks.posture`
+Shipped robots and those of users are treated alike. `checks` and `checks`
 check that file and card fit together; the equations of motion are in
 `motion.robot_equations`, and the physics is in `sim`.
 """
@@ -27,7 +27,7 @@ from models.description.compiled import (
     read_spec,
     root_body,
 )
-from models.description.files import Opened
+from models.description.inspection import Opened
 
 START = ("start", "home")  # names of the keyframe to start from
 FOLDER = Path(str(files("models.robots")))

@@ -1,18 +1,52 @@
-"""Typed values from TOML tables, for robot cards and files of systems.
+"""TOML and typed values from its tables, for robot cards and files of systems.
 
 Every refusal says which value of which key is wrong, and what would be right.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+import tomllib
+from collections.abc import Callable, Collection, Iterable, Mapping
 from math import isfinite
 from reprlib import repr as shortened
 from typing import Any, TypeVar
 
 from planner.support import did_you_mean
 
-LARGEST = 1e12  # numbers beyond it overflow somewhere
+LARGEST_INTEGER = 2**63  # as the TOML specification has it
+DEEPEST_NESTING = 32  # tables and lists inside each other
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Read TOML.
+
+    Raises:
+        ValueError: It is not TOML, nested too deeply, or has a whole number of more
+            than 64 bits.
+    """
+    try:
+        table = tomllib.loads(text)
+    except RecursionError:
+        raise ValueError(f"nested deeper than {DEEPEST_NESTING}") from None
+    except tomllib.TOMLDecodeError:
+        raise
+    except ValueError:  # Python reads so many digits only
+        raise ValueError("a whole number of more than 64 bits") from None
+    _check_toml([table])
+    return table
+
+
+def _check_toml(values: Iterable[Any], depth: int = 0) -> None:
+    if depth > DEEPEST_NESTING:
+        raise ValueError(f"nested deeper than {DEEPEST_NESTING}")
+    for value in values:
+        if isinstance(value, int) and abs(value) >= LARGEST_INTEGER:
+            raise ValueError("a whole number of more than 64 bits")
+        if isinstance(value, dict | list):
+            _check_toml(value.values() if isinstance(value, dict) else value, depth + 1)
+
+
+LARGEST_NUMBER = 1e12  # numbers beyond it overflow somewhere
 T = TypeVar("T")
 
 
@@ -118,13 +152,14 @@ class Table:
 def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
-    return -LARGEST <= value <= LARGEST
+    return -LARGEST_NUMBER <= value <= LARGEST_NUMBER
 
 
 def _hint(value: object) -> str:
     """Which numbers do, for one that does not."""
-    if isinstance(value, float | int) and isfinite(value) and abs(value) > LARGEST:
-        return f"; none beyond {LARGEST:g} is taken"
+    finite = isinstance(value, float | int) and isfinite(value)
+    if finite and abs(value) > LARGEST_NUMBER:
+        return f"; none beyond {LARGEST_NUMBER:g} is taken"
     return ""
 
 

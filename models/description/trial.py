@@ -16,7 +16,7 @@ from pathlib import Path
 import mujoco
 
 from models.description.compiled import compile_model, read_spec
-from models.description.files import assets, included
+from models.description.inspection import assets, included
 from models.description.numbers import check_quaternions, check_text
 from models.errors import ModelError
 

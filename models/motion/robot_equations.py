@@ -17,8 +17,7 @@ import numpy as np
 
 from models.contact.dissipation import least_dissipation_twist
 from models.contact.kinematics import Kinematics
-from models.contact.loads import static_loads
-from models.contact.static_stability import StaticStability
+from models.contact.loads import StaticStability, static_loads
 from models.description.card import Twist
 from models.description.robot import Robot
 from models.errors import ModelError

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, get_type_hints
 
 from models.errors import ProblemError
-from models.systems import fingers, hexapods, legged, smooth
+from models.systems import hexapods, legged, smooth
 from models.systems.problem import Problem
 from planner.support import unknown
 
@@ -17,7 +17,7 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "quadruped-crawl": legged.quadruped,
     "octopod-pairs": legged.octopod,
     "hexapod-trailer": hexapods.hexapod_with_trailer,
-    "finger-gaiting": fingers.finger_gaiting,
+    "finger-gaiting": legged.finger_gaiting,
     "unicycle": smooth.unicycle,
     "car": smooth.car,
     "car-trailers": smooth.car_with_trailers,

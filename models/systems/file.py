@@ -26,8 +26,7 @@ from typing import Any, cast
 
 import sympy as sp
 
-from models.description.table import Table
-from models.description.toml import parse_toml
+from models.description.table import Table, parse_toml
 from models.errors import ProblemError
 from models.systems.problem import Problem, Words
 from planner import PlannerError, StratifiedSystem

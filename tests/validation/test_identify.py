@@ -10,7 +10,7 @@ from numpy.polynomial import Polynomial
 
 from models.description.robot import FOLDER
 from models.errors import MeasurementError
-from models.motion.identified import IdentifiedTwists, MeasuredField
+from models.motion.twists import IdentifiedTwists, MeasuredField
 from sim.commands.identify import fields
 from sim.evaluation.comparison import describe
 from sim.experiments.identification import confirmed, identify, measure

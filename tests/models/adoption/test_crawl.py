@@ -5,7 +5,7 @@ import pytest
 
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
-from models.contact.static_stability import StaticStability
+from models.contact.loads import StaticStability
 from models.errors import ModelError
 from models.library import load
 from models.motion.mobility import mobility_of

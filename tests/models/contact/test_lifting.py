@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from models.contact.kinematics import Kinematics
-from models.contact.lifting import Lifting
+from models.contact.kinematics import Kinematics, Lifting
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
 

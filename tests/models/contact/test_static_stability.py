@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from models.contact.kinematics import Kinematics
-from models.contact.loads import static_loads
-from models.contact.static_stability import StaticStability
+from models.contact.loads import StaticStability, static_loads
 from models.description.card_file import parse_card
 from models.description.robot import FOLDER
 from models.errors import ModelError

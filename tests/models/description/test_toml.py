@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.description.toml import DEEPEST, parse_toml
+from models.description.table import DEEPEST_NESTING, parse_toml
 
 
 def nested(depth):
@@ -10,9 +10,9 @@ def nested(depth):
 
 
 def test_values_may_be_nested_so_deep_and_no_deeper():
-    assert parse_toml(nested(DEEPEST - 1))["a"]
-    for depth in (DEEPEST, 300, 5000):
-        with pytest.raises(ValueError, match=f"nested deeper than {DEEPEST}"):
+    assert parse_toml(nested(DEEPEST_NESTING - 1))["a"]
+    for depth in (DEEPEST_NESTING, 300, 5000):
+        with pytest.raises(ValueError, match=f"nested deeper than {DEEPEST_NESTING}"):
             parse_toml(nested(depth))
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.motion.integral import FRACTIONS, NODES, Integral
+from models.motion.strokes import FRACTIONS, NODES, Integral
 
 EDGES = np.array([0.0, 0.5, 1.0, 2.5])
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from models.adoption.proposal import propose
+from models.adoption.draft import propose
 from models.library import load
 from models.motion.mobility import mobility_of
 from models.motion.robot_equations import equations

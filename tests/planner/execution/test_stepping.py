@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from models.contact.kinematics import Kinematics
-from models.contact.loads import static_loads
-from models.contact.static_stability import StaticStability
+from models.contact.loads import StaticStability, static_loads
 from models.library import load
 from models.morphology.shipped import QUADRUPED
 from models.motion.robot_equations import equations
