@@ -157,10 +157,10 @@ def _is_number(value: object) -> bool:
 
 def _hint(value: object) -> str:
     """Which numbers do, for one that does not."""
-    finite = isinstance(value, float | int) and isfinite(value)
-    if finite and abs(value) > LARGEST_NUMBER:
-        return f"; none beyond {LARGEST_NUMBER:g} is taken"
-    return ""
+    if not isinstance(value, float | int) or not isfinite(value):
+        return ""
+    too_large = abs(value) > LARGEST_NUMBER
+    return f"; none beyond {LARGEST_NUMBER:g} is taken" if too_large else ""
 
 
 def _is_whole(value: object) -> bool:
