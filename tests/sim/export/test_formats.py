@@ -7,8 +7,8 @@ import subprocess
 import numpy as np
 import pytest
 import yaml
-from models.description.joint_servo import JointServo
 
+from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
 from sim.export.header import identifier, read_header, write_header
