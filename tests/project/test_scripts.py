@@ -13,15 +13,22 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[2]
 SHELL = [
-    *(ROOT / "scripts" / name for name in ("setup", "run", "test")),
+    *(ROOT / "scripts" / name for name in ("setup", "run", "test", "pin")),
     ROOT / ".ci" / "run",
 ]
+WALKING, EXTRAS = PINS = [
+    ROOT / "scripts" / name for name in ("constraints.txt", "constraints-test.txt")
+]
+PIN = re.compile(r"^(\S+)==([^ ;]+)", re.MULTILINE)
 
 
-def pins():
-    lines = (ROOT / "scripts" / "constraints.txt").read_text().splitlines()
-    pairs = (line.split("==") for line in lines if not line.startswith("#"))
-    return {canonicalize_name(name): version for name, version in pairs}
+def pins(*files):
+    """Pinned versions by the packages' names."""
+    return {
+        canonicalize_name(name): version
+        for file in files or PINS
+        for name, version in PIN.findall(file.read_text())
+    }
 
 
 @pytest.mark.parametrize("path", SHELL, ids=lambda path: path.name)
@@ -31,17 +38,31 @@ def test_scripts_are_executable_posix_shell(path):
     assert subprocess.run(["sh", "-n", path]).returncode == 0
 
 
+def unsatisfied(requirements, pinned):
+    """Requirements that no pin is for, or a pin of a version that they refuse."""
+    return [
+        text
+        for text in requirements
+        for wanted in [Requirement(text)]
+        if not wanted.specifier.contains(pinned.get(canonicalize_name(wanted.name), ""))
+    ]
+
+
 def test_every_requirement_is_pinned_to_a_version_it_allows():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    extras = project["optional-dependencies"].values()
-    wanted = [
-        Requirement(r) for group in (project["dependencies"], *extras) for r in group
-    ]
-    pinned = pins() | {project["name"]: project["version"]}  # extras name others
-    assert [r for r in wanted if pinned.get(canonicalize_name(r.name)) is None] == []
-    assert [
-        r for r in wanted if not r.specifier.contains(pinned[canonicalize_name(r.name)])
-    ] == []
+    extras = [r for group in project["optional-dependencies"].values() for r in group]
+    assert unsatisfied(project["dependencies"], pins(WALKING)) == []
+    itself = {project["name"]: project["version"]}  # extras name others
+    assert unsatisfied(extras, pins() | itself) == []
+
+
+def test_no_package_is_pinned_twice_or_without_a_hash():
+    assert pins(WALKING).keys() & pins(EXTRAS).keys() == set()
+    for file in PINS:
+        text = file.read_text()
+        packages = PIN.split(text)[3::3]  # what stands behind each name and version
+        assert len(packages) == len(PIN.findall(text))
+        assert all("--hash=sha256:" in package for package in packages)
 
 
 def test_debians_python_can_install_every_pin():
@@ -54,8 +75,6 @@ def test_debians_python_can_install_every_pin():
     assert [name for name, versions in asked.items() if "3.11.2" not in versions] == []
 
 
-@pytest.mark.parametrize(
-    "path", [*SHELL, ROOT / "scripts" / "constraints.txt"], ids=str
-)
+@pytest.mark.parametrize("path", [*SHELL, *PINS], ids=lambda path: path.name)
 def test_set_up_names_no_host(path):
     assert re.findall(r"https?://|index-url|find-links|@ file:", path.read_text()) == []
