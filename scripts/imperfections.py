@@ -59,7 +59,7 @@ def rows() -> dict[str, Sequence[Settings]]:
         ],
         "floor 33 times softer": [{"floor_stiffness": FLOOR / 33}],
         "friction of 0.3 or 1.2 instead of 1": [{"friction": mu} for mu in (0.3, 1.2)],
-        "play of half a degree": [{"play": radians(0.5)}],
+        "backlash of half a degree": [{"backlash": radians(0.5)}],
         "bumps of 1 mm": [{"bumps": 1e-3, "draw": draw} for draw in DRAWS],
     }
 

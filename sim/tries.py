@@ -15,7 +15,6 @@ from sim.errors import StratawalkError, one_line
 from sim.folder import RunFolder
 from sim.progress import Progress
 from sim.run_folder import run
-from sim.scenarios.imperfect import imperfections
 from sim.scenarios.scenario import Scenario
 
 TABLE = "tries.csv"
@@ -41,7 +40,6 @@ def walk_tries(
     robot: Robot,
     folder: RunFolder,
     draws: Sequence[int],
-    imperfect: str,
     progress: Progress,
 ) -> list[Try]:
     """Walk every draw and write `tries.csv` beside their run folders.
@@ -51,7 +49,6 @@ def walk_tries(
         robot: The scenario's robot.
         folder: Where the run folders go, `draw-N` each.
         draws: Numbers of the draws.
-        imperfect: Set of imperfections.
         progress: Called with the share of the draws that is done.
 
     Raises:
@@ -60,23 +57,22 @@ def walk_tries(
     tries: list[Try] = []
     for done, draw in enumerate(draws):
         progress("walking draws", done / len(draws))
-        changes = imperfections(imperfect, robot, draw)
-        made = folder.inner(f"draw-{draw:03d}")
-        tries.append(_try(replace(scenario, **changes), robot, made, draw))
+        inner = folder.inner(f"draw-{draw:03d}")
+        tries.append(_try(replace(scenario, draw=draw), robot, inner))
         folder.write_text(TABLE, _csv(tries))
     return tries
 
 
-def _try(scenario: Scenario, robot: Robot, folder: RunFolder, draw: int) -> Try:
+def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
     try:
         summary: Mapping[str, Any] = run(
             scenario, folder, robot=robot, without=NOT_TOLD
         )
     except (StratawalkError, PlannerError) as error:
-        return Try(draw, one_line(error))
+        return Try(scenario.draw, one_line(error))
     off = summary["error"]
     return Try(
-        draw=draw,
+        draw=scenario.draw,
         verdict=summary["verdict"],
         goal=off["goal"]["position"],
         ideal=off["ideal"]["position"],

@@ -24,7 +24,7 @@ PRINTED = "as near as printed"
 Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
 WALKS: Mapping[str, Wanted] = {
     PRINTED: ({}, 82.0),
-    "together": ({"together": True}, 57.0),
+    "together": ({"overlap_recovery": True}, 57.0),
     "10 mm, yaw free, together": (
         {"together": True, "path_tolerance": 0.01, "yaw_tolerance": 3.2},
         28.0,

@@ -10,9 +10,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from sim.commands.extras import needs_extra
+from sim.commands.options import needs_extra, whole
 from sim.commands.trusted import add_robot_argument, robot_of
-from sim.commands.values import whole
 from sim.errors import ExitCode, UsageError
 
 HELP = "how few joints suffice: swings locked or coupled, legs lifted in groups"

@@ -10,9 +10,8 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import NAMED, add_scenario_arguments, scenario_of
+from sim.commands.options import NAMED, add_scenario_arguments, real, scenario_of
 from sim.commands.trusted import robot_of
-from sim.commands.values import real
 from sim.errors import UsageError
 
 if TYPE_CHECKING:

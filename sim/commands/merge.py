@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from sim.commands.extras import needs_extra
+from sim.commands.options import needs_extra
 from sim.errors import ExitCode
 
 HELP = "join what `sweep --shard` has walked to one table"

@@ -1,22 +1,31 @@
-"""Options that `run` and `plan` share, and the scenario that they select."""
+"""What the options of several commands share: settings, numbers, folders, extras."""
 
 from __future__ import annotations
 
 import argparse
+import math
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sim.commands.trusted import add_trust_argument
-from sim.errors import UsageError
+from sim.errors import ExitCode, UsageError
+from sim.scenarios.settings import SETTINGS
 
 if TYPE_CHECKING:
     from sim.scenarios.scenario import Scenario
 
-NAMED = (
-    "robot", "fields", "segments", "replan", "steer", "degree", "words",
-    "allow_unstable", "optimise", "correct", "gait",
-)  # fmt: skip
-"""Options that are also keys of a scenario."""
+Number = TypeVar("Number", int, float)
+Execute = Callable[[argparse.Namespace], ExitCode | None]
+
+NAMED = {
+    "robot": "NAME|FILE.xml", "fields": None, "segments": "N", "degree": "K",
+    "words": None, "gait": "STRATUM", "replan": None, "steer": None, "optimise": None,
+    "allow_unstable": None, "correct": "N", "imperfect": "NAME", "draw": "N",
+}  # fmt: skip
+"""Settings that have an option of their own, and what stands for the value there."""
+OF_RUN = ("correct", "imperfect", "draw")  # options that only `run` has
 
 
 def add_scenario_arguments(
@@ -33,41 +42,39 @@ def add_scenario_arguments(
     parser.add_argument(
         "scenario", metavar=metavar, help=about or f"a shipped {what}, or a file"
     )
-    parser.add_argument("--robot", metavar="NAME|FILE.xml", help="robot to walk")
     add_trust_argument(parser)
-    parser.add_argument("--fields", help="fields to steer with, lifted or paper")
-    parser.add_argument("--segments", type=int, metavar="N", help="pieces of the path")
+    for name in (name for name in NAMED if name not in OF_RUN):
+        add_setting_argument(parser, name)
+    known = f"replace a key of the scenario: {', '.join(SETTINGS)}, path, obstacles"
+    add_set_argument(parser, known)
+
+
+def add_setting_argument(
+    parser: argparse.ArgumentParser,
+    name: str,
+    read: Callable[[str], int] = int,
+) -> None:
+    """Add the option of a setting; its help is what is declared about the setting.
+
+    Args:
+        parser: Parser of the command.
+        name: One of `NAMED`.
+        read: Reads the value of a whole number.
+    """
+    declared, option = SETTINGS[name], f"--{name.replace('_', '-')}"
+    about = declared.about
+    if declared.includes(bool):
+        parser.add_argument(option, action="store_true", default=None, help=about)
+        return
+    if declared.includes(Literal):
+        about += f" ({declared.allowed})"
     parser.add_argument(
-        "--degree", type=int, metavar="K", help="of the nilpotent approximation"
+        option,
+        metavar=NAMED[name],
+        type=read if declared.includes(int) else str,
+        nargs="+" if declared.includes(tuple) else None,
+        help=about,
     )
-    parser.add_argument(
-        "--words", help="flows of a segment: printed, shortest or symmetric"
-    )
-    parser.add_argument(
-        "--gait",
-        metavar="STRATUM",
-        nargs="+",
-        help="visit the strata in this order again and again, as in 12 1 12 2 12",
-    )
-    parser.add_argument(
-        "--replan",
-        action="store_true",
-        default=None,
-        help="plan each segment from the pose reached",
-    )
-    parser.add_argument(
-        "--steer", help="prediction to steer on: ideal, quasi-static or identified"
-    )
-    parser.add_argument(
-        "--optimise", help="least time, strokes or switches; none if not given"
-    )
-    parser.add_argument(
-        "--allow-unstable",
-        action="store_true",
-        default=None,
-        help="walk plans that are predicted to tip over or to collide",
-    )
-    add_set_argument(parser, "replace any key of the scenario file")
 
 
 def add_set_argument(parser: argparse.ArgumentParser, about: str) -> None:
@@ -119,3 +126,69 @@ def folder_of(options: argparse.Namespace) -> Path | None:
     if options.out == "":
         raise UsageError("an empty name", "--out", "name a folder, or leave --out out")
     return None if options.out is None else Path(options.out)
+
+
+def whole(least: int) -> Callable[[str], int]:
+    """A reader of whole numbers, for `type` of an option.
+
+    Args:
+        least: Smallest that is taken.
+    """
+    wanted = f"give a whole number, {least} or more"
+    return _reader(int, lambda value: value >= least, f"cannot be; {wanted}")
+
+
+def real(what: str, example: float, zero: bool = True) -> Callable[[str], float]:
+    """A reader of finite numbers that are not negative, for `type` of an option.
+
+    Args:
+        what: What such a number is.
+        example: One that is taken.
+        zero: Whether 0 is taken, too.
+    """
+
+    def fits(value: float) -> bool:
+        return 0 < value < math.inf or (zero and value == 0)
+
+    return _reader(float, fits, f"is not {what}; give a number such as {example:g}")
+
+
+def _reader(
+    make: Callable[[str], Number], fits: Callable[[Number], bool], refusal: str
+) -> Callable[[str], Number]:
+    def read(text: str) -> Number:
+        try:
+            value = make(text)
+        except ValueError:
+            value = make("-1")
+        if not fits(value):
+            raise argparse.ArgumentTypeError(f"{text} {refusal}")
+        return value
+
+    return read
+
+
+def needs_extra(extra: str) -> Callable[[Execute], Execute]:
+    """Have a command say what to install where a package of an extra is missing.
+
+    Args:
+        extra: Name of the extra, one of those in pyproject.toml.
+    """
+
+    def decorate(execute: Execute) -> Execute:
+        @wraps(execute)
+        def guarded(options: argparse.Namespace) -> ExitCode | None:
+            try:
+                return execute(options)
+            except ModuleNotFoundError as error:
+                if error.name in ("planner", "models", "sim"):
+                    raise
+                raise UsageError(
+                    f"package {error.name!r} is not installed",
+                    f"the extra {extra!r}",
+                    f"pip install 'stratawalk[{extra}]'",
+                ) from error
+
+        return guarded
+
+    return decorate

@@ -9,9 +9,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import add_scenario_arguments, folder_of, scenario_of
+from sim.commands.options import (
+    OF_RUN,
+    add_scenario_arguments,
+    add_setting_argument,
+    folder_of,
+    real,
+    scenario_of,
+    whole,
+)
 from sim.commands.trusted import robot_of
-from sim.commands.values import real, whole
 from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:
@@ -33,12 +40,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action=argparse.BooleanOptionalAction,
         help="film the walk; by default if this machine can draw",
     )
-    parser.add_argument(
-        "--correct",
-        type=int,
-        metavar="N",
-        help="walk N times, each aimed beside the goal by what the last missed",
-    )
+    for name in OF_RUN:
+        add_setting_argument(parser, name, read=whole(0) if name == "draw" else int)
     parser.add_argument(
         "--tolerance",
         type=real("a share", 0.05),
@@ -50,13 +53,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--look", choices=("draft", "final"), default="draft", help="look of the film"
     )
     parser.add_argument(
-        "--imperfect", metavar="NAME", help="walk with a drawn set of faults: hobby"
-    )
-    parser.add_argument(
-        "--draw", type=whole(0), metavar="N", help="number of the draw, 0 if not given"
-    )
-    parser.add_argument(
-        "--tries", type=whole(1), metavar="N", help="walk N draws of --imperfect, hobby"
+        "--tries",
+        type=whole(1),
+        metavar="N",
+        help="walk N draws of imperfections, of hobby if none are named",
     )
 
 
@@ -70,8 +70,8 @@ def execute(options: argparse.Namespace) -> ExitCode:
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
     look = options.look if _can_film(options.video) else None
-    if options.imperfect or options.draw is not None:
-        scenario = _drawn(scenario, robot, options)
+    if options.tries is not None and scenario.imperfect is None:
+        scenario = replace(scenario, imperfect="hobby")
     folder = claim(folder_of(options), scenario.name)
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
@@ -90,20 +90,11 @@ def execute(options: argparse.Namespace) -> ExitCode:
 
 def _tell_changes(robot: Robot, scenario: Scenario) -> None:
     """What is changed in a robot of the user's own, a line each."""
+    from sim.scenarios.imperfect import drawn
     from sim.world.changes import changes
 
-    for told in changes(robot, scenario):
+    for told in changes(robot, drawn(scenario, robot)):
         print(f"stratawalk: notice: {told}: {robot.path}", file=sys.stderr)
-
-
-def _drawn(scenario: Scenario, robot: Robot, options: argparse.Namespace) -> Scenario:
-    """The scenario with the imperfections that were asked for."""
-    from sim.scenarios.imperfect import imperfections
-
-    draw = scenario.draw if options.draw is None else options.draw
-    if options.imperfect is None:
-        return replace(scenario, draw=draw)
-    return replace(scenario, **imperfections(options.imperfect, robot, draw))
 
 
 def _walk_tries(
@@ -113,10 +104,9 @@ def _walk_tries(
     from sim.progress import bar
     from sim.tries import describe, walk_tries
 
-    first, kind = options.draw or 0, options.imperfect or "hobby"
-    draws = range(first, first + options.tries)
+    draws = range(scenario.draw, scenario.draw + options.tries)
     with bar(quiet=options.json) as progress:
-        tries = walk_tries(scenario, robot, folder, draws, kind, progress)
+        tries = walk_tries(scenario, robot, folder, draws, progress)
     if options.json:
         print(json.dumps([asdict(one) for one in tries]))
     else:

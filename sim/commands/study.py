@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from sim.commands.extras import needs_extra
+from sim.commands.options import needs_extra
 from sim.errors import ExitCode
 
 HELP = "map where the predictions of a sweep hold, and tell which settings matter"

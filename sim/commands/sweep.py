@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.extras import needs_extra
+from sim.commands.options import needs_extra
 from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:

@@ -208,7 +208,7 @@ def summarise(evaluation: Evaluation) -> Summary:
         "replan": scenario.replan,
         "steer": scenario.steer,
         "optimise": scenario.optimise,
-        "together": scenario.together,
+        "together": scenario.overlap_recovery,
         "correct": scenario.correct,
         "goal": [float(g) for g in goal],
         "path_length": length,

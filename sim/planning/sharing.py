@@ -8,7 +8,7 @@ from typing import Protocol, TypeVar
 from planner import Plan
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup
-from sim.preparation.shared import OF_THE_PHYSICS, OF_THE_WAY, Shared, everything_but
+from sim.preparation.shared import PLAN, WORLD, Shared
 
 T = TypeVar("T")
 FEW = 2  # walks whose arrays are kept, a number for every step or moment
@@ -51,8 +51,7 @@ def walk_cache(setup: Setup, shared: Shared | None) -> Cache:
     scenario = setup.scenario
     if shared is None or scenario.replan or not is_shareable(setup):
         return no_cache
-    plan = everything_but(scenario, OF_THE_PHYSICS)
-    key = (plan, setup.limits, scenario.sample_every)
+    key = (scenario.key(*PLAN), setup.limits, scenario.sample_every)
     return lambda kind, make: shared.kept(kind, key, make, FEW)
 
 
@@ -66,7 +65,7 @@ def world_cache(setup: Setup, shared: Shared | None) -> Cache:
     scenario = setup.scenario
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
-    key = everything_but(scenario, OF_THE_WAY)
+    key = scenario.key(*WORLD)
     return lambda kind, make: shared.kept(kind, key, make)
 
 
@@ -80,5 +79,5 @@ def shared_plan(setup: Setup, shared: Shared) -> Plan:
     Raises:
         PlannerError: If there is none.
     """
-    key = everything_but(setup.scenario, OF_THE_PHYSICS)
+    key = setup.scenario.key(*PLAN)
     return shared.kept("plan", key, lambda: plan_open_loop(setup))

@@ -9,7 +9,8 @@ import os
 
 from sim.errors import UsageError
 from sim.preparation.setup import Setup
-from sim.scenarios.scenario import Scenario, settings
+from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import SETTINGS
 
 MOST_STEPS = 1_000_000_000  # eight hours at 35,000 a second
 MOST_TRAVEL = 250_000  # [rad] in so many steps, with the settings of the shipped walks
@@ -80,17 +81,14 @@ def _memory() -> int:
 
 def _slowest(scenario: Scenario) -> str:
     """The setting that lengthens the walk most, compared with its default."""
-    default = {item.name: item.default for item in settings()}
-    longer = {
-        f"{verb} {name}, now {getattr(scenario, name):g}": (
-            default[name] / getattr(scenario, name)
-        )
-        ** power
-        for name, verb, power in (
-            ("timestep", "raise", 1.0),
-            ("swing_speed", "raise", 1.0),
-            ("swing_acceleration", "raise", 0.5),
-            ("hold", "lower", -1.0),
-        )
-    }
-    return max(longer, key=lambda remedy: longer[remedy])
+
+    def longer(name: str, power: float) -> float:
+        given, default = getattr(scenario, name), SETTINGS[name].default
+        ratio: float = (default / given) ** power
+        return ratio
+
+    powers = {"timestep": 1.0, "swing_speed": 1.0, "swing_acceleration": 0.5}
+    powers["hold"] = -1.0
+    name = max(powers, key=lambda name: longer(name, powers[name]))
+    verb = "lower" if powers[name] < 0 else "raise"
+    return f"{verb} {name}, now {getattr(scenario, name):g}"

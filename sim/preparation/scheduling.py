@@ -30,8 +30,8 @@ def schedule_flows(
         (number, flow, setup.equations.swings[flow.field])
         for number, flow in joined(segments, scheduler.segment)
     ]
-    if setup.scenario.together:
-        moves = together(moves, setup.robot.groups)
+    if setup.scenario.overlap_recovery:
+        moves = overlapped(moves, setup.robot.groups)
     *before, after = _entered(setup, moves)
     for entered, (number, flow, direction) in zip(before, moves, strict=True):
         scheduler.segment = number
@@ -51,7 +51,7 @@ def _entered(setup: Setup, moves: Sequence[Move]) -> Sequence[tuple[str, ...]]:
     return gait_steps(setup.equations.system, flows, gait, (bottom, bottom))
 
 
-def together(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:
+def overlapped(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:
     """The same moves, with legs in the air recovering while others stroke.
 
     A stay on one stratum takes as long as its strokes, or as its recoveries if these

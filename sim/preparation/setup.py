@@ -19,14 +19,8 @@ from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.gait import require_gait
 from sim.preparation.reach import explained
-from sim.preparation.shared import (
-    OF_THE_WAY,
-    OF_THE_WORLD,
-    Shared,
-    everything_but,
-    made,
-)
-from sim.scenarios.imperfect import is_imperfect, without_imperfections
+from sim.preparation.shared import Shared, made
+from sim.scenarios.imperfect import drawn
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
 from sim.world.model import World
@@ -61,9 +55,9 @@ class Setup:
     @cached_property
     def as_planned(self) -> Setup:
         """The same without imperfections, as predictions and rehearsals have it."""
-        if not is_imperfect(self.scenario):
+        if not self.scenario.is_imperfect:
             return self
-        scenario = without_imperfections(self.scenario)
+        scenario = self.scenario.as_planned
         world, model = made(self.robot, scenario)
         return replace(self, scenario=scenario, world=world, model=model)
 
@@ -71,7 +65,7 @@ class Setup:
     def learns(self) -> bool:
         """Whether replanning allows for what segments missed before."""
         asked, scenario = self.scenario.learn, self.scenario
-        return scenario.replan and (is_imperfect(scenario) if asked is None else asked)
+        return scenario.replan and (scenario.is_imperfect if asked is None else asked)
 
     @property
     def stance(self) -> StanceRule:
@@ -181,6 +175,7 @@ def prepare(
     """
     if robot is None or robot.geometry != (scenario.geometry or {}):
         robot = _robot(scenario, shared)
+    scenario = drawn(scenario, robot)
     described, extended, kinematics = _mathematics(robot, scenario, shared)
     require_gait(scenario, robot, described)
     servo = servo_settings(scenario, robot.card)
@@ -233,8 +228,7 @@ def _mathematics(
 
     if shared is None:
         return make()
-    key = everything_but(scenario, (*OF_THE_WORLD, *OF_THE_WAY))
-    return shared.kept("mathematics", key, make)
+    return shared.kept("mathematics", scenario.key("equations"), make)
 
 
 def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:

@@ -1,40 +1,29 @@
 """What walks with common settings have in common, kept from one walk to the next.
 
-Which settings a thing does not depend on is listed here; it is made anew where any
-other one differs. A test changes each setting of the lists and compares.
+What a setting affects is declared with it; a thing is made anew where a setting that
+affects it differs. A test changes each setting and compares.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Collection, Hashable
+from collections.abc import Callable, Hashable
 from typing import Any, TypeVar
 
 import mujoco
 
 from models import Robot
 from sim.preparation.tuning import is_tunable, tuned, untuned
-from sim.scenarios.scenario import Scenario, settings
+from sim.scenarios.declaration import Effect
+from sim.scenarios.scenario import Scenario
 from sim.world.model import World, build, load as load_world
 
 T = TypeVar("T")
 
-WITHOUT_EFFECT = ("name", "description", "plan_time", "sample_every", "playback")
-OF_THE_WAY = (
-    *WITHOUT_EFFECT, "stance", "words", "segments", "replan", "steer", "optimise",
-    "path_tolerance", "yaw_tolerance", "together", "correct", "path", "min_margin",
-    "min_clearance", "allow_unstable", "seed",
-)  # fmt: skip
-"""Settings that neither the world nor what is measured in it depends on."""
-OF_THE_WORLD = (
-    "friction", "timestep", "servo", "servo_stiffness", "servo_damping",
-    "command_rate", "resolution", "feed_forward", "zero_offset", "play", "payload",
-    "slope", "floor_stiffness", "foot_friction", "draw", "swing_speed",
-    "swing_acceleration", "lift_height", "hold",
-)  # fmt: skip
-"""Settings that a robot's equations do not depend on."""
-OF_THE_PHYSICS = (*WITHOUT_EFFECT, *OF_THE_WORLD, "allow_unstable", "seed")
-"""Settings that a stratified plan on the ideal fields does not depend on."""
+WORLD: tuple[Effect, ...] = ("equations", "motion", "world", "drive")
+"""What a setting affects that matters to measurements in a world: all but the way."""
+PLAN: tuple[Effect, ...] = ("equations", "plan")
+"""What it affects that matters to a stratified plan on the ideal fields."""
 MOST = 32  # things kept of a kind
 
 
@@ -73,30 +62,19 @@ class Shared:
         """
         if scenario.bumps:  # which lie along the way
             return made(robot, scenario)
-        key = everything_but(scenario, OF_THE_WAY)
-        return self.kept("world", key, lambda: self._world(scenario, robot))
+        return self.kept(
+            "world", scenario.key(*WORLD), lambda: self._world(scenario, robot)
+        )
 
     def _world(self, scenario: Scenario, robot: Robot) -> tuple[World, mujoco.MjModel]:
         if not is_tunable(scenario, robot):
             return made(robot, scenario)
         plain = untuned(scenario)
-        key = everything_but(plain, OF_THE_WAY)
+        key = plain.key(*WORLD)
         world, model = self.kept("plain world", key, lambda: made(robot, plain))
         if world.servo is None:  # servos that differ are left to the compiler
             return made(robot, scenario)
         return tuned(world, model, robot, scenario)
-
-
-def everything_but(scenario: Scenario, names: Collection[str]) -> Hashable:
-    """All settings of a scenario but some, to be compared with another one's.
-
-    Args:
-        scenario: The scenario.
-        names: Settings that are left out; `path` and `obstacles` may be among them.
-    """
-    every = (*(item.name for item in settings()), "path", "obstacles")
-    values = {name: getattr(scenario, name) for name in every if name not in names}
-    return tuple((name, repr(value)) for name, value in values.items())
 
 
 def made(robot: Robot, scenario: Scenario) -> tuple[World, mujoco.MjModel]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from sim.reports.record import PREDICTIONS, Phase, Record
 from sim.scenarios.file import toml_value
-from sim.scenarios.scenario import settings as every
+from sim.scenarios.settings import SETTINGS
 
 MM = 1e3
 MINUS = "\N{MINUS SIGN}"
@@ -137,7 +137,7 @@ def settings(run: Record) -> Table:
     given = dict(run.settings)
     rows = [
         (name, toml_value(given.pop(name)) if name in given else "not set", about)
-        for name, about in ((item.name, item.metadata["about"]) for item in every())
+        for name, about in ((name, item.about) for name, item in SETTINGS.items())
     ]
     rows += [(name, toml_value(value), "") for name, value in flat(given)]
     servo = run.summary.get("servo") or {}

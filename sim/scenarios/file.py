@@ -7,8 +7,10 @@ all settings, so that reading it gives the same scenario.
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -17,10 +19,11 @@ from models import parse_toml
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
-from sim.scenarios.scenario import Scenario, settings
-from sim.scenarios.settings import Named, kind_of
+from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import FORMER, SETTINGS
 
-TABLES = {item.name for item in settings() if isinstance(kind_of(item), Named)}
+KEYS = (*SETTINGS, "path", "obstacles")
+TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
 
 
@@ -76,8 +79,8 @@ def scenario_from(
     Raises:
         UsageError: If a key is unknown or missing, or a value is impossible.
     """
-    values = deepcopy(dict(table))
-    for key, value in overrides.items():
+    values = deepcopy(_renamed(table, where))
+    for key, value in _renamed(overrides, where).items():
         _replace(values, key, value)
     return _decode(values, where)
 
@@ -111,11 +114,10 @@ def parse_override(text: str) -> tuple[str, object]:
 
 def to_table(scenario: Scenario) -> dict[str, Any]:
     """The scenario as a table of plain values, as a file would give it."""
-    values = {item.name: getattr(scenario, item.name) for item in settings()}
-    said = {key: value for key, value in values.items() if value is not None}
+    values = {name: getattr(scenario, name) for name in SETTINGS}
     standing = [shapes.encode(obstacle) for obstacle in scenario.obstacles]
     return {
-        **said,
+        **{name: value for name, value in values.items() if value is not None},
         "path": nominal.encode(scenario.path),
         **({"obstacles": standing} if standing else {}),
     }
@@ -126,10 +128,9 @@ def dumps(scenario: Scenario) -> str:
     table = to_table(scenario)
     path, standing = table.pop("path"), table.pop("obstacles", [])
     lines = []
-    for item in settings():
-        key, about = item.name, item.metadata["about"]
-        said = f"{key} = {toml_value(table[key])}" if key in table else f"# {key} ="
-        lines.append(f"{said:30}  # {about}")
+    for key, item in SETTINGS.items():
+        line = f"{key} = {toml_value(table[key])}" if key in table else f"# {key} ="
+        lines.append(f"{line:30}  # {item.about}")
     for head, inner in (("[path]", path), *(("[[obstacles]]", o) for o in standing)):
         lines += ["", head]
         lines += [f"{key} = {toml_value(value)}" for key, value in inner.items()]
@@ -198,9 +199,7 @@ def _replace(table: dict[str, Any], key: str, value: object) -> None:
     for name in outer:
         inner = table.setdefault(name, {}) if name in TABLES else table.get(name)
         if not isinstance(inner, dict):
-            raise UsageError(
-                f"unknown key {key!r}", "--set", did_you_mean(key, _keys())
-            )
+            raise UsageError(f"unknown key {key!r}", "--set", did_you_mean(key, KEYS))
         table = inner
     table[last] = value
 
@@ -210,8 +209,8 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
         what = "a system of strata is no scenario"
         raise UsageError(what, where, "use the commands plan and check on it")
     for key in table:
-        if key not in _keys():
-            raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, _keys()))
+        if key not in KEYS:
+            raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
     if "path" not in table:
         raise UsageError("path is missing", where, "give path")
     standing = shapes.decode(table.get("obstacles", ()))
@@ -219,8 +218,24 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
     return Scenario(**{**table, "path": path, "obstacles": standing})
 
 
-def _keys() -> tuple[str, ...]:
-    return (*(item.name for item in settings()), "path", "obstacles")
+def _renamed(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The table with the present names of settings that were called otherwise.
+
+    Raises:
+        UsageError: If it has a setting under both of its names.
+    """
+    for old in table.keys() & FORMER.keys():
+        if FORMER[old] in table:
+            what = f"{old} and {FORMER[old]} are one setting"
+            raise UsageError(what, where, f"keep {FORMER[old]}")
+        announce(old, FORMER[old])
+    return {FORMER.get(key, key): value for key, value in table.items()}
+
+
+@cache
+def announce(old: str, new: str) -> None:
+    """Print the present name of a setting, once."""
+    print(f"stratawalk: notice: {old} is now called {new}", file=sys.stderr)
 
 
 def toml_value(value: object) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 
 from planner import Array
-from sim.scenarios.settings import is_number
+from sim.scenarios.declaration import is_number
 from sim.scenarios.tables import (
     are_numbers,
     is_list,

@@ -1,238 +1,277 @@
-"""Kinds of settings: types, limits and the texts of refusals.
+"""Every setting of a scenario, declared once: type, limits, unit, meaning, effects.
 
-The settings themselves are declared in `scenarios.scenario`.
+What is said here is all there is to a setting: the keys of scenario files, `--set`, the
+options of commands, scenario.toml, the table in docs/scenarios.md and what the walks of
+a sweep have in common follow from it. To add a setting, add a field to `Settings` and
+read it where it takes effect.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, dataclass, field
-from math import isfinite
-from numbers import Real
-from typing import Any, Protocol, TypeGuard
+from dataclasses import MISSING, dataclass, fields
+from typing import Annotated, Literal, get_type_hints
+
+from sim.errors import UsageError
+from sim.scenarios.declaration import Range, Setting, Text, setting
+
+Mass = Annotated[float, Range(0, 1e3)]
+Coordinate = Annotated[float, Range(-10, 10)]
+Slope = Annotated[float, Range(0, 1)]
+Direction = Annotated[float, Range(-7, 7)]
 
 
-def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value is a real number; true and false are not."""
-    return isinstance(value, Real) and not isinstance(value, bool)
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """All settings of a scenario; its path and obstacles stand in `Scenario`.
 
+    A setting that is None is left to the robot (its servo, its lift) or to the run.
 
-class Kind(Protocol):
-    """Decides whether a value is allowed, and describes what is."""
-
-    def accept(self, value: object) -> object:
-        """The value in its own type; raises ValueError if it is not allowed."""
-        ...
-
-    def __str__(self) -> str:
-        """What is allowed, to follow the words "give"."""
-        ...
-
-
-@dataclass(frozen=True, slots=True)
-class Number:
-    """A finite number within limits."""
-
-    low: float
-    high: float
-    above: bool = False  # low itself is not allowed
-    whole: bool = False
-
-    def accept(self, value: object) -> float | int:
-        """The value as float, or as int where whole numbers are asked for.
-
-        Raises:
-            ValueError: If it is not a number, not finite, or outside the limits.
-        """
-        if not is_number(value) or not self.low <= value <= self.high:
-            raise ValueError
-        if (self.above and value == self.low) or (self.whole and value != int(value)):
-            raise ValueError
-        return int(value) if self.whole else float(value)
-
-    def __str__(self) -> str:
-        """For example `a number above 0 and up to 0.02`."""
-        noun = "a whole number" if self.whole else "a number"
-        low = f"above {self.low:g} and up" if self.above else f"from {self.low:g}"
-        return f"{noun} {low} to {self.high:g}"
-
-
-@dataclass(frozen=True, slots=True)
-class Numbers:
-    """A list of finite numbers, each within its own limits or all within the same."""
-
-    each: tuple[Number, ...]
-    any_length: bool = False  # as many as one likes, all as the first
-
-    def accept(self, value: object) -> tuple[float, ...]:
-        """The values as floats.
-
-        Raises:
-            ValueError: If it is no such list.
-        """
-        if not isinstance(value, list | tuple):
-            raise ValueError
-        kinds = self.each * len(value) if self.any_length else self.each
-        if len(kinds) != len(value) or not value:
-            raise ValueError
-        pairs = zip(kinds, value, strict=True)
-        return tuple(float(kind.accept(number)) for kind, number in pairs)
-
-    def __str__(self) -> str:
-        """For example `a list of 2 numbers`."""
-        count = "" if self.any_length else f"{len(self.each)} "
-        return f"a list of {count}numbers, {', '.join(map(str, self.each))}"
-
-
-@dataclass(frozen=True, slots=True)
-class Either:
-    """One of several kinds, the first that takes the value."""
-
-    kinds: tuple[Kind, ...]
-
-    def accept(self, value: object) -> object:
-        """The value in the type of the kind that takes it.
-
-        Raises:
-            ValueError: If none does.
-        """
-        for kind in self.kinds[:-1]:
-            try:
-                return kind.accept(value)
-            except ValueError:
-                continue
-        return self.kinds[-1].accept(value)
-
-    def __str__(self) -> str:
-        """For example `a number from 0 to 1, or a list of numbers`."""
-        return ", or ".join(map(str, self.kinds))
-
-
-@dataclass(frozen=True, slots=True)
-class Named:
-    """Numbers with names, a table in a file."""
-
-    def accept(self, value: object) -> dict[str, float]:
-        """The numbers as floats.
-
-        Raises:
-            ValueError: If it is no table, or holds what is no finite number.
-        """
-        if not isinstance(value, Mapping) or not all(map(is_number, value.values())):
-            raise ValueError
-        if not all(map(isfinite, value.values())):
-            raise ValueError
-        return {str(name): float(number) for name, number in sorted(value.items())}
-
-    def __str__(self) -> str:
-        """What is allowed."""
-        return "numbers by name, such as { kappa = 0.5 }"
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """One of a few words."""
-
-    words: tuple[str, ...]
-
-    def accept(self, value: object) -> str:
-        """The value itself.
-
-        Raises:
-            ValueError: If it is none of the words.
-        """
-        if not isinstance(value, str) or value not in self.words:
-            raise ValueError
-        return value
-
-    def __str__(self) -> str:
-        """For example `paper or lifted`."""
-        return " or ".join(self.words)
-
-
-@dataclass(frozen=True, slots=True)
-class Flag:
-    """True or false."""
-
-    def accept(self, value: object) -> bool:
-        """The value itself.
-
-        Raises:
-            ValueError: If it is not a bool.
-        """
-        if not isinstance(value, bool):
-            raise ValueError
-        return value
-
-    def __str__(self) -> str:
-        """The two words of TOML."""
-        return "true or false"
-
-
-@dataclass(frozen=True, slots=True)
-class Text:
-    """Any text, or what can name something."""
-
-    empty: bool = False
-    file_name: bool = False
-
-    def accept(self, value: object) -> str:
-        """The value itself.
-
-        Raises:
-            ValueError: If it is not text, or empty, or no name for a file.
-        """
-        if not isinstance(value, str) or not (value or self.empty):
-            raise ValueError
-        if self.file_name and (
-            "/" in value or value[0] in ".-" or not value.isprintable()
-        ):
-            raise ValueError
-        return value
-
-    def __str__(self) -> str:
-        """What is allowed."""
-        return "a name without slashes" if self.file_name else "text in quotation marks"
-
-
-@dataclass(frozen=True, slots=True)
-class Texts:
-    """A list of texts."""
-
-    def accept(self, value: object) -> tuple[str, ...]:
-        """The texts.
-
-        Raises:
-            ValueError: If it is no list, or holds anything but texts, or nothing.
-        """
-        if not isinstance(value, list | tuple) or not value:
-            raise ValueError
-        return tuple(Text().accept(item) for item in value)
-
-    def __str__(self) -> str:
-        """What is allowed."""
-        return "a list of texts in quotation marks"
-
-
-def setting(kind: Kind, about: str, default: object = MISSING) -> Any:
-    """A dataclass field that carries its limits and its meaning with it.
-
-    Args:
-        kind: What is allowed.
-        about: Meaning, with the unit in brackets.
-        default: Value when nothing is said; None leaves it to the robot or the run.
-
-    Returns:
-        A field for a keyword-only dataclass.
+    Raises:
+        UsageError: If a value is outside its limits, naming key, value and limits.
     """
-    return field(default=default, metadata={"kind": kind, "about": about})
+
+    name: Annotated[str, Text(file_name=True)] = setting(
+        "names the run folder", MISSING, "label"
+    )
+    description: Annotated[str, Text(empty=True)] = setting(
+        "what the scenario is, in one line", "", "label"
+    )
+    robot: str = setting(
+        "a shipped robot, or a path to an MJCF file", "hexapod", "equations"
+    )
+    geometry: Mapping[str, float] | None = setting(
+        "changed numbers of a shipped robot's shape, by name", None, "equations"
+    )
+    fields: Literal["lifted", "paper"] = setting(
+        "vector fields to steer with", "lifted", "equations"
+    )
+    stance: Literal["centred", "paper"] | None = setting(
+        "order of the flows: strokes centred, or as the paper prints them", None, "plan"
+    )
+    words: Literal["printed", "shortest", "symmetric"] = setting(
+        "flows of a segment: the paper's, those of least stroke, or mirrored in turn",
+        "printed",
+        "plan",
+    )
+    degree: Annotated[int, Range(1, 8)] | None = setting(
+        "degree of the nilpotent approximation, Sec. 6", None, "equations"
+    )
+    gait: tuple[str, ...] | None = setting(
+        "order in which strata are visited, eq. (11); any order if not given",
+        None,
+        "plan",
+    )
+    segments: Annotated[int, Range(1, 100_000)] = setting(
+        "pieces into which the path is cut; each is planned for itself", 20, "plan"
+    )
+    replan: bool = setting(
+        "plan each segment from the pose that was reached", False, "plan"
+    )
+    learn: bool | None = setting(
+        "let replanning learn from earlier misses; if not given, imperfect robots do",
+        None,
+        "plan",
+    )
+    steer: Literal["ideal", "quasi-static", "identified"] = setting(
+        "prediction that is to reach the goal", "ideal", "plan"
+    )
+    optimise: Literal["none", "time", "strokes", "switches"] = setting(
+        "what is to be least in an optimised plan; none keeps the stratified plan",
+        "none",
+        "plan",
+    )
+    path_tolerance: Annotated[float, Range(0, 100, above=True)] | None = setting(
+        "how far an optimised plan may depart from the path", None, "plan", unit="m"
+    )
+    yaw_tolerance: Annotated[float, Range(0, 1e3, above=True)] | None = setting(
+        "how far it may depart from the path's yaw; pi leaves the yaw free",
+        None,
+        "plan",
+        unit="rad",
+    )
+    overlap_recovery: bool = setting(
+        "let legs in the air recover while others stroke",
+        False,
+        "plan",
+        formerly="together",
+    )
+    correct: Annotated[int, Range(1, 20)] = setting(
+        "number of walks; each is aimed to cancel what the one before missed", 1, "plan"
+    )
+    friction: Annotated[float, Range(0, 10)] = setting(
+        "coefficient of sliding friction of feet and floor", 1.0, "world"
+    )
+    timestep: Annotated[float, Range(1e-6, 0.02)] = setting(
+        "time step of the physics", 0.001, ("world", "motion"), unit="s"
+    )
+    servo_stiffness: Annotated[float, Range(0, 1e6, above=True)] | None = setting(
+        "stiffness of every servo", None, ("world", "drive"), unit="N m/rad"
+    )
+    servo_damping: Annotated[float, Range(0, 1e6)] | None = setting(
+        "damping of every servo", None, ("world", "drive"), unit="N m s/rad"
+    )
+    servo: str | None = setting(
+        "kind of the servos: ideal, own (the robot's), or a make by name",
+        None,
+        ("plan", "world", "drive"),  # strokes may end on whole counts
+    )
+    command_rate: Annotated[float, Range(0, 1e5)] | None = setting(
+        "commands a second; 0 gives one at every physics step",
+        None,
+        ("world", "drive"),
+        unit="1/s",
+    )
+    resolution: Annotated[float, Range(0, 0.2)] | None = setting(
+        "angle of one count of a servo's command", None, ("plan", "drive"), unit="rad"
+    )
+    feed_forward: bool | None = setting(
+        "let commands make up for what loads bend; if not given, on soft servos only",
+        None,
+        "drive",
+    )
+    command_delay: Annotated[float, Range(0, 0.5)] = setting(
+        "delay from a command to the servo's motion",
+        0.0,
+        "drive",
+        unit="s",
+        imperfection=True,
+    )
+    dead_band: Annotated[float, Range(0, 0.2)] = setting(
+        "range of error in which a servo gives no torque",
+        0.0,
+        "world",
+        unit="rad",
+        imperfection=True,
+    )
+    zero_offset: (
+        Annotated[float, Range(0, 0.2)] | tuple[Annotated[float, Range(-0.2, 0.2)], ...]
+    ) = setting(
+        "largest error of the servos' zeros, drawn at random, or that of each",
+        0.0,
+        "drive",
+        unit="rad",
+        imperfection=True,
+    )
+    backlash: Annotated[float, Range(0, 0.2)] = setting(
+        "backlash in the gears of every leg joint",
+        0.0,
+        "world",
+        unit="rad",
+        imperfection=True,
+        formerly="play",
+    )
+    payload: tuple[Mass, Coordinate, Coordinate, Coordinate] | None = setting(
+        "mass on the body, and its place x, y, z",
+        None,
+        "world",
+        unit="kg, m",
+        imperfection=True,
+    )
+    slope: (
+        tuple[Annotated[float, Range(0, 1)], Annotated[float, Range(-7, 7)]] | None
+    ) = setting(
+        "angle of the floor, and the direction that goes down",
+        None,
+        "world",
+        unit="rad",
+        imperfection=True,
+    )
+    floor_stiffness: Annotated[float, Range(100, 1e7)] | None = setting(
+        "stiffness of the floor's contact, as MuJoCo's solref has it",
+        None,
+        "world",
+        imperfection=True,
+    )
+    foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = setting(
+        "coefficient of friction of each foot, in the order of the legs",
+        None,
+        "world",
+        imperfection=True,
+    )
+    bumps: Annotated[float, Range(0, 0.1)] = setting(
+        "greatest height of bumps in the floor",
+        0.0,
+        "world",
+        unit="m",
+        imperfection=True,
+    )
+    imperfect: Literal["hobby"] | None = setting(
+        "set of imperfections to draw, which replace those that are given",
+        None,
+        ("world", "drive"),
+        imperfection=True,
+    )
+    draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
+        "number of the random draw of zeros, feet and floor", 0, ("world", "drive")
+    )
+    swing_speed: Annotated[float, Range(0, 100, above=True)] = setting(
+        "highest speed of a swing joint", 0.5, "motion", unit="rad/s"
+    )
+    swing_acceleration: Annotated[float, Range(0, 1e4, above=True)] = setting(
+        "highest acceleration of a swing joint", 5.0, "motion", unit="rad/s2"
+    )
+    lift_height: Annotated[float, Range(0, 1, above=True)] | None = setting(
+        "height of a lifted foot above the floor", None, "motion", unit="m"
+    )
+    hold: Annotated[float, Range(0, 60, above=True)] = setting(
+        "time of standing still before and after the walk", 0.5, "motion", unit="s"
+    )
+    plan_time: Annotated[float, Range(0, 1e5, above=True)] = setting(
+        "longest time that planning may take", 300.0, "refusal", unit="s"
+    )
+    min_margin: Annotated[float, Range(0, 1)] | None = setting(
+        "least stability margin that a plan may predict",
+        None,
+        ("plan", "refusal"),
+        unit="m",
+    )
+    min_clearance: Annotated[float, Range(-1, 1)] = setting(
+        "least distance from obstacles that a plan may predict; -1 for any",
+        0.002,
+        ("plan", "refusal"),
+        unit="m",
+    )
+    allow_unstable: bool = setting(
+        "walk plans that are predicted to tip over or to collide", False, "refusal"
+    )
+    sample_every: Annotated[int, Range(1, 1_000_000)] = setting(
+        "physics steps between recorded rows", 10, "rows"
+    )
+    playback: Annotated[float, Range(0, 1000, above=True)] | None = setting(
+        "speed of the film, in times real time; if not given, it fits the walk",
+        None,
+        "film",
+    )
+    seed: Annotated[int, Range(0, 2**32 - 1)] = setting(
+        "seed of the search for a way around obstacles", 0, "plan"
+    )
+
+    def __post_init__(self) -> None:
+        where = f"scenario {self.name!r}"
+        for key, declared in SETTINGS.items():
+            value = declared.accept(getattr(self, key), where)
+            object.__setattr__(self, key, value)
+        if self.optimise != "none" and self.replan:
+            raise UsageError(
+                f"optimise = {self.optimise!r} plans the whole path at once, but "
+                "replan plans it piece by piece",
+                where,
+                "leave one of them out",
+            )
 
 
-def kind_of(item: Field[Any]) -> Kind:
-    """The kind of a setting.
+def _declared() -> Mapping[str, Setting]:
+    kinds = get_type_hints(Settings, include_extras=True)
+    return {
+        item.name: Setting(item.name, kinds[item.name], item.default, **item.metadata)
+        for item in fields(Settings)
+    }
 
-    Args:
-        item: Its field.
-    """
-    kind: Kind = item.metadata["kind"]
-    return kind
+
+SETTINGS = _declared()
+"""What is declared about every setting, by its name."""
+FORMER = {item.formerly: name for name, item in SETTINGS.items() if item.formerly}
+"""The names of settings by those that they had before."""
+IMPERFECTIONS = tuple(name for name, item in SETTINGS.items() if item.imperfection)
+"""Settings that plans and predictions know nothing of; by default there are none."""

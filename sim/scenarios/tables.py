@@ -12,7 +12,7 @@ from typing import Any, TypeGuard
 
 from planner.support import did_you_mean
 from sim.errors import UsageError
-from sim.scenarios.settings import is_number
+from sim.scenarios.declaration import is_number
 
 
 def refusal(what: str, value: object, where: str, wanted: str) -> UsageError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from itertools import combinations
@@ -14,7 +13,7 @@ import numpy as np
 from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.scenarios.scenario import settings
+from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
 
 if TYPE_CHECKING:
@@ -151,9 +150,8 @@ def _named(key: str) -> str:
     """A setting with its unit."""
     if key.startswith(SHAPE):
         return f"{key} {UNITS.get(key.removeprefix(SHAPE), '[m]')}".rstrip()
-    known = {item.name: item.metadata["about"] for item in settings()}
-    unit = re.search(r"\[[^]]*\]", known.get(key, ""))
-    return f"{key} {unit[0]}" if unit else key
+    declared = SETTINGS.get(FORMER.get(key, key))
+    return f"{key} [{declared.unit}]" if declared and declared.unit else key
 
 
 def _labels(values: Sequence[Any]) -> list[str]:

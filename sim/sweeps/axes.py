@@ -13,19 +13,15 @@ from typing import Any
 import numpy as np
 
 from sim.errors import UsageError
-from sim.scenarios.scenario import settings
-from sim.scenarios.settings import Number, is_number
+from sim.scenarios.declaration import is_number
+from sim.scenarios.settings import SETTINGS
 
 Choice = tuple[Any, ...]  # values of the block's keys
 Block = tuple[tuple[str, ...], Sequence[Choice]]  # keys, and their choices
 RANGE = {"from", "to", "count", "scale"}
 LINEAR, LOGARITHMIC = "linear", "log"
 MOST = 1_000_000  # points of a sweep
-WHOLE = {
-    item.name
-    for item in settings()
-    if isinstance(kind := item.metadata["kind"], Number) and kind.whole
-}
+WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 
 
 def grid_blocks(table: Mapping[str, Any]) -> Iterator[Block]:

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 from models import geometry_of, shipped_robots
 from planner.support import did_you_mean
 from sim.errors import UsageError
-from sim.preparation.shared import OF_THE_PHYSICS, everything_but
+from sim.preparation.shared import PLAN
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import Sweep
@@ -123,7 +123,7 @@ def _plans(scenarios: Mapping[int, Scenario]) -> dict[int, int]:
     """The first point that differs from each in its physics alone."""
     first: dict[Hashable, int] = {}
     return {
-        point: first.setdefault(everything_but(scenario, OF_THE_PHYSICS), point)
+        point: first.setdefault(scenario.key(*PLAN), point)
         for point, scenario in scenarios.items()
     }
 

@@ -45,7 +45,7 @@ def add_imperfections(
     _require_offsets(robot, scenario)
     if scenario.floor_stiffness is not None:
         _soften(spec.geom(floor), scenario.floor_stiffness)
-    if slack := scenario.play + scenario.dead_band:
+    if slack := scenario.backlash + scenario.dead_band:
         rigid = _mobility(spec, robot)
         _loosen(spec, robot, slack)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)

@@ -9,7 +9,8 @@ from models.library import load
 from sim.cli import main
 from sim.errors import UsageError
 from sim.scenarios.file import load_scenario
-from sim.scenarios.imperfect import imperfections
+from sim.scenarios.imperfect import drawn
+from sim.scenarios.settings import IMPERFECTIONS
 from sim.tries import Try, describe
 
 SHORT = ["--set", "path.goal=[0.01,0.01,0]", "--segments", "2", "--no-video"]
@@ -20,16 +21,29 @@ def robot():
     return load("hexapod")
 
 
+def hobby(robot, draw):
+    return drawn(load_scenario("line", {"imperfect": "hobby", "draw": draw}), robot)
+
+
 def test_a_draw_is_the_same_whenever_it_is_drawn(robot):
-    first, again, other = (imperfections("hobby", robot, n) for n in (3, 3, 4))
+    first, again, other = (hobby(robot, n) for n in (3, 3, 4))
     assert first == again
-    assert first != other
+    assert first.payload != other.payload
+    assert first.imperfect is None  # its values stand in the settings
+    assert drawn(first, robot) is first
 
 
-def test_an_unknown_set_is_refused_with_those_known(robot):
-    with pytest.raises(UsageError, match="unknown set of imperfections 'hobbit'") as no:
-        imperfections("hobbit", robot, 0)
-    assert "did you mean 'hobby'?" in no.value.remedy
+def test_predictions_know_nothing_of_what_is_drawn(robot):
+    asked, plain = load_scenario("line", {"imperfect": "hobby"}), load_scenario("line")
+    for scenario in (asked, drawn(asked, robot)):
+        assert scenario.is_imperfect
+        assert scenario.as_planned == plain
+    assert {"backlash", "dead_band", "command_delay"} <= {*IMPERFECTIONS}
+
+
+def test_an_unknown_set_is_refused_with_those_known():
+    with pytest.raises(UsageError, match="imperfect = 'hobbit' is not .*give hobby"):
+        load_scenario("line", {"imperfect": "hobbit"})
 
 
 @pytest.mark.physics

@@ -8,13 +8,11 @@ import json
 
 import pytest
 
-from models.library import load
 from sim.cli import main
 from sim.errors import UsageError
 from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.file import load_scenario
-from sim.scenarios.imperfect import imperfections
 from sim.simulation import simulate
 
 pytestmark = [pytest.mark.physics, pytest.mark.full]
@@ -82,8 +80,6 @@ def test_its_header_of_counts_leads_where_the_walk_led(classroom, tmp_path, caps
 
 @pytest.mark.parametrize("draw", [0, 1])
 def test_a_hobby_robot_that_replans_arrives_within_a_hundredth_of_its_path(draw):
-    robot = load("hexapod")
-    changes = imperfections("hobby", robot, draw) | {"replan": True}
-    summary = walked("line", **changes)
+    summary = walked("line", imperfect="hobby", draw=draw, replan=True)
     goal = summary["error"]["goal"]["position"]
     assert goal < 0.01 * summary["path_length"]  # 0.0007 and 0.0003 measured

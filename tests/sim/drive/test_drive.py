@@ -190,7 +190,7 @@ def test_what_is_simulated_stands_in_the_model(scenario):
 
 
 def test_nobody_knows_the_imperfections_when_torques_are_rehearsed(scenario):
-    heavy = {"payload": [0.3, 0.03, 0.0, 0.02], "play": 0.01, "slope": [0.05, 0.0]}
+    heavy = {"payload": [0.3, 0.03, 0.0, 0.02], "backlash": 0.01, "slope": [0.05, 0.0]}
     plain, laden = (prepare(scenario(**SOFT | given)) for given in ({}, heavy))
     schedule = swung(plain)
     leads = [Rehearsal(setup).lead(schedule).torque for setup in (plain, laden)]

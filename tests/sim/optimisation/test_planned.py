@@ -25,7 +25,7 @@ SHORT = {
     "path_tolerance": 0.02,
     "yaw_tolerance": 3.2,
     "optimise": "time",
-    "together": True,
+    "overlap_recovery": True,
 }
 
 

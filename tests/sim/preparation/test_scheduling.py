@@ -10,7 +10,7 @@ from sim.motion.prediction import Predictor
 from sim.motion.schedule import Scheduler
 from sim.optimisation.judging import real_twists
 from sim.planning.open_loop import plan_open_loop
-from sim.preparation.scheduling import schedule_flows, together
+from sim.preparation.scheduling import overlapped, schedule_flows
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 
@@ -36,7 +36,7 @@ def changes(moved):
 
 def test_a_recovery_goes_along_with_the_stroke_of_its_stay():
     stay = moves((Flow("1", "g1_2", -0.2), RECOVERY), (Flow("1", "g1_1", 0.4), STROKE))
-    ((_, flow, direction),) = together(stay, GROUPS)
+    ((_, flow, direction),) = overlapped(stay, GROUPS)
     assert flow == Flow("1", "g1_1", 0.4)
     assert direction == pytest.approx((1.0, -0.5))
 
@@ -47,7 +47,7 @@ def test_a_recovery_is_shared_out_among_the_strokes_of_a_stay():
         (Flow("1", "g1_2", 0.2), RECOVERY),
         (Flow("1", "other", -0.1), STROKE),
     )
-    shared = together(stay, GROUPS)
+    shared = overlapped(stay, GROUPS)
     assert [d[1] * f.duration for _, f, d in shared] == pytest.approx([0.15, 0.05])
     assert changes(shared) == pytest.approx(changes(stay))
 
@@ -56,14 +56,14 @@ def test_other_stays_are_left_alone():
     apart = moves(
         (Flow("1", "g1_2", 0.2), RECOVERY), (Flow("2", "g2_2", 0.4), RECOVERY)
     )
-    assert together(apart, GROUPS) == apart
+    assert overlapped(apart, GROUPS) == apart
 
 
 @pytest.fixture(scope="module")
 def schedules():
     found = []
     for asked in (False, True):
-        setup = prepare(load_scenario("line", {"together": asked}))
+        setup = prepare(load_scenario("line", {"overlap_recovery": asked}))
         scheduler = Scheduler(setup.limits, setup.at_rest)
         schedule_flows(setup, scheduler, [FLOWS])
         found.append((setup, scheduler.finish()))
@@ -71,14 +71,14 @@ def schedules():
 
 
 def test_a_stay_lasts_as_long_as_its_longest_part(schedules):
-    (_, apart), (_, together) = schedules
-    longest = [p.steps for p in together.phases if p.kind == "swing"]
-    timestep = together.limits.timestep
+    (_, apart), (_, overlapping) = schedules
+    longest = [p.steps for p in overlapping.phases if p.kind == "swing"]
+    timestep = overlapping.limits.timestep
     assert longest == pytest.approx(
         [(x / 0.5 + 0.15) / timestep for x in (0.4, 0.5, 0.2)]
     )
-    assert together.stop < apart.stop
-    assert together.end.swing == pytest.approx(apart.end.swing)
+    assert overlapping.stop < apart.stop
+    assert overlapping.end.swing == pytest.approx(apart.end.swing)
 
 
 def test_the_body_goes_where_it_would_have_gone(schedules):

@@ -1,6 +1,7 @@
 """What walks share is what each of them would have made by itself, to the last bit."""
 
 from dataclasses import replace
+from typing import Literal, get_args, get_origin
 
 import mujoco
 import numpy as np
@@ -9,35 +10,48 @@ import pytest
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.sharing import is_shareable
 from sim.preparation.setup import prepare
-from sim.preparation.shared import (
-    OF_THE_PHYSICS,
-    OF_THE_WAY,
-    OF_THE_WORLD,
-    WITHOUT_EFFECT,
-    Shared,
-    everything_but,
-)
+from sim.preparation.shared import PLAN, WORLD, Shared
 from sim.scenarios.body_path import line
-from sim.scenarios.scenario import Scenario, settings
+from sim.scenarios.declaration import Range, options
+from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import SETTINGS
 from sim.simulation import simulate
 from sim.world.model import build
 
-COUNTED = ("servo", "resolution")  # with which servos have counts
 LESS = ("identified", "creep_floor")
 OTHER = {
-    "name": "other", "description": "other", "stance": "paper", "words": "shortest",
-    "segments": 3, "replan": True, "steer": "quasi-static", "optimise": "time",
-    "path_tolerance": 0.1, "yaw_tolerance": 0.1, "together": True, "correct": 2,
-    "friction": 0.7, "timestep": 0.0008, "servo": "mg90", "servo_stiffness": 432.198765,
+    "friction": 0.7, "servo": "mg90", "servo_stiffness": 432.198765,
     "servo_damping": 3.21987654, "command_rate": 200.0, "resolution": 0.001,
-    "feed_forward": True, "zero_offset": 0.01, "play": 0.001,
     "payload": (0.1, 0.01, 0.0, 0.02), "slope": (0.01, 1.0), "floor_stiffness": 2e4,
-    "foot_friction": (0.5, 0.6, 0.7, 0.8, 0.9, 1.0), "draw": 3, "swing_speed": 0.7,
-    "swing_acceleration": 7.0, "lift_height": 0.02, "hold": 0.3, "plan_time": 100.0,
-    "min_margin": 0.01, "min_clearance": 0.01, "allow_unstable": True,
-    "sample_every": 7, "playback": 2.0, "seed": 4, "path": line((0.02, 0.0, 0.0)),
+    "foot_friction": (0.5, 0.6, 0.7, 0.8, 0.9, 1.0), "timestep": 0.0008,
+    "lift_height": 0.02, "zero_offset": 0.01, "backlash": 0.001,
+    "path": line((0.02, 0.0, 0.0)), "gait": ("12", "1", "12", "2", "12"),
 }  # fmt: skip
-"""Another value of every setting that is said not to matter somewhere."""
+"""Values that a hexapod can walk with, where any other value of a setting cannot be."""
+COUNTED = ("servo", "resolution")  # with which servos have counts
+
+
+def another(name):
+    """A value of a setting that is not its default, from what is declared about it."""
+    if name in OTHER:
+        return OTHER[name]
+    declared = SETTINGS[name]
+    kind = options(declared.kind)[0]
+    if kind in (bool, str):
+        return {bool: not declared.default, str: "other"}[kind]
+    inner = get_args(kind)
+    if get_origin(kind) is Literal:
+        return next(word for word in inner if word != declared.default)
+    if not isinstance(inner[1], Range):
+        return "other"
+    usual = declared.default or 0
+    return inner[0](usual + (1 if inner[0] is int else 0.01 * (usual or 1)))
+
+
+def unless(*effects):
+    """Settings, and the path, that have none of some effects."""
+    own = [name for name, item in SETTINGS.items() if not item.affects & {*effects}]
+    return own if "plan" in effects else [*own, "path"]
 
 
 @pytest.fixture(scope="module")
@@ -46,18 +60,18 @@ def plain():
 
 
 def changed(scenario, name):
-    other = replace(scenario, **{name: OTHER[name]})
+    other = replace(scenario, **{name: another(name)})
     assert other != scenario
     return other
 
 
-@pytest.mark.parametrize("name", OF_THE_WAY)
+@pytest.mark.parametrize("name", unless(*WORLD))
 def test_the_way_does_not_change_the_world(plain, hexapod, name):
     world, other = build(hexapod, plain), build(hexapod, changed(plain, name))
     assert world == other
 
 
-@pytest.mark.parametrize("name", [n for n in OF_THE_PHYSICS if n not in COUNTED])
+@pytest.mark.parametrize("name", unless(*PLAN))
 def test_the_physics_does_not_change_a_shareable_plan(plain, hexapod, name):
     setup, other = prepare(plain, hexapod), prepare(changed(plain, name), hexapod)
     assert is_shareable(other)
@@ -69,11 +83,6 @@ def test_plans_whose_strokes_end_on_counts_are_not_shared(plain, hexapod, name):
     setup, other = prepare(plain, hexapod), prepare(changed(plain, name), hexapod)
     assert not is_shareable(other)
     assert plan_open_loop(setup).flows != plan_open_loop(other).flows
-
-
-def test_only_settings_that_exist_are_listed():
-    known = {item.name for item in settings()} | {"path", "obstacles"}
-    assert known >= {*OF_THE_WAY, *OF_THE_WORLD, *OF_THE_PHYSICS, *WITHOUT_EFFECT}
 
 
 @pytest.mark.parametrize(
@@ -112,8 +121,8 @@ def test_things_are_made_once_and_the_oldest_are_forgotten():
 
 def test_settings_that_matter_tell_scenarios_apart(plain):
     other = changed(plain, "friction")
-    assert everything_but(plain, ()) != everything_but(other, ())
-    assert everything_but(plain, ["friction"]) == everything_but(other, ["friction"])
+    assert plain.key("world") != other.key("world")
+    assert plain.key(*PLAN) == other.key(*PLAN)
 
 
 @pytest.mark.physics

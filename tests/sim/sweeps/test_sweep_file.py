@@ -24,7 +24,7 @@ draw = [1, 2, 3]
     assert sweep.varied(1) == {"friction": 0.5, "play": 0.01, "draw": 2}
     assert sweep.varied(5) == {"friction": 1.0, "play": 0.02, "draw": 3}
     scenario = sweep.at(5)
-    assert (scenario.friction, scenario.play, scenario.draw) == (1.0, 0.02, 3)
+    assert (scenario.friction, scenario.backlash, scenario.draw) == (1.0, 0.02, 3)
     assert scenario.segments == 1
     assert scenario.path.goal == (0.002, 0.002, 0.0)
 

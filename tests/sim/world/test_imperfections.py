@@ -62,7 +62,7 @@ def test_a_stiffer_floor_is_damped_no_more(standing):
 
 def test_the_floor_pushes_loose_legs_as_it_pushes_rigid_ones(standing):
     """What the engine makes of stiffness, damping, impedance and mobility."""
-    loose, rigid = standing(play=0.01).model, standing().model
+    loose, rigid = standing(backlash=0.01).model, standing().model
     feet = [rigid.geom(f"foot_{leg}").bodyid[0] for leg in range(1, 7)]
 
     def pushes(model):
@@ -77,7 +77,7 @@ def test_the_floor_pushes_loose_legs_as_it_pushes_rigid_ones(standing):
 
 @pytest.mark.physics
 def test_a_robot_with_play_stands_without_rattling(standing):
-    model = standing(play=0.01).model
+    model = standing(backlash=0.01).model
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     mujoco.mj_step(model, data, nstep=1000)
@@ -123,7 +123,7 @@ def test_as_many_frictions_as_feet_are_asked_for(standing):
 
 
 def test_play_is_a_joint_behind_each_leg_joint(standing):
-    model = standing(play=0.02).model
+    model = standing(backlash=0.02).model
     own = [model.joint(i).name for i in range(model.njnt)]
     legs = [n for n in own if n.startswith(("swing", "lift"))]
     assert [n for n in own if n.startswith(PLAY)]
@@ -158,7 +158,7 @@ def _hold(setup):
 
 @pytest.mark.physics
 def test_a_walk_with_play_on_a_slope_is_walked_and_its_prediction_is_not_met(scenario):
-    bent = {"play": 0.01, "slope": [0.03, 1.0], "zero_offset": 0.01}
+    bent = {"backlash": 0.01, "slope": [0.03, 1.0], "zero_offset": 0.01}
     off, true = (
         simulate(scenario(**changes)).summary["error"]["quasi_static"]["farthest"]
         for changes in (bent, {})
@@ -190,7 +190,7 @@ def test_feet_on_bumps_carry_the_weight_and_the_walk_strays(scenario):
     assert summary["verdict"] in ("arrived", "drifted", "slipped")
 
 
-@pytest.mark.parametrize("kind", ["dead_band", "play"])
+@pytest.mark.parametrize("kind", ["dead_band", "backlash"])
 def test_standing_legs_give_way_by_half_the_slack_and_what_loads_bend(standing, kind):
     width, stiffness = 0.02, 50.0
     model = standing(**{kind: width}, servo_stiffness=stiffness).model
@@ -234,7 +234,7 @@ def test_a_floor_gives_way_to_loose_legs_as_far_as_to_rigid_ones(standing):
             mujoco.mj_step(model, data)
         return -np.mean([contact.dist for contact in data.contact])
 
-    rigid, loose = sunk(), sunk(play=0.01)
+    rigid, loose = sunk(), sunk(backlash=0.01)
     assert rigid == pytest.approx(0.6e-3, rel=0.05)
     # the mobility of feet is that of bodies on average: 0.65 mm was measured
     assert loose == pytest.approx(rigid, rel=0.15)

@@ -1,0 +1,219 @@
+"""How a setting is declared: the kind of its values, its meaning, what it affects.
+
+A kind is a type, such as `bool`, `Literal["ideal", "own"]`, `tuple[float, ...]` or a
+union of these, in which numbers are `Annotated` with a `Range` and text may be with a
+`Text`. The settings themselves are declared in `scenarios.settings`.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import isfinite
+from numbers import Real
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, TypeGuard, Union, get_args, get_origin
+
+from sim.errors import UsageError
+
+Effect = Literal[
+    "label", "equations", "plan", "motion", "world", "drive", "refusal", "rows", "film"
+]
+"""What a setting can change: names, a robot's equations, the flows of a plan, the time
+that phases take, the physics, the commands of servos, what is refused, the rows that
+are written, the film."""
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Limits of a number; `above` leaves out the lower one itself."""
+
+    low: float
+    high: float
+    above: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Text that may be empty, or is the name of a file; plain `str` is any but none."""
+
+    empty: bool = False
+    file_name: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What is declared about a setting.
+
+    Attributes:
+        name: Its key.
+        kind: Type of its values, with their limits.
+        default: Value where none is given; None leaves it to the robot or the run.
+        meaning: What it says, in one line.
+        unit: Of its values.
+        affects: What it changes.
+        imperfection: Whether plans and predictions know nothing of it.
+        formerly: Name that it had before.
+    """
+
+    name: str
+    kind: object
+    default: object
+    meaning: str
+    unit: str
+    affects: frozenset[Effect]
+    imperfection: bool
+    formerly: str
+
+    @property
+    def about(self) -> str:
+        """Meaning and unit."""
+        what, semicolon, remark = self.meaning.partition(";")
+        return f"{what} [{self.unit}]{semicolon}{remark}" if self.unit else self.meaning
+
+    @property
+    def allowed(self) -> str:
+        """Values that it may have, to follow the word "give"."""
+        return words(self.kind)
+
+    def includes(self, form: object) -> bool:
+        """Whether values may be of a type, such as `int`, `tuple`, or `Literal`."""
+        return any(
+            getattr(kind, "__origin__", kind) is form for kind in options(self.kind)
+        )
+
+    def accept(self, value: object, where: str) -> object:
+        """A value in its own type.
+
+        Args:
+            value: As it is given.
+            where: Place of the value in words.
+
+        Raises:
+            UsageError: If it is not allowed.
+        """
+        try:
+            return read(value, self.kind)
+        except ValueError:
+            what = f"{self.name} = {reprlib.repr(value)} is not allowed"
+            raise UsageError(what, where, f"give {self.allowed}") from None
+
+
+def setting(
+    meaning: str,
+    default: object,
+    affects: Effect | tuple[Effect, ...],
+    *,
+    unit: str = "",
+    imperfection: bool = False,
+    formerly: str = "",
+) -> Any:
+    """A field of `Settings`; for the arguments see `Setting`."""
+    own: tuple[Effect, ...] = affects if isinstance(affects, tuple) else (affects,)
+    declared = {
+        "meaning": meaning,
+        "unit": unit,
+        "affects": frozenset(own),
+        "imperfection": imperfection,
+        "formerly": formerly,
+    }
+    return field(default=default, metadata=declared)
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether a value is a real number; true and false are not."""
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def options(kind: object) -> tuple[object, ...]:
+    """The types of a union, or the one type that there is."""
+    return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+
+
+def read(value: object, kind: object) -> object:
+    """The value as one of the types that a setting may have.
+
+    Raises:
+        ValueError: If it is none of them, or beyond their limits.
+    """
+    *others, last = options(kind)
+    for option in others:
+        try:
+            return _read_as(value, option)
+        except ValueError:
+            continue
+    return _read_as(value, last)
+
+
+def _read_as(value: object, kind: object) -> object:
+    origin, inner = get_origin(kind), get_args(kind)
+    if origin is Annotated:
+        base, limits = inner
+        return _number(value, base, limits) if base is not str else _text(value, limits)
+    if origin is tuple and isinstance(value, list | tuple) and value:
+        each = inner[:1] * len(value) if inner[-1] is Ellipsis else inner
+        return tuple(read(v, k) for v, k in zip(value, each, strict=True))
+    if origin is Mapping and isinstance(value, Mapping):
+        return _table(value)
+    if kind is str:
+        return _text(value, Text())
+    if origin is Literal and value in inner and isinstance(value, str):
+        return value
+    if kind in (bool, NoneType) and isinstance(value, kind):
+        return value
+    raise ValueError
+
+
+def _table(value: Mapping[str, object]) -> dict[str, float]:
+    numbers = {str(key): v for key, v in sorted(value.items()) if is_number(v)}
+    if len(numbers) < len(value) or not all(map(isfinite, numbers.values())):
+        raise ValueError
+    return {key: float(number) for key, number in numbers.items()}
+
+
+def _number(value: object, base: type, limits: Range) -> float:
+    if not is_number(value) or not limits.low <= value <= limits.high:
+        raise ValueError
+    number: float = base(value)
+    if (limits.above and value == limits.low) or number != value:
+        raise ValueError
+    return number
+
+
+def _text(value: object, limits: Text) -> str:
+    if not isinstance(value, str) or not (value or limits.empty):
+        raise ValueError
+    if limits.file_name and (
+        "/" in value or value[0] in ".-" or not value.isprintable()
+    ):
+        raise ValueError
+    return value
+
+
+def words(kind: object) -> str:
+    """For example `a number above 0 and up to 0.02`."""
+    kinds = [option for option in options(kind) if option is not NoneType]
+    if len(kinds) > 1:
+        return ", or ".join(map(words, kinds))
+    origin, inner = get_origin(kinds[0]), get_args(kinds[0])
+    if origin is Literal:
+        return " or ".join(inner)
+    if origin is tuple and inner[0] is str:
+        return "a list of texts in quotation marks"
+    if origin is tuple:
+        each = [item for item in inner if item is not Ellipsis]
+        count = f"{len(each)} " if len(each) == len(inner) else ""
+        return f"a list of {count}numbers, {', '.join(map(words, each))}"
+    if origin is Annotated and isinstance(inner[1], Range):
+        noun = "a whole number" if inner[0] is int else "a number"
+        limits = inner[1]
+        above = (
+            f"above {limits.low:g} and up" if limits.above else f"from {limits.low:g}"
+        )
+        return f"{noun} {above} to {limits.high:g}"
+    if origin is Annotated and inner[1].file_name:
+        return "a name without slashes"
+    if origin is Mapping:
+        return "numbers by name, such as { kappa = 0.5 }"
+    return "true or false" if kinds[0] is bool else "text in quotation marks"
