@@ -2,8 +2,6 @@
 
 import math
 import tomllib
-from dataclasses import MISSING
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -12,9 +10,7 @@ from scipy.integrate import quad
 
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal
-from sim.scenarios.declaration import Effect
 from sim.scenarios.file import (
-    announce,
     dumps,
     load_scenario,
     parse_override,
@@ -22,7 +18,7 @@ from sim.scenarios.file import (
     to_table,
 )
 from sim.scenarios.scenario import Scenario
-from sim.scenarios.settings import FORMER, SETTINGS
+from sim.scenarios.settings import SETTINGS
 
 SMALLEST = 'segments = 3\n[path]\nkind = "line"\ngoal = [0.1, 0.0, 0.0]\n'
 
@@ -301,27 +297,3 @@ def test_binary_file_is_refused(tmp_path):
     (tmp_path / "picture.toml").write_bytes(b"\xff\xfe\x00")
     with pytest.raises(UsageError, match="not TOML, .*picture.toml"):
         load_scenario(str(tmp_path / "picture.toml"))
-
-
-@pytest.mark.parametrize(("old", "new"), FORMER.items())
-def test_a_former_name_of_a_setting_works_and_says_the_present_one(old, new, capsys):
-    announce.cache_clear()
-    value = {bool: True, float: 0.01}[type(SETTINGS[new].default)]
-    scenarios = [load_scenario("line", {old: value}) for _ in range(2)]
-    assert getattr(scenarios[0], new) == value
-    assert scenarios[0] == load_scenario("line", {new: value})
-    said = capsys.readouterr().err
-    assert said == f"stratawalk: notice: {old} is now called {new}\n"
-
-
-def test_a_setting_under_both_of_its_names_is_refused():
-    with pytest.raises(UsageError, match="play and backlash are one setting: .*keep"):
-        load_scenario("line", {"play": 0.01, "backlash": 0.02})
-
-
-@pytest.mark.parametrize("name", SETTINGS)
-def test_a_default_is_a_value_that_the_setting_may_have(name):
-    declared = SETTINGS[name]
-    if declared.default is not MISSING:
-        assert declared.accept(declared.default, "here") == declared.default
-    assert declared.affects <= set(get_args(Effect))
