@@ -18,7 +18,7 @@ from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
-NEGLIGIBLE = 1e-12  # a recovery shorter than this is a rounding error
+SHORTEST_RECOVERY = 1e-12  # a recovery shorter than this is a rounding error
 
 
 @dataclass(slots=True)
@@ -117,7 +117,7 @@ def _centre(
     done, previous = list[_Visit](), -1
 
     def recover(amount: float, following: _Visit) -> None:
-        if abs(amount) > NEGLIGIBLE:
+        if abs(amount) > SHORTEST_RECOVERY:
             between = previous + 1, following
             place = _place(shape.system, done, recoveries, between, ends[0])
             name, rate = recoveries[place.stratum]

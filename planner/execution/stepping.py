@@ -17,13 +17,13 @@ from math import ceil
 import numpy as np
 
 from planner.errors import StratumError
-from planner.execution.centring import NEGLIGIBLE
+from planner.execution.centring import SHORTEST_RECOVERY
 from planner.execution.repositioning import reposition_legs
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow, merged
 from planner.systems.shape import ShapeCoordinates, ShapeLimits
 
-ROUNDING = 1e-9  # of a stroke that just fits its range
+STROKE_ROUNDING = 1e-9  # of a stroke that just fits its range
 MOST_PARTS = 32  # of a stroke; a robot that can reposition its legs needs fewer
 
 StabilityTest = Callable[[Sequence[str], Mapping[str, Array]], Array]
@@ -124,7 +124,7 @@ class _Legs:
             for i, (low, high) in self.spans.items()
             if way[i]
         )
-        fewest = max(1, ceil(max(shares, default=0.0) - ROUNDING))
+        fewest = max(1, ceil(max(shares, default=0.0) - STROKE_ROUNDING))
         rest = dict.fromkeys(self.recoveries, 0.0)
         for parts in range(fewest, fewest + MOST_PARTS):
             ends = ({i: side * way[i] / parts for i in rest} for side in (-0.5, 0.5))
@@ -182,4 +182,4 @@ class _Legs:
 
 
 def _apart(one: float, other: float) -> bool:
-    return abs(one - other) > NEGLIGIBLE
+    return abs(one - other) > SHORTEST_RECOVERY

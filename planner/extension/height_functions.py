@@ -29,7 +29,7 @@ from planner.systems.flows import Flow
 from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
-NODES = 24  # along a side; exact to rounding for sines over several radians
+SIDE_NODES = 24  # along a side; exact to rounding for sines over several radians
 Rates = tuple[sp.Expr, sp.Expr]
 
 
@@ -85,7 +85,7 @@ class StratifiedPanels:
         Raises:
             ValueError: The coordinate is unknown or an angle.
         """
-        nodes, weights = leggauss(NODES)
+        nodes, weights = leggauss(SIDE_NODES)
         first, second = (
             start + side * (nodes + 1) / 2 for start, side in zip(low, by, strict=True)
         )

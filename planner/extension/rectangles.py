@@ -31,9 +31,9 @@ from planner.systems.fields import CompiledFields, compile_fields
 from planner.systems.strata import StratifiedSystem
 
 DEGREE = 2  # of the brackets whose words are rectangles
-BETTER = 0.5  # of the printed word's error that another must stay below to be taken
+WORTH_TURNING = 0.5  # of the printed word's error, above which that word is kept
 EQUAL = 1e-6  # relative difference below which sides count as equal
-LONGEST = 10.0  # times as long as wide that a rectangle may be
+LONGEST_SHAPE = 10.0  # times as long as wide that a rectangle may be
 MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
 
 
@@ -73,7 +73,7 @@ class Rectangles:
             beyond * weights(self._beyond, scales)[:, None],
         )  # (ways, segments)
         least = errors.min(axis=0) + EQUAL * errors.max(axis=0)
-        printed = errors[0] * BETTER <= least
+        printed = errors[0] * WORTH_TURNING <= least
         scales = scales * self._signs[np.where(printed, 0, errors.argmin(axis=0))]
         return None if (scales == 1.0).all() else scales
 
@@ -116,7 +116,7 @@ class Rectangles:
         parallel = (along > (1 - EQUAL) * one * two) & (along > 0)
         ratio = np.where(parallel, two, 1.0) / np.where(parallel, one, 1.0)
         ratio = np.where(np.abs(ratio - 1) < EQUAL, 1.0, ratio)
-        root = np.sqrt(np.clip(ratio, 1 / LONGEST, LONGEST))
+        root = np.sqrt(np.clip(ratio, 1 / LONGEST_SHAPE, LONGEST_SHAPE))
         scales[:, self._pair] = np.stack([root, 1 / root], axis=-1)
         return scales
 

@@ -36,9 +36,9 @@ from planner.lie.hall import Element
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import collocation
 
-NODES = 16  # of an interval, if inputs are functions of time
-TOLERANCE = 1e-12  # relative, of the change when an interval is halved
-SHORTEST = 1e-14  # interval; bounded inputs move nothing within it
+INTERVAL_NODES = 16  # of an interval, if inputs are functions of time
+HALVING_TOLERANCE = 1e-12  # relative, of the change when an interval is halved
+SHORTEST_INTERVAL = 1e-14  # interval; bounded inputs move nothing within it
 PIECES = 16  # of unit time at first; their nodes are at most 1/300 apart
 EVALUATIONS = 100_000  # of inputs before they are refused; a jump needs 2 000
 
@@ -143,9 +143,9 @@ def _adapted(
     first = _step(algebra, inputs, time, half, start)
     second = _step(algebra, inputs, middle, half, first)
     change = np.abs(second - whole).max()
-    if change <= TOLERANCE * (1.0 + np.abs(second).max()):
+    if change <= HALVING_TOLERANCE * (1.0 + np.abs(second).max()):
         return second
-    if length < SHORTEST:
+    if length < SHORTEST_INTERVAL:
         raise ConvergenceError(
             f"inputs at {time:.6g} move the Hall coordinates by {change:.3g} within "
             f"{length:.3g} of unit time (eq. 9); keep them bounded"
@@ -162,7 +162,8 @@ def _step(
     start: Array,
 ) -> Array:
     values = [
-        inputs(time + length * node) for node in collocation(NODES).nodes.tolist()
+        inputs(time + length * node)
+        for node in collocation(INTERVAL_NODES).nodes.tolist()
     ]
     return integrate(algebra.basis, length * np.array(values), start)
 

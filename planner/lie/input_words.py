@@ -26,7 +26,7 @@ Spelling = tuple[tuple[int, ...], list[float]]  # generators, and their duration
 Letters = tuple[tuple[int, int], ...]  # generators and the signs of their durations
 T = TypeVar("T", int, Array)
 
-NEGLIGIBLE = 1e-12  # in degree k such a rounding error would move by its k-th root
+ZERO_DURATION = 1e-12  # in degree k such an error would move by its k-th root
 
 
 def word(
@@ -140,7 +140,9 @@ def _amounts(
     inside = 0 if turned else 1  # the first generator is at the right end as it is
     for j in _places(algebra, turned):
         if algebra.basis[j] not in vanishing:
-            amounts[:, j] = np.where(np.abs(rest[:, j]) < NEGLIGIBLE, 0.0, rest[:, j])
+            amounts[:, j] = np.where(
+                np.abs(rest[:, j]) < ZERO_DURATION, 0.0, rest[:, j]
+            )
             below_top = inside < algebra.degrees[j] < algebra.max_degree
             if below_top and amounts[:, j].any():
                 undone = -_given(algebra, j, amounts[:, j])
@@ -196,7 +198,7 @@ def _spelled(
         generators, parts = _pattern(algebra, tuple(sign), back, turned)
         segments = np.flatnonzero(sort.ravel() == k)
         durations = sizes[segments] @ parts.T
-        brief = np.flatnonzero((np.abs(durations) < NEGLIGIBLE).any(axis=-1))
+        brief = np.flatnonzero((np.abs(durations) < ZERO_DURATION).any(axis=-1))
         pruned = [joined(generators, durations[i].tolist()) for i in brief]
         durations *= units[segments][:, np.array(generators, dtype=int) - 1]
         for segment, row in zip(segments.tolist(), durations.tolist(), strict=True):
@@ -247,7 +249,7 @@ def joined(generators: Iterable[int], durations: Iterable[float]) -> Spelling:
         if letters and letters[-1] == generator:
             letters.pop()
             duration += together.pop()
-        if abs(duration) >= NEGLIGIBLE:
+        if abs(duration) >= ZERO_DURATION:
             letters.append(generator)
             together.append(duration)
     return tuple(letters), together

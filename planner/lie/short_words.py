@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from planner.lie.input_words import NEGLIGIBLE
+from planner.lie.input_words import ZERO_DURATION
 from planner.numerics.arrays import Array
 
 
@@ -43,7 +43,7 @@ def _rectangles(area: Array, width: Array, height: Array) -> tuple[Array, Array]
     The length |p| + |p - width| + |q| + |q - height| is least for a square, or where a
     side makes one of the flows vanish.
     """
-    area = np.where(np.abs(area) < NEGLIGIBLE, 0.0, area)
+    area = np.where(np.abs(area) < ZERO_DURATION, 0.0, area)
     root = np.sqrt(np.abs(area))
     with np.errstate(divide="ignore", invalid="ignore"):
         p = np.stack([root, -root, width, area / height])

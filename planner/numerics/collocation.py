@@ -17,9 +17,9 @@ from planner.errors import ConvergenceError, point
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
-NODES = 24  # of a step; the tail of its Chebyshev series shows whether they suffice
-ITERATIONS = 40  # of Picard; a triangular field needs as many as it has levels
-TOLERANCE = 1e-13  # relative, of the last iteration's change and of the series' tail
+STEP_NODES = 24  # the tail of the Chebyshev series shows whether they suffice
+PICARD_ITERATIONS = 40  # a triangular field needs as many as it has levels
+PICARD_TOLERANCE = 1e-13  # relative, of the last change and of the series' tail
 HALVINGS = 12  # of a step before the flow is refused
 
 
@@ -118,15 +118,15 @@ def _follow(
 def _picard(
     field: Callable[[Array], Array], x: Array, duration: float, steady: Array
 ) -> Array | None:
-    rule = collocation(NODES)
+    rule = collocation(STEP_NODES)
     path = x + duration * rule.nodes[:, None] * steady
-    for _ in range(ITERATIONS):
+    for _ in range(PICARD_ITERATIONS):
         before, velocity = path, field(path)
         path = x + duration * (rule.integral @ velocity)
         scale = 1.0 + np.abs(path).max()
         if not scale < np.inf:
             return None
-        if np.abs(path - before).max() <= TOLERANCE * scale:
+        if np.abs(path - before).max() <= PICARD_TOLERANCE * scale:
             tail = np.abs(rule.coefficients[-2:] @ velocity).max() * abs(duration)
-            return path[-1] if tail <= 10 * TOLERANCE * scale else None
+            return path[-1] if tail <= 10 * PICARD_TOLERANCE * scale else None
     return None

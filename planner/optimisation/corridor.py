@@ -16,19 +16,19 @@ import numpy as np
 
 from planner.numerics.arrays import Array
 
-ROUNDING = 1e-12  # of the deviation, when it is looked for again
+SLACK = 1e-12  # relative, so that rounding does not exclude the largest distance
 
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """Coordinates that together stay within a distance of the path's.
+    """Largest distance from the path, in a group of coordinates.
 
     Attributes:
-        coordinates: Their indices in the state.
-        most: The largest distance; infinity leaves them free on the way.
+        coordinates: Indices of the coordinates in the state.
+        most: Largest Euclidean distance; infinity leaves the coordinates free.
 
     Raises:
-        ValueError: The distance is not above zero.
+        ValueError: The distance is not positive.
     """
 
     coordinates: tuple[int, ...]
@@ -45,15 +45,15 @@ def deviation(
     """The largest deviation of states from a path that they follow in order.
 
     Args:
-        states: In time order, shape (T, n); the first belongs to the path's start and
-            the last to its end.
+        states: States in time order, shape (T, n); the first belongs to the path's
+            start and the last to its end.
         path: Points along the path, shape (K, n); deviations are exact to half the
             distance between two of them.
-        groups: Coordinates to compare together. The first group decides which point of
-            the path is the companion; the others are compared at that point.
+        groups: Groups of coordinates. The first group, the position, determines the
+            companion of each state; the others are compared at that point.
 
     Returns:
-        The farthest for each group.
+        The largest distance in each group.
     """
     moved = np.append(True, (np.diff(states, axis=0) != 0).any(axis=1))
     states = states[moved]
@@ -65,15 +65,9 @@ def deviation(
 
 
 def gaps(states: Array, path: Array, groups: Sequence[Sequence[int]]) -> Array:
-    """How far each state is from its companion.
+    """Distance of each state from its companion in each group, shape (T, G).
 
-    Args:
-        states: In time order, shape (T, n).
-        path: Points along the path, shape (K, n).
-        groups: Coordinates to compare together, as for `deviation`.
-
-    Returns:
-        Distances of every group, shape (T, G).
+    The arguments are those of `deviation`.
     """
     first = list(groups[0])
     _, along = _along(states[:, first], path[:, first])
@@ -127,7 +121,7 @@ def _frechet(apart: Array) -> float:
 
 def _reachable(apart: Array, most: float) -> Array:
     """Which point can be the companion of which state, shape (T, K), bool."""
-    free = apart <= most * (1 + ROUNDING)
+    free = apart <= most * (1 + SLACK)
     index = np.arange(apart.shape[1], dtype=np.int32)
     barred = np.maximum.accumulate(np.where(free, np.int32(-1), index), axis=1)
     found = np.zeros(apart.shape, dtype=bool)

@@ -1,53 +1,48 @@
-"""Stages and paths as CasADi functions, which are differentiated exactly."""
+"""Motion within a stage, and distance from a path, as CasADi functions."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.solver import casadi_function, solver
+from planner.optimisation.solver import Expression, casadi_function, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Task
 from planner.planning.paths import Path
 
-STEPS = 3  # of a stage, where it is integrated and compared with the path
-KNOTS = 200  # of the spline that stands for a path that is not straight
-STRAIGHT = 1e-9  # of a path's size, that a straight one may be off by
-TINY = 1e-12  # keeps apart from zero what is divided by
+STAGE_STEPS = 3  # of Runge and Kutta's method; the path is compared after each
+SPLINE_KNOTS = 200  # of the spline that stands for a path that is not straight
+STRAIGHT = 1e-9  # deviation from a straight line, relative to the size of the path
+TINY = 1e-12  # added to denominators that may be zero
 
 
 @dataclass(frozen=True)
-class Following:
-    """How far a state is from the point of a path that goes along with it.
+class PathDistance:
+    """Distance of a state from a point of the path, relative to a corridor's width.
 
     Attributes:
-        function: Of the unknown coordinates, the place on the path and the width of
-            the corridor in tolerances; its values are at most zero inside.
-        powers: Of the width, in each of the values; empty if nothing is compared.
+        function: Maps the unknown coordinates, the place on the path and the width of
+            the corridor in tolerances to values that are at most zero inside.
+        powers: Power of the width in each value; empty if there are no tolerances.
     """
 
-    function: Any
+    function: Expression
     powers: tuple[int, ...]
 
 
-def following(task: Task, path: Path) -> Following:
-    """How closely a task wants a path to be followed.
+def path_distance(task: Task, path: Path) -> PathDistance:
+    """The distance from a path, in the groups of coordinates that have tolerances.
 
-    What is not position is compared where the position is nearest: along the path's
-    tangent from the point that goes along.
-
-    Args:
-        task: What is optimised.
-        path: Configurations to follow.
+    The first group is the position, compared at a given point of the path. The others
+    are compared where the tangent at this point is nearest to the position.
     """
     ca = solver()
     x, s = ca.MX.sym("x", len(task.moved)), ca.MX.sym("s")
     curve = curve_function(path, task.moved)
-    parts, powers, nearest = list[Any](), list[int](), s
+    parts, powers, nearest = list[Expression](), list[int](), s
     wide = ca.MX.sym("wide")
     for number, tolerance in enumerate(task.tolerances):
         index = [task.moved.index(i) for i in tolerance.coordinates if i in task.moved]
@@ -64,42 +59,39 @@ def following(task: Task, path: Path) -> Following:
             ahead = ca.dot((x - curve(s))[index], along)
             nearest = s + ahead / (ca.sumsqr(along) + TINY)
     function = ca.Function("within", [x, s, wide], [ca.vertcat(*parts)])
-    return Following(function, tuple(powers))
+    return PathDistance(function, tuple(powers))
 
 
-def whole_state(task: Task, start: Array, moved: Any) -> list[Any]:
-    """All entries of a state, from those that are unknown.
-
-    Args:
-        task: What is optimised.
-        start: State that gives the coordinates that no stage moves, shape (n,).
-        moved: The unknown coordinates.
-    """
+def whole_state(task: Task, start: Array, moved: Expression) -> list[Expression]:
+    """All entries of a state: the unknown ones, and the others from a given state."""
     whole = [solver().SX(float(v)) for v in start]
     for k, i in enumerate(task.moved):
         whole[i] = moved[k]
     return whole
 
 
-def stage_function(task: Task, stage: Stage, start: Array, count: int = STEPS) -> Any:
-    """The states of a stage's steps, from its start, stroke and recoveries.
+def stage_function(
+    task: Task, stage: Stage, start: Array, count: int = STAGE_STEPS
+) -> Expression:
+    """The states after each step of a stage, from its start, stroke and recoveries.
 
-    Runge and Kutta's classical method; recoveries come first, or during the stroke.
+    Integrates by the classical Runge-Kutta method. Recoveries precede the stroke, or
+    take place during it.
 
     Args:
-        task: What is optimised.
-        stage: The stage.
-        start: State that gives the coordinates that no stage moves, shape (n,).
+        task: Task with the system.
+        stage: Stage of its cycle.
+        start: State with the coordinates that no stage moves, shape (n,).
         count: Number of steps.
     """
     ca, n = solver(), len(task.moved)
     x, d = ca.SX.sym("x", n), ca.SX.sym("d")
-    a = ca.SX.sym("a", task.widest)
+    a = ca.SX.sym("a", task.most_recoveries)
     recovered = _recovered(task, stage, a)
-    state, during = (x, recovered) if task.together else (x + recovered, 0.0)
+    state, during = (x, recovered) if task.overlapped else (x + recovered, 0.0)
     stroke, h, steps = _stroke(task, stage, start), 1.0 / count, []
 
-    def rate(y: Any, u: float) -> Any:
+    def rate(y: Expression, u: float) -> Expression:
         return stroke(y, d, u * h) * d + during
 
     for step in range(count):
@@ -112,15 +104,10 @@ def stage_function(task: Task, stage: Stage, start: Array, count: int = STEPS) -
     return ca.Function("stage", [x, d, a], [ca.horzcat(*steps)])
 
 
-def curve_function(path: Path, moved: list[int]) -> Callable[[Any], Any]:
-    """A path as a function of s.
-
-    Args:
-        path: Configurations.
-        moved: Coordinates to give.
-    """
+def curve_function(path: Path, moved: list[int]) -> Callable[[Expression], Expression]:
+    """Some coordinates of a path as a function of s, linear or a spline."""
     ca = solver()
-    grid = np.linspace(0.0, 1.0, KNOTS)
+    grid = np.linspace(0.0, 1.0, SPLINE_KNOTS)
     values = path.at(grid)[:, moved]
     begin, way = values[0], values[-1] - values[0]
     off = np.abs(values - begin - grid[:, None] * way).max()
@@ -130,7 +117,7 @@ def curve_function(path: Path, moved: list[int]) -> Callable[[Any], Any]:
     return lambda s: spline(s)
 
 
-def _recovered(task: Task, stage: Stage, amounts: Any) -> Any:
+def _recovered(task: Task, stage: Stage, amounts: Expression) -> Expression:
     """Change of the unknown coordinates by a stage's recoveries."""
     ca = solver()
     change = ca.SX.zeros(len(task.moved))
@@ -140,17 +127,22 @@ def _recovered(task: Task, stage: Stage, amounts: Any) -> Any:
     return change
 
 
-def _stroke(task: Task, stage: Stage, start: Array) -> Callable[[Any, Any, float], Any]:
-    """Velocity of a stage's stroke, from state, amount and how much of it is done."""
+def _stroke(
+    task: Task, stage: Stage, start: Array
+) -> Callable[[Expression, Expression, float], Expression]:
+    """Velocity along a stage's stroke, from state, amount and the share that is done.
+
+    Coordinates that are repositioned before the stroke are centred on zero in it.
+    """
     ca, system = solver(), task.system
     if not stage.stroke:
         return lambda x, d, u: ca.SX.zeros(len(task.moved))
     velocity = casadi_function(system.state, list(system.fields[stage.stroke]))
-    set_anew = {i: rate for i, rate in task.rates(stage).items() if i not in task.moved}
+    centred = {i: rate for i, rate in task.rates(stage).items() if i not in task.moved}
 
-    def along(x: Any, d: Any, u: float) -> Any:
+    def along(x: Expression, d: Expression, u: float) -> Expression:
         whole = whole_state(task, start, x)
-        for i, rate in set_anew.items():
+        for i, rate in centred.items():
             whole[i] = (u - 0.5) * d * rate
         rates = velocity(whole)
         return ca.vertcat(*(rates[i] for i in task.moved))

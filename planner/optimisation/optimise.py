@@ -12,11 +12,11 @@ import numpy as np
 from planner.errors import BoundError
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.optimisation.between import Between, Exact
+from planner.optimisation.constraints import Margins
 from planner.optimisation.corridor import deviation
-from planner.optimisation.guesses import Coarse
-from planner.optimisation.requirements import Demands
+from planner.optimisation.refinement import PATH_POINTS, Refinement, Violations
 from planner.optimisation.search import Search
+from planner.optimisation.stages import Coarse
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.windows import Report
 from planner.planning.algorithm import Plan
@@ -27,24 +27,23 @@ from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]
 Completion = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
-"""Flows of each segment with those that belong between, such as legs set anew."""
+"""Adds flows in between to those of each segment, such as repositioning of legs."""
 
-ROUNDS = 12  # of making a plan exact
-MISS = 1e-6  # of the goal, in units that a stroke moves by
-FAR = 1e-2  # of the goal, which no plan misses by as much
-SAMPLES = 8  # of a flow, where a motion is compared with its path
-POINTS = 1001  # of the path, likewise
+REFINEMENTS = 12  # of a plan, until its exact motion meets the goal and constraints
+NEGLIGIBLE_MISS = 1e-6  # distance from the goal, in units of a stroke's length
+LARGEST_MISS = 1e-2  # likewise; a plan that ends farther away is refused
+FLOW_SAMPLES = 8  # states of a flow that are compared with the path
 
 
 @dataclass(frozen=True)
 class Criterion:
-    """What is to be least, and how flows are measured.
+    """The objective, and how flows are measured.
 
     Attributes:
-        objective: What is to be least.
-        duration: Time that flows in their order take.
-        predict: State that flows lead to; played on the task's system if not given.
-        complete: Adds what belongs between the flows; nothing is added if not given.
+        objective: Quantity to minimise.
+        duration: Time that flows take in their order.
+        predict: Final state of flows; by rollout on the task's system if not given.
+        complete: Adds flows in between, such as repositioning; none if not given.
     """
 
     objective: Objective
@@ -56,17 +55,16 @@ class Criterion:
 class Optimiser:
     """Strokes and recoveries that follow a path at the least cost.
 
-    What has been searched for is kept, so that plans for other goals, nearby, come at
-    the cost of a solution.
+    The search takes place once; plans for nearby goals start from its solutions.
 
     Args:
-        task: Fields, stages, tolerances, and what else must hold.
-        criterion: What is to be least.
-        extended: Elements and basis that the plan is said to be of.
+        task: Fields, stages, tolerances and constraints.
+        criterion: Objective.
+        extended: Extended system whose elements and basis the plan names.
         path: Configurations to follow.
-        segments: Number of pieces of the path that the flows are counted in.
-        coarse: Stratified plans to start from.
-        report: Told how much of the work is done, from 0 to 1.
+        segments: Number of segments of the path to which flows are assigned.
+        coarse: Stratified plans for first guesses.
+        report: Called with the share of the work that is done, from 0 to 1.
     """
 
     def __init__(
@@ -83,14 +81,14 @@ class Optimiser:
         self.task, self.criterion, self.extended = task, criterion, extended
         self.path, self.segments = path, segments
         self._search = Search(task, path, self.score, coarse, report)
-        self._between = Between(task, path)
+        self._refinement = Refinement(task, path)
 
     @cached_property
     def _solutions(self) -> list[Solution]:
         return self._search.run()
 
     def score(self, solution: Solution) -> float:
-        """What is to be least."""
+        """Value of the objective for a solution."""
         flows = [f for part in self.flows([solution]) for f in part]
         if self.criterion.objective == "strokes":
             return solution.cost
@@ -100,7 +98,7 @@ class Optimiser:
         return contact_switches(self.task.system, flows) + 1e-6 * duration
 
     def flows(self, solutions: Sequence[Solution]) -> list[list[Flow]]:
-        """Flows of each segment, by where on the path their stages end."""
+        """Flows of each segment, assigned by the middle of their stages on the path."""
         parts: list[list[Flow]] = [[] for _ in range(self.segments)]
         for solution in solutions:
             for k, (stroke, recoveries) in enumerate(
@@ -114,11 +112,11 @@ class Optimiser:
         return complete(parts) if complete else parts
 
     def plan(self, goal: Array | None = None) -> Plan:
-        """The plan, made exact: it meets its goal and keeps to what it has to keep.
+        """The plan, refined until its exact motion meets the goal and constraints.
 
-        The program integrates in few steps, and looks at tolerances and inequalities
-        there alone. Stages whose exact motion exceeds them in between are solved again
-        with higher demands, between the states in which their window begins and ends.
+        The program integrates in few steps and checks its constraints only there.
+        Stages whose exact motion violates them in between are solved again with larger
+        margins, between the states in which their window begins and ends.
 
         Args:
             goal: Configuration to end in, if not the path's own, shape (n,).
@@ -132,29 +130,30 @@ class Optimiser:
         goal = self.path(1.0) if goal is None else goal
         solutions = self._solutions
         with unlimited():  # what was found in time is not to be lost now
-            return self._plan(self._made_exact(solutions, goal), goal)
+            return self._plan(self._refined(solutions, goal), goal)
 
-    def _made_exact(
-        self, solutions: Sequence[Solution], goal: Array
-    ) -> list[list[Flow]]:
-        """Flows of each segment that meet the goal and keep to what they have to."""
+    def _refined(self, solutions: Sequence[Solution], goal: Array) -> list[list[Flow]]:
+        """Flows of each segment whose exact motion meets the goal and constraints."""
         aim, best, interrupted = goal, None, False
-        demands: Sequence[Demands] = [
-            Demands.none(self.task, len(s.strokes)) for s in solutions
+        margins: Sequence[Margins] = [
+            Margins.none(self.task, len(s.strokes)) for s in solutions
         ]
-        for left in reversed(range(ROUNDS)):
+        for left in reversed(range(REFINEMENTS)):
             flows = self.flows(solutions)
-            miss, exact = goal - self._end(flows), self._exact(flows)
+            miss, violations = goal - self._end(flows), self._violations(flows)
             off = self._off(miss)
-            if exact.kept and (best is None or off < best[0]):
+            if violations.none and (best is None or off < best[0]):
                 best = off, flows
-            if left == 0 or (exact.kept and off < MISS):
+            if left == 0 or (violations.none and off < NEGLIGIBLE_MISS):
                 break
             aim = aim + miss
-            before, demands = demands, self._between.demanded(demands, solutions, exact)
-            changed = [d is not b for d, b in zip(demands, before, strict=True)]
+            before, margins = (
+                margins,
+                self._refinement.enlarged(margins, solutions, violations),
+            )
+            changed = [d is not b for d, b in zip(margins, before, strict=True)]
             try:
-                found = self._again(solutions, demands, [*changed[:-1], True], aim)
+                found = self._again(solutions, margins, [*changed[:-1], True], aim)
             except KeyboardInterrupt as stop:
                 if best is None or type(stop) is not KeyboardInterrupt:
                     raise
@@ -163,10 +162,10 @@ class Optimiser:
                 break
             if found is None:
                 break
-            solutions, demands = found
+            solutions, margins = found
         if best is None:
-            raise BoundError(f"the best plan found {exact.said(self.task)}")
-        if best[0] > FAR and not interrupted:
+            raise BoundError(f"the best plan found {violations.message(self.task)}")
+        if best[0] > LARGEST_MISS and not interrupted:
             raise BoundError(
                 f"the best plan found misses its goal by {best[0]:.2g} of what a unit "
                 "of its strokes moves by; give larger tolerances"
@@ -176,40 +175,40 @@ class Optimiser:
     def _again(
         self,
         solutions: Sequence[Solution],
-        demands: Sequence[Demands],
+        margins: Sequence[Margins],
         changed: Sequence[bool],
         aim: Array,
-    ) -> tuple[list[Solution], list[Demands]] | None:
-        """The solutions, of which some are solved again, and the last for an aim.
+    ) -> tuple[list[Solution], list[Margins]] | None:
+        """Solutions with margins, some of them solved again, the last for an aim.
 
-        Where a window has no such solution between its ends, all are solved as one.
+        Where a window has no solution between its ends, all are solved as one.
         """
         goals = [*(s.states[-1] for s in solutions[:-1]), aim]
         found = list[Solution]()
         for solution, goal, asked, anew in zip(
-            solutions, goals, demands, changed, strict=True
+            solutions, goals, margins, changed, strict=True
         ):
             again = self._search.again(solution, goal, asked) if anew else solution
             if again is None:
                 break
             found.append(again)
         else:
-            return found, list(demands)
+            return found, list(margins)
         if len(solutions) == 1:
             return None
-        whole, asked = Solution.joined(solutions), Demands.joined(demands)
+        whole, asked = Solution.joined(solutions), Margins.joined(margins)
         again = self._search.again(whole, aim, asked)
         return None if again is None else ([again], [asked])
 
-    def _exact(self, flows: Sequence[Sequence[Flow]]) -> Exact:
-        """How flows keep to the path, and to what else they have to keep."""
+    def _violations(self, flows: Sequence[Sequence[Flow]]) -> Violations:
+        """Violations of tolerances and inequalities along the exact motion of flows."""
         joined = merged(flow for part in flows for flow in part)
-        states = play(self.task.system, joined, self.path(0.0), SAMPLES)
-        points = self.path.at(np.linspace(0.0, 1.0, POINTS))
+        states = play(self.task.system, joined, self.path(0.0), FLOW_SAMPLES)
+        points = self.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
         tolerances, inequalities = self.task.tolerances, self.task.inequalities
         found = deviation(states, points, [t.coordinates for t in tolerances])
         excess = max(f / t.most for f, t in zip(found, tolerances, strict=True))
-        return Exact(excess, np.array([i.lack(flows) for i in inequalities]))
+        return Violations(excess, np.array([i.lack(flows) for i in inequalities]))
 
     def _off(self, miss: Array) -> float:
         sizes = self.task.sizes(self.path(0.0))

@@ -1,45 +1,43 @@
-"""A plan with a given number of stages as a nonlinear program, by multiple shooting.
+"""The nonlinear program of a plan with a given number of stages, by multiple shooting.
 
 The unknowns are the strokes and recoveries of every stage, the states between stages,
-and the place on the path that the motion has reached at the end of each stage. Within a
-stage the state is integrated in a few steps. After each of them the motion must lie
-within its tolerances of the place on the path that belongs to that moment.
+and the places on the path that belong to the ends of the stages. Within a stage the
+state is integrated in a few steps; after each step it must lie in the corridor, within
+the tolerances of the place on the path that belongs to this moment.
 
-The width of the corridor is an unknown too, at a high cost. A solver that begins far
-from the path can thus always go on, and where no plan keeps the tolerances it ends with
-the width that the corridor would need.
+The width of the corridor is an unknown with a high cost. The program is therefore
+feasible from any guess, and where no plan keeps the tolerances, its solution says which
+width of the corridor would be needed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.dynamics import STEPS, following, stage_function
-from planner.optimisation.ipopt import WARM, Ipopt
-from planner.optimisation.requirements import TIGHTER, Demands, Requirements
-from planner.optimisation.solver import solver
+from planner.optimisation.constraints import CHECKED_SHARE, Constraints, Margins
+from planner.optimisation.dynamics import STAGE_STEPS, path_distance, stage_function
+from planner.optimisation.solver import WARM, Expression, Ipopt, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.unknowns import Unknowns
 from planner.planning.paths import Path
 
-PARALLEL = 1e-2  # cost of what happens alongside, so that nothing moves in vain
-DEAR = 1000.0  # cost of one more tolerance of width, in units of the dearest field
+OVERLAPPED_COST = 1e-2  # weight of overlapped flows, so that none is made in vain
+WIDTH_COST = 1000.0  # of a tolerance of width, in units of the dearest field's cost
 
 
 class Program:
     """The program for a number of stages, built once and solved from any guess.
 
     Args:
-        task: What to optimise.
+        task: Task to optimise.
         path: Configurations to follow.
         count: Number of stages.
-        first: Number in the cycle of the first one.
+        first: Number in the cycle of the first stage.
     """
 
     def __init__(self, task: Task, path: Path, count: int, first: int = 0) -> None:
@@ -51,27 +49,27 @@ class Program:
             stage: stage_function(task, stage, self._start)
             for stage in dict.fromkeys(self.unknowns.stages)
         }
-        self._requirements = Requirements()
+        self._constraints = Constraints()
         dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
-        self._dear = DEAR * dearest
+        self._width_cost = WIDTH_COST * dearest
         self._program = self._built()
         self._solver = Ipopt(self._program)
 
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
     ) -> Solution:
-        """A first guess from given strokes, each centred on zero, and where they lead.
+        """A first guess: given strokes, each centred on zero, and their motion.
 
         Args:
-            strokes: Of every stage, shape (count,).
-            start: State before the first of them, shape (n,).
-            places: Where on the path the motion begins and ends.
+            strokes: Strokes of all stages, shape (count,).
+            start: State before the first stage, shape (n,).
+            places: Places on the path where the motion begins and ends.
         """
         moved, stages = self.task.moved, self.unknowns.stages
         strokes, recoveries = self.unknowns.centred(strokes, start)
         states = [start[moved]]
         for stage, stroke, amounts in zip(stages, strokes, recoveries, strict=True):
-            padded = np.pad(amounts, (0, self.task.widest - len(amounts)))
+            padded = np.pad(amounts, (0, self.task.most_recoveries - len(amounts)))
             steps = self._stages[stage](states[-1], stroke, padded)
             states.append(np.array(steps)[:, -1])
         whole = np.tile(start, (len(states), 1))
@@ -85,90 +83,83 @@ class Program:
         guess: Solution,
         places: tuple[float, float],
         goal: Array | None,
-        demands: Demands | None = None,
+        margins: Margins | None = None,
         near: bool = False,
     ) -> Solution | None:
-        """The local optimum that a guess leads to; None if it leads to none.
-
-        Where the tolerances are not kept, its `width` says what would be.
+        """The local optimum near a guess; None if the solver finds none.
 
         Args:
-            guess: Where to begin, its first state the start.
-            places: Where on the path the motion begins and ends.
+            guess: Initial iterate; its first state is the start.
+            places: Places on the path where the motion begins and ends.
             goal: State to end in, shape (n,); None for any within the tolerances.
-            demands: What is asked of each stage in addition.
-            near: Whether to stay near the guess, which nearly solves the program.
+            margins: Margins of the constraints in each stage.
+            near: Whether the guess is nearly optimal, so that the solver stays near.
         """
         start = guess.states[0]
-        lowest, highest = self.unknowns.bounds(start, places, goal, TIGHTER)
-        least, most = self._requirements.bounds(demands)
-        compiled = self._near if near else self._solver
+        lowest, highest = self.unknowns.bounds(start, places, goal, CHECKED_SHARE)
+        low, high = self._constraints.bounds(margins)
+        compiled = self._warm_solver if near else self._solver
         found = compiled(
-            x0=self.unknowns.packed(guess),
-            lbx=lowest,
-            ubx=highest,
-            lbg=least,
-            ubg=most,
+            x0=self.unknowns.packed(guess), lbx=lowest, ubx=highest, lbg=low, ubg=high
         )
         if found is None:
             return None
         values = np.array(found["x"])[:, 0]
-        cost = float(found["f"]) - self._dear * values[-1]
+        cost = float(found["f"]) - self._width_cost * values[-1]
         return self.unknowns.unpacked(values, cost, start)
 
     @cached_property
-    def _near(self) -> Ipopt:
+    def _warm_solver(self) -> Ipopt:
         return Ipopt(self._program, WARM)
 
-    def _built(self) -> dict[str, Any]:
-        ca, task, asked = solver(), self.task, self._requirements
+    def _built(self) -> dict[str, Expression]:
+        """Unknowns x, cost f and constraints g."""
+        ca, task, constraints = solver(), self.task, self._constraints
         unknown = self.unknowns.symbols()
         X, S, forward, backward, up, down, times, width = unknown
         D, A = forward - backward, up - down
-        states, places, wide, numbers = (
-            list[Any](),
-            list[Any](),
-            list[Any](),
-            list[int](),
-        )
+        states, places = list[Expression](), list[Expression]()
+        wide, numbers = list[Expression](), list[int]()
         for stage in self._stages:
             k = [i for i, other in enumerate(self.unknowns.stages) if other == stage]
             after = [i + 1 for i in k]
             steps = self._stages[stage].map(len(k))(X[:, k], D[k], A[:, k])
-            ends = steps[:, STEPS - 1 :: STEPS]
+            ends = steps[:, STAGE_STEPS - 1 :: STAGE_STEPS]
             scale = ca.DM(task.sizes(self._start))
-            asked.add((X[:, after] - ends) / scale, 0.0, 0.0)
-            for j in range(STEPS):
-                last = j == STEPS - 1
-                states.append(X[:, after] if last else steps[:, j::STEPS])
-                places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STEPS))
+            constraints.add((X[:, after] - ends) / scale, 0.0, 0.0)
+            for j in range(STAGE_STEPS):
+                last = j == STAGE_STEPS - 1
+                states.append(X[:, after] if last else steps[:, j::STAGE_STEPS])
+                places.append(S[k] + (S[after] - S[k]) * ((j + 1) / STAGE_STEPS))
                 end = self.unknowns.count - 1 if last else None
                 numbers += [-1 if i == end else i for i in k]
             own = width[k] if width.numel() > 1 else ca.repmat(width, 1, len(k))
-            wide += [own] * STEPS
-            ends_of, wider = (X[:, k], X[:, after]), own - TIGHTER
-            asked.inequalities(task, stage, self._start, ends_of, wider, k)
-        along = following(task, self.path)
-        asked.corridor(along, states, places, wide, np.array(numbers))
-        asked.add(width[1:] - width[:-1], 0.0, 0.0)
-        asked.add(S[1:] - S[:-1], 0.0, np.inf)
+            wide += [own] * STAGE_STEPS
+            both_ends, excess = (X[:, k], X[:, after]), own - CHECKED_SHARE
+            constraints.inequalities(task, stage, self._start, both_ends, excess, k)
+        distance = path_distance(task, self.path)
+        constraints.corridor(distance, states, places, wide, np.array(numbers))
+        constraints.add(width[1:] - width[:-1], 0.0, 0.0)
+        constraints.add(S[1:] - S[:-1], 0.0, np.inf)
         lengths = forward + backward, up + down
         cost = self._cost(self.unknowns.stages, *lengths)
-        if task.together:
-            asked.times(task, self.unknowns.stages, times, *lengths)
-            cost = ca.sum2(times) + PARALLEL * cost
+        if task.overlapped:
+            constraints.durations(task, self.unknowns.stages, times, *lengths)
+            cost = ca.sum2(times) + OVERLAPPED_COST * cost
         return {
             "x": ca.vertcat(*map(ca.vec, unknown)),
-            "f": cost + self._dear * width[-1],
-            "g": ca.vertcat(*asked.rows),
+            "f": cost + self._width_cost * width[-1],
+            "g": ca.vertcat(*constraints.rows),
         }
 
-    def _cost(self, stages: Sequence[Stage], D: Any, A: Any) -> Any:
-        """Cost of all strokes and recoveries, one after another."""
+    def _cost(
+        self, stages: Sequence[Stage], D: Expression, A: Expression
+    ) -> Expression:
+        """Cost of all strokes and recoveries in sequence."""
         ca, task = solver(), self.task
         prices = [task.cost(s.stroke) if s.stroke else 0.0 for s in stages]
         cost = ca.dot(D, ca.DM(prices).T)
-        for j in range(task.widest):
+        for j in range(task.most_recoveries):
             each = [
                 task.cost(s.recoveries[j].field) if j < len(s.recoveries) else 0.0
                 for s in stages

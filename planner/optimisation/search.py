@@ -13,8 +13,8 @@ import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
-from planner.optimisation.guesses import Coarse
-from planner.optimisation.requirements import TIGHTER, Demands
+from planner.optimisation.constraints import CHECKED_SHARE, Margins
+from planner.optimisation.stages import Coarse
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.windows import (
     KEPT,
@@ -27,22 +27,22 @@ from planner.planning.paths import Path
 from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
-BEGIN = 10.0  # stages that it begins with, for each unit that a stroke moves by
-LONGEST = 15.0  # window at first, in units that a stroke moves by
-SHORTEST = 0.05  # window at last, likewise
-NARROWER = 16.0  # largest part of a window that is given up at once
+STAGES_PER_UNIT = 10.0  # stages that it begins with, per unit of a stroke's length
+FIRST_WINDOW = 15.0  # length of the first window, in units of a stroke's length
+LAST_WINDOW = 0.05  # shortest window that is tried, likewise
+LARGEST_CUT = 16.0  # factor by which a window is shortened at once
 
 
 @dataclass
 class Search:
-    """Looks for the best plan of a task along a path.
+    """Search for the best plan of a task along a path.
 
     Attributes:
-        task: What to optimise.
+        task: Task to optimise.
         path: Configurations to follow.
-        score: What is to be least.
-        coarse: Stratified plans to start from.
-        report: Told how much of the work is done, from 0 to 1.
+        score: Objective of a solution.
+        coarse: Stratified plans for first guesses.
+        report: Called with the share of the work that is done, from 0 to 1.
     """
 
     task: Task
@@ -57,10 +57,10 @@ class Search:
         )
 
     def run(self) -> list[Solution]:
-        """Solutions that follow each other from the path's start to its goal.
+        """Consecutive solutions from the start of the path to its goal.
 
-        Ctrl-C, or the end of the time to plan in, ends the search for anything better
-        than what has been found by then; before a plan is found it is passed on.
+        Ctrl-C, or the end of the time to plan in, ends the search for better plans;
+        before a plan is found it is passed on.
 
         Raises:
             BoundError: If no plan keeps the tolerances; it says which would be kept.
@@ -68,7 +68,7 @@ class Search:
         """
         here, place, first = self.path(0.0), 0.0, 0
         length, done = self._length(), list[Solution]()
-        width = min(1.0, LONGEST / length)
+        width = min(1.0, FIRST_WINDOW / length)
         count = _first_count(width * length)
         while place < 1.0:
             last = place + 1.01 * width >= 1.0
@@ -77,8 +77,8 @@ class Search:
             found = self._windows.solve(window, count)
             if found is None or found.width > KEPT:
                 lacking = found.width**2 if found else 2.0
-                width /= np.clip(lacking, 2.0, NARROWER)
-                if width * length < SHORTEST:
+                width /= np.clip(lacking, 2.0, LARGEST_CUT)
+                if width * length < LAST_WINDOW:
                     raise self._refusal(window, found)
                 count = _first_count(width * length)
                 continue
@@ -90,37 +90,31 @@ class Search:
         return done
 
     def again(
-        self, solution: Solution, goal: Array, demands: Demands
+        self, solution: Solution, goal: Array, margins: Margins
     ) -> Solution | None:
-        """A solution found before, solved again from where it is.
+        """A solution found before, solved again for a goal and with margins.
 
-        Args:
-            solution: To start from.
-            goal: State to end in, shape (n,).
-            demands: What is asked of each of its stages in addition.
-
-        Returns:
-            The solution; None if there is none that keeps the tolerances nearby.
+        None if no solution nearby keeps the tolerances.
         """
         program = self._windows.programs(len(solution.strokes), solution.first)
         ends = float(solution.places[0]), float(solution.places[-1])
         with unlimited():
             for near in (True, False):
-                found = program.solve(solution, ends, goal, demands, near)
+                found = program.solve(solution, ends, goal, margins, near)
                 if found and found.width <= KEPT:
                     return found
         return None
 
     def _length(self) -> float:
-        """Length of the path in units that a stroke moves by."""
+        """Length of the path in units of a stroke's length."""
         points = self.path.at(np.linspace(0.0, 1.0, 201))[:, self.task.moved]
         steps = np.abs(np.diff(points, axis=0)) / self.task.sizes(self.path(0.0))
         return max(float(steps.max(axis=1).sum()), 1e-9)
 
     def _refusal(self, window: Window, found: Solution | None) -> BoundError:
-        """Says which tolerances were kept, at most stages on the shortest window."""
+        """The error that says which tolerances the narrowest solution keeps."""
         relaxed = [i.name for i in self.task.inequalities if i.relaxed]
-        names = " and ".join([] if self._windows.without else relaxed)
+        names = " and ".join([] if self._windows.without_soft else relaxed)
         if found is None:
             remedy = (
                 f"ask for less {names}"
@@ -131,10 +125,10 @@ class Search:
                 f"no plan was found along the path, whatever its tolerances, at "
                 f"{window.ends[0]:.0%} of it; {remedy}"
             )
-        width = found.width * TIGHTER if names else found.width
+        width = found.width * CHECKED_SHARE if names else found.width
         kept = " and ".join(f"{width * t.most:.3g}" for t in self.task.tolerances)
         asked = " and ".join(f"{t.most:.3g}" for t in self.task.tolerances)
-        lack = (width - TIGHTER) * self.task.unit(self.path(0.0))
+        lack = (width - CHECKED_SHARE) * self.task.unit(self.path(0.0))
         lacking = f", and its {names} may lack {lack:.3g}" if names else ""
         return BoundError(
             f"no plan was found within {asked} of the path at {window.ends[0]:.0%} of "
@@ -143,5 +137,5 @@ class Search:
 
 
 def _first_count(length: float) -> int:
-    """Stages to begin with, of a window in units that a stroke moves by."""
-    return int(np.clip(BEGIN * length, FEWEST, MANY))
+    """Number of stages to begin with, for a window in units of a stroke's length."""
+    return int(np.clip(STAGES_PER_UNIT * length, FEWEST, MANY))

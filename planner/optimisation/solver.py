@@ -1,13 +1,55 @@
-"""CasADi, which provides exact derivatives and IPOPT; imported when first needed."""
+"""CasADi's expressions, with exact derivatives, and its solver IPOPT.
+
+CasADi is imported when it is first needed. It takes Ctrl-C for a failure of the problem
+and forgets it. While IPOPT runs, signals are therefore only noted; its next iteration
+ends the run, and they are raised again after it. A run also ends when the time to plan
+in is over.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from functools import lru_cache
+from types import FrameType
 from typing import Any
 
 import sympy as sp
 
 from planner.errors import PlannerError
+from planner.numerics.arrays import Array
+from planner.support.stopping import tick
+
+Expression = Any
+"""A symbol, expression or function of CasADi, or the module itself: it has no types."""
+Options = dict[str, str | bool | int | float]
+
+QUIET: Options = {
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "print_time": False,
+    "ipopt.max_iter": 250,
+    "ipopt.tol": 1e-6,
+    "ipopt.acceptable_iter": 0,
+}
+
+WARM: Options = {  # close to where a solution is known to be
+    "ipopt.mu_init": 1e-6,
+    "ipopt.warm_start_init_point": "yes",
+    "ipopt.warm_start_bound_push": 1e-8,
+    "ipopt.warm_start_bound_frac": 1e-8,
+    "ipopt.warm_start_slack_bound_push": 1e-8,
+    "ipopt.warm_start_slack_bound_frac": 1e-8,
+    "ipopt.warm_start_mult_bound_push": 1e-8,
+}
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SAME_NAME = (
+    "sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "atan2", "sign",
+    "asin", "acos", "atan", "pi",
+)  # fmt: skip
 
 
 class MissingSolverError(PlannerError):
@@ -20,12 +62,8 @@ class MissingSolverError(PlannerError):
         )
 
 
-def solver() -> Any:
-    """The module `casadi`.
-
-    Raises:
-        MissingSolverError: It is not installed.
-    """
+def solver() -> Expression:
+    """The module `casadi`; raises `MissingSolverError` where it is not installed."""
     try:
         import casadi
     except ImportError as error:
@@ -35,19 +73,105 @@ def solver() -> Any:
 
 def casadi_function(
     state: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]
-) -> Callable[[Any], list[Any]]:
-    """Expressions over a state as a function of its CasADi symbols.
-
-    Args:
-        state: Symbols of the state.
-        expressions: What to evaluate.
-    """
+) -> Callable[[Expression], list[Expression]]:
+    """SymPy expressions over a state as a function of CasADi's symbols of it."""
     ca = solver()
-    named = {name: getattr(ca, name) for name in ("sin", "cos", "tan", "exp", "log")}
-    named |= {name: getattr(ca, name) for name in ("sqrt", "sinh", "cosh", "tanh")}
-    named |= {"Abs": ca.fabs, "sign": ca.sign, "atan2": ca.atan2, "pi": ca.pi}
-    named |= {"asin": ca.asin, "acos": ca.acos, "atan": ca.atan}
+    named = {name: getattr(ca, name) for name in SAME_NAME} | {"Abs": ca.fabs}
     function = sp.lambdify(
         state, list(expressions), modules=[named], cse=True, dummify=True
     )
     return lambda x: list(function(*(x[i] for i in range(len(state)))))
+
+
+class Ipopt:
+    """A nonlinear program that is solved repeatedly.
+
+    Args:
+        program: Unknowns `x`, cost `f` and constraints `g` as CasADi's expressions.
+        options: Options of CasADi and IPOPT in addition to those that silence them.
+    """
+
+    def __init__(
+        self, program: Mapping[str, Expression], options: Options | None = None
+    ) -> None:
+        sizes = program["x"].numel(), program["g"].numel()
+        self._watch = _watch()(*sizes)
+        watched = {"iteration_callback": self._watch}
+        self._solver = solver().nlpsol(
+            "plan", "ipopt", program, QUIET | watched | (options or {})
+        )
+
+    def __call__(self, **values: Array) -> dict[str, Expression] | None:
+        """The local optimum; None if none was found.
+
+        Args:
+            values: Guess `x0`, and bounds `lbx`, `ubx`, `lbg`, `ubg`.
+
+        Raises:
+            BudgetError: If the time to plan in is over.
+        """
+        with _noted() as noted:
+            found = self._solver(**values) if self._watch.began(noted) else {}
+        if self._watch.stopped is not None:
+            raise self._watch.stopped
+        good = bool(found) and self._solver.stats()["success"]
+        return dict(found) if good else None
+
+
+@contextmanager
+def _noted() -> Iterator[list[int]]:
+    """Note signals during the block; the first is raised again at its end."""
+    noted: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield noted
+        return
+
+    def note(number: int, frame: FrameType | None) -> None:
+        noted.append(number)
+
+    before = {number: signal.signal(number, note) for number in SIGNALS}
+    try:
+        yield noted
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for arrived in noted[:1]:
+            signal.raise_signal(arrived)
+
+
+@lru_cache(maxsize=1)
+def _watch() -> Callable[[int, int], Expression]:
+    """The class of the callback that IPOPT calls at every iteration."""
+    ca = solver()
+    given = [ca.nlpsol_out(i) for i in range(ca.nlpsol_n_out())]
+
+    class Watch(ca.Callback):  # type: ignore[misc, name-defined]
+        def __init__(self, unknowns: int, rows: int) -> None:
+            super().__init__()
+            self._sizes = {"f": 1, "x": unknowns, "lam_x": unknowns}
+            self._sizes |= {"g": rows, "lam_g": rows}
+            self._noted: list[int] = []
+            self.stopped: BaseException | None = None
+            self.construct("watch", {})
+
+        def began(self, noted: list[int]) -> bool:
+            self._noted, self.stopped = noted, None
+            return not noted
+
+        def get_n_in(self) -> int:
+            return len(given)
+
+        def get_n_out(self) -> int:
+            return 1
+
+        def get_sparsity_in(self, i: int) -> Expression:
+            return ca.Sparsity.dense(self._sizes.get(given[i], 0), 1)
+
+        def eval(self, arguments: Expression) -> list[int]:
+            try:
+                tick()
+            except (Exception, KeyboardInterrupt) as error:
+                self.stopped = error
+            return [int(self.stopped is not None or bool(self._noted))]
+
+    return Watch

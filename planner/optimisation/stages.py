@@ -1,4 +1,4 @@
-"""Stages: each has one stroke, and the recoveries that its stratum allows.
+"""Stages of an optimised plan, their cycle, and first guesses of their strokes.
 
 An optimised plan visits its strata in turn. On each stratum one field makes a stroke,
 which moves the body. Other fields move a single coordinate, such as the angle of a leg
@@ -8,19 +8,25 @@ show which of them are strokes and which are recoveries.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
-from planner.errors import StratumError
+from planner.errors import PlannerError, StratumError
 from planner.numerics.arrays import Array
 from planner.systems.elements import leaves, parse
 from planner.systems.fields import NumericField, VectorField
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
-NEGLIGIBLE = 1e-5  # a flow this short is what an interior point leaves of none
+Coarse = Callable[[float, float, int], Sequence[Flow]]
+"""Flows of a stratified plan from one place on the path to another, in segments."""
+
+ZERO_FLOW = 1e-5  # duration; an interior-point method leaves this much of no flow
+RANDOM_GUESSES = 3  # alternating strokes of random size and phase
+COARSE_SHARES = (1.0, 0.5)  # shares of the stages that coarse plans take
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,22 +47,22 @@ class Stage:
     recoveries: tuple[Recovery, ...]
 
     def flows(self, stroke: float, recoveries: Sequence[float]) -> list[Flow]:
-        """Its flows in time order; those that are negligible are left out."""
+        """Its flows in time order, without negligible ones."""
         named = [r.field for r in self.recoveries] + [self.stroke] * bool(self.stroke)
         amounts = [*recoveries, stroke]
         return [
             Flow(self.stratum, name, float(amount))
             for name, amount in zip(named, amounts, strict=False)
-            if abs(amount) > NEGLIGIBLE
+            if abs(amount) > ZERO_FLOW
         ]
 
 
 def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...]:
-    """The stages that are gone through again and again.
+    """The stages that an optimised plan repeats.
 
     Args:
         system: System to steer.
-        elements: What it is steered with; the fields in them stroke in this order.
+        elements: Elements of the steering; the fields in them stroke in this order.
 
     Raises:
         StratumError: A field is known as a function only, or none moves more than one
@@ -94,7 +100,7 @@ def swept(system: StratifiedSystem, stages: Sequence[Stage]) -> tuple[int, ...]:
 def _cycle(
     system: StratifiedSystem, strokes: Sequence[str], found: Sequence[Recovery]
 ) -> list[Stage]:
-    """A stage for each stroke, and others for what no stroke's stratum recovers."""
+    """One stage per stroke, and one per recovery that no stroke's stratum allows."""
 
     def on(stratum: str) -> tuple[Recovery, ...]:
         return tuple(r for r in found if system.stratum_of[r.field] == stratum)
@@ -114,7 +120,7 @@ def _cycle(
 
 
 def _recovery(name: str, field: VectorField) -> Recovery | None:
-    """The field as one that moves a single coordinate steadily, if it does."""
+    """The field as a recovery; None if it moves several coordinates or varies."""
     if isinstance(field, NumericField):
         return None
     moved = _moved(field)
@@ -128,24 +134,54 @@ def _moved(field: VectorField) -> list[int]:
 
 
 def _touched(system: StratifiedSystem, name: str) -> set[int]:
-    """Coordinates that a field moves, or depends on."""
+    """Coordinates that a field moves or depends on."""
     field = system.fields[name]
     read = [i for i, s in enumerate(system.state) if s in field.free_symbols]
     return {*_moved(field), *read}
 
 
+def guesses(
+    stages: Sequence[Stage],
+    count: int,
+    places: tuple[float, float],
+    coarse: Coarse | None,
+) -> Iterator[Array]:
+    """First guesses of the strokes, shape (count,), the most promising first.
+
+    Coarse stratified plans come first, then strokes that alternate at random.
+
+    Args:
+        stages: The cycle, beginning with the first stage.
+        count: Number of stages.
+        places: Places on the path, from 0 to 1, between which the motion takes place.
+        coarse: Plans of few segments; None if there are none.
+    """
+    for share in COARSE_SHARES if coarse else ():
+        segments = max(1, int(share * (count - 1) / (2 * len(stages))))
+        with suppress(PlannerError):
+            flows = coarse(*places, segments) if coarse else ()
+            found = amounts_of(stages, flows, count)
+            if found is not None:
+                yield found
+    rng = np.random.default_rng(0)
+    for _ in range(RANDOM_GUESSES):
+        yield _alternating(count, rng)
+
+
+def _alternating(count: int, rng: np.random.Generator) -> Array:
+    """Strokes forward for some stages, then backward for as many, with noise."""
+    size, half = rng.uniform(0.2, 0.6), int(rng.choice([2, 2, 4, 4, 6]))
+    pattern = np.resize(np.repeat([1.0, -1.0], half), count + half)
+    turned = np.roll(pattern, int(rng.integers(4 * half)))[:count]
+    return turned * size + 0.05 * rng.normal(size=count)
+
+
 def amounts_of(
     stages: Sequence[Stage], flows: Sequence[Flow], count: int
 ) -> Array | None:
-    """The strokes of a plan, spread over stages that follow each other in a cycle.
+    """Strokes of a plan as amounts of consecutive stages, shape (count,).
 
-    Args:
-        stages: The cycle, beginning with its first stage.
-        flows: Flows in time order, of which only strokes are looked at.
-        count: Number of stages there are.
-
-    Returns:
-        Stroke of every stage, shape (count,); None if there are more than that.
+    Recoveries are ignored. None if the strokes need more stages than there are.
     """
     amounts, k = np.zeros(count), 0
     for flow in flows:

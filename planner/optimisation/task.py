@@ -1,61 +1,59 @@
-"""The task of an optimisation and its result."""
+"""The task of an optimisation, and a solution of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from planner.numerics.arrays import Array
 from planner.optimisation.corridor import Tolerance
+from planner.optimisation.solver import Expression
 from planner.optimisation.stages import Stage, swept
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
-Expressions = Callable[[Stage, Sequence[Any]], Sequence[Any]]
-"""Expressions over a stage and the n entries of a state."""
 
-
-def _nothing(segments: Sequence[Sequence[Flow]]) -> float:
+def _none(segments: Sequence[Sequence[Flow]]) -> float:
     return 0.0
 
 
 @dataclass(frozen=True)
 class Inequality:
-    """Expressions that must not be negative in any stage.
+    """Constraint that expressions are not negative at the ends of every stage.
 
     Attributes:
-        name: What they say, such as "clearance"; used in messages.
-        expressions: As a solver differentiates them, looked at as stages begin and end.
-        lack: How far flows in segments come below zero on the whole way, in the same
-            unit; at least 0.
-        relaxed: Whether a plan that cannot keep the tolerances may violate them too.
-            First solutions leave them out, because they are expensive.
+        name: Name of the constrained quantity, such as "clearance", for messages.
+        expressions: Maps a stage and the n entries of a state to CasADi's expressions.
+        lack: Largest violation along flows in segments, between the ends of stages
+            too, in the unit of the expressions; 0 if there is none.
+        relaxed: Whether the constraint is soft: where the tolerances cannot be kept,
+            it may be violated as well. First solutions leave soft constraints out,
+            because they are expensive.
     """
 
     name: str
-    expressions: Expressions
-    lack: Callable[[Sequence[Sequence[Flow]]], float] = _nothing
+    expressions: Callable[[Stage, Sequence[Expression]], Sequence[Expression]]
+    lack: Callable[[Sequence[Sequence[Flow]]], float] = _none
     relaxed: bool = False
 
 
 @dataclass(frozen=True)
 class Task:
-    """What a plan is optimised for.
+    """Optimisation problem: fields, stages, cost, tolerances and constraints.
 
     Attributes:
         system: System whose fields are followed.
-        stages: The cycle of stages.
-        tolerances: How closely the path is followed; the first is of the position.
+        stages: Cycle of stages.
+        tolerances: Largest deviations from the path; the first is of the position.
         limits: Lowest and highest value of coordinates, by index.
         price: Cost of one unit of each field, such as its time; 1 if not given.
-        together: Whether recoveries happen during strokes.
-        centred: Whether every stroke starts from legs set anew around zero, whose
-            recoveries are added later.
-        inequalities: What else must hold in every stage.
+        overlapped: Whether recoveries take place during strokes.
+        centred: Whether the legs are repositioned before every stroke so that it is
+            centred on zero; these recoveries are added to the solution later.
+        inequalities: Further constraints.
     """
 
     system: StratifiedSystem
@@ -63,17 +61,17 @@ class Task:
     tolerances: tuple[Tolerance, ...]
     limits: Mapping[int, tuple[float, float]] = field(default_factory=dict)
     price: Mapping[str, float] = field(default_factory=dict)
-    together: bool = False
+    overlapped: bool = False
     centred: bool = False
     inequalities: tuple[Inequality, ...] = ()
 
     def stage(self, number: int) -> Stage:
-        """The stage of a number; stages follow each other in a cycle."""
+        """The stage with a number, counted through the repeated cycle."""
         return self.stages[number % len(self.stages)]
 
     @cached_property
     def moved(self) -> list[int]:
-        """Coordinates that are unknowns of a program."""
+        """Coordinates that are unknowns of the program."""
         every = swept(self.system, self.stages)
         if not self.centred:
             return list(every)
@@ -82,14 +80,14 @@ class Task:
 
     @cached_property
     def relaxed(self) -> Task:
-        """The task without the inequalities that may be violated."""
+        """The task without soft constraints."""
         strict = tuple(i for i in self.inequalities if not i.relaxed)
         return (
             self if strict == self.inequalities else replace(self, inequalities=strict)
         )
 
     @property
-    def widest(self) -> int:
+    def most_recoveries(self) -> int:
         """Largest number of recoveries of a stage."""
         return max(len(stage.recoveries) for stage in self.stages)
 
@@ -98,7 +96,7 @@ class Task:
         return self.price.get(name, 1.0)
 
     def rates(self, stage: Stage) -> dict[int, float]:
-        """Coordinates that a stage's stroke moves steadily, and their rates."""
+        """Constant rates of coordinates along a stage's stroke, by index."""
         column = self.system.fields[stage.stroke] if stage.stroke else ()
         return {
             i: float(entry)
@@ -107,7 +105,7 @@ class Task:
         }
 
     def sizes(self, start: Array) -> Array:
-        """What a unit of the strokes moves each unknown coordinate by, about."""
+        """Typical change of each unknown coordinate by a stroke of one unit."""
         fields = [stage.stroke for stage in self.stages if stage.stroke]
         columns = [self.system.compiled(name).velocity(start) for name in fields]
         sizes = np.abs(columns).max(axis=0)
@@ -118,7 +116,7 @@ class Task:
         return found
 
     def unit(self, start: Array) -> float:
-        """The least that a unit of a stroke moves a coordinate by."""
+        """The smallest of these changes, by which inequalities are scaled."""
         return float(self.sizes(start).min())
 
 
@@ -129,11 +127,12 @@ class Solution:
     Attributes:
         first: Number in the cycle of the first stage.
         strokes: Shape (N,).
-        recoveries: Of each stage, as many as it has.
-        states: At both ends of every stage, shape (N + 1, n).
-        places: Where on the path they are, from 0 to 1, shape (N + 1,).
-        cost: What was minimised.
-        width: Of the corridor that it keeps to, in tolerances; infinite for a guess.
+        recoveries: Amounts of each stage's recoveries.
+        states: States at both ends of every stage, shape (N + 1, n).
+        places: Places on the path, from 0 to 1, that belong to them, shape (N + 1,).
+        cost: Minimised cost.
+        width: Smallest width of the corridor, in tolerances, that contains the motion;
+            infinite for a guess.
     """
 
     first: int
@@ -146,11 +145,7 @@ class Solution:
 
     @classmethod
     def joined(cls, parts: Sequence[Solution]) -> Solution:
-        """Solutions that follow each other as one.
-
-        Args:
-            parts: Each begins where the one before it ends.
-        """
+        """One solution of several, each of which begins where the last one ends."""
         places = [parts[0].places, *(part.places[1:] for part in parts[1:])]
         return cls(
             first=parts[0].first,
@@ -165,12 +160,10 @@ class Solution:
     def until(self, place: float) -> Solution:
         """The stages up to the first that ends beyond a place on the path."""
         count = int(np.searchsorted(self.places[1:-1], place)) + 1
-        return Solution(
-            first=self.first,
+        return replace(
+            self,
             strokes=self.strokes[:count],
             recoveries=self.recoveries[:count],
             states=self.states[: count + 1],
             places=self.places[: count + 1],
-            cost=self.cost,
-            width=self.width,
         )

@@ -1,27 +1,26 @@
-"""The unknowns of a program in one vector: bounds, and access to the parts.
+"""The vector of unknowns of the nonlinear program, with its bounds.
 
 The vector holds, in this order, the states between stages, the places on the path, the
-strokes forward and backward, the recoveries forward and backward, the durations of
-stages whose parts take place at the same time, and the width of the corridor in
-tolerances. A stroke has one unknown for each direction, because the objective counts
-its length.
+forward and backward parts of the strokes and of the recoveries, the durations of stages
+whose recoveries overlap their strokes, and the width of the corridor in tolerances. A
+stroke has one nonnegative unknown for each direction, so that the cost counts its
+length.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.solver import solver
+from planner.optimisation.solver import Expression, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 
-UNBOUNDED = 2.0  # longest stroke where nothing limits it, in sizes of the path
-WIDE = 4.0  # width of the corridor, in tolerances, that a guess begins with
+UNLIMITED_STROKE = 2.0  # longest stroke without limits, relative to the path's size
+GUESSED_WIDTH = 4.0  # largest width of the corridor, in tolerances, of a guess
 
 
 @dataclass(frozen=True)
@@ -29,10 +28,10 @@ class Unknowns:
     """The vector of unknowns for a given number of stages.
 
     Attributes:
-        task: What is optimised.
+        task: Task with the cycle of stages.
         first: Number in the cycle of the first stage.
         count: Number of stages.
-        size: Size of the path.
+        size: Largest extent of the path in a coordinate.
     """
 
     task: Task
@@ -42,49 +41,49 @@ class Unknowns:
 
     @cached_property
     def stages(self) -> tuple[Stage, ...]:
-        """All of them in time order."""
+        """All stages in time order."""
         return tuple(self.task.stage(self.first + k) for k in range(self.count))
 
     @property
     def widths(self) -> int:
-        """Number of unknowns that stand for the width.
+        """Number of unknowns for the width of the corridor.
 
-        One that occurs in thousands of rows makes the solver's matrices dense. Each
-        stage has its own then, and they are asked to be equal.
+        With soft constraints each stage has its own, and all are constrained to be
+        equal: one unknown in thousands of rows would make the matrices dense.
         """
         return self.count if self.task.relaxed is not self.task else 1
 
-    def symbols(self) -> tuple[Any, ...]:
-        """CasADi's symbols in the order of the vector."""
+    def symbols(self) -> tuple[Expression, ...]:
+        """Symbols of the parts, in their order in the vector."""
         ca, task, count = solver(), self.task, self.count
         shapes = {
             "states": (len(task.moved), count + 1),
             "places": (1, count + 1),
             "forward": (1, count),
             "backward": (1, count),
-            "up": (task.widest, count),
-            "down": (task.widest, count),
-            "times": (1, count if task.together else 0),
+            "up": (task.most_recoveries, count),
+            "down": (task.most_recoveries, count),
+            "times": (1, count if task.overlapped else 0),
             "width": (1, self.widths),
         }
         return tuple(ca.MX.sym(name, *shape) for name, shape in shapes.items())
 
     def packed(self, solution: Solution) -> Array:
-        """The vector of a solution; a guess gets a wide corridor."""
-        recoveries = np.zeros((self.count, self.task.widest))
+        """The vector of a solution; a guess has a wide corridor."""
+        recoveries = np.zeros((self.count, self.task.most_recoveries))
         for row, amounts in zip(recoveries, solution.recoveries, strict=True):
             row[: len(amounts)] = amounts
         parts = [solution.states[:, self.task.moved].ravel(), solution.places]
         for amounts in (solution.strokes, recoveries.ravel()):
             parts += [np.maximum(amounts, 0.0), np.maximum(-amounts, 0.0)]
-        if self.task.together:
+        if self.task.overlapped:
             parts.append(np.abs(solution.strokes))
-        parts.append(np.full(self.widths, min(solution.width, WIDE)))
+        parts.append(np.full(self.widths, min(solution.width, GUESSED_WIDTH)))
         return np.concatenate(parts)
 
     def unpacked(self, values: Array, cost: float, start: Array) -> Solution:
         """The solution of a vector."""
-        n, count, wide = len(self.task.moved), self.count, self.task.widest
+        n, count, wide = len(self.task.moved), self.count, self.task.most_recoveries
         sizes = [n * (count + 1), count + 1, count, count, wide * count, wide * count]
         states, places, *signed = np.split(values, np.cumsum(sizes))[:6]
         whole = np.tile(start, (count + 1, 1))
@@ -101,15 +100,15 @@ class Unknowns:
         goal: Array | None,
         narrowest: float,
     ) -> tuple[Array, Array]:
-        """Lowest and highest values of the vector.
+        """Lower and upper bounds of the vector.
 
         Args:
             start: State before the first stage, shape (n,).
-            places: Where on the path the motion begins and ends.
+            places: Places on the path where the motion begins and ends.
             goal: State to end in, shape (n,); None for any.
-            narrowest: Width of the corridor where it can be kept, in tolerances.
+            narrowest: Smallest width of the corridor, in tolerances.
         """
-        count, wide, moved = self.count, self.task.widest, self.task.moved
+        count, wide, moved = self.count, self.task.most_recoveries, self.task.moved
         spans = [self.task.limits.get(i, (-np.inf, np.inf)) for i in moved]
         states = np.tile(np.array(spans), (count + 1, 1, 1))
         states[0] = start[moved, None]
@@ -120,7 +119,7 @@ class Unknowns:
         here = [0 if self.task.centred else len(s.recoveries) for s in self.stages]
         free = np.where(np.arange(wide) < np.array(here)[:, None], np.inf, 0.0)
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
-        times = np.full(count if self.task.together else 0, np.inf)
+        times = np.full(count if self.task.overlapped else 0, np.inf)
         amounts, width = np.concatenate([*most, times]), np.full(self.widths, narrowest)
         high = [
             states[..., 1].ravel(),
@@ -132,9 +131,9 @@ class Unknowns:
         return np.concatenate(low), np.concatenate(high)
 
     def centred(self, strokes: Array, start: Array) -> tuple[Array, tuple[Array, ...]]:
-        """Strokes within their range, and recoveries that put each around zero."""
+        """Strokes clipped to their range, and recoveries that centre each on zero."""
         strokes = np.clip(strokes, -self.longest, self.longest)
-        amounts = np.zeros((self.count, self.task.widest))
+        amounts = np.zeros((self.count, self.task.most_recoveries))
         rates = [self.task.rates(stage) for stage in self.stages]
         now = start.copy()
         for k, stage in enumerate(self.stages):
@@ -158,7 +157,7 @@ class Unknowns:
         return np.array([known[stage] for stage in self.stages])
 
     def _longest(self, stage: Stage) -> float:
-        longest = UNBOUNDED * max(1.0, self.size) if stage.stroke else 0.0
+        longest = UNLIMITED_STROKE * max(1.0, self.size) if stage.stroke else 0.0
         for i, rate in self.task.rates(stage).items():
             low, high = self.task.limits.get(i, (-np.inf, np.inf))
             span = 2 * min(high, -low) if self.task.centred else high - low

@@ -1,14 +1,14 @@
 """The search for the number of stages of a plan for a part of the path.
 
 A program has a fixed number of stages. With fewer stages a plan switches contacts less
-often and makes longer strokes, until the tolerances of the path can no longer be met.
-The search finds the smallest number of stages that meets them, and looks for the best
+often and makes longer strokes, until the tolerances of the path can no longer be kept.
+The search finds the smallest number of stages that keeps them, and looks for the best
 plan from there upward.
 
-Inequalities that may be violated, such as clearances, make a solution several times as
-expensive, and from a poor first guess most of them lead nowhere. The search therefore
-leaves them out at first. Its solutions are the first guesses of a second search with
-them, which begins with the smallest number of stages that the first one has found.
+Soft constraints, such as clearances, make a solution several times as expensive, and
+most programs with them fail from a poor first guess. The search therefore leaves them
+out at first. Its solutions are the first guesses of a second search with them, which
+begins with the smallest number of stages that the first search has found.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ import numpy as np
 
 from planner.errors import BudgetError
 from planner.numerics.arrays import Array
-from planner.optimisation.guesses import Coarse, guesses
+from planner.optimisation.constraints import CHECKED_SHARE
 from planner.optimisation.program import Program
-from planner.optimisation.requirements import TIGHTER
+from planner.optimisation.stages import Coarse, guesses
 from planner.optimisation.task import Solution, Task
 from planner.planning.paths import Path
 from planner.support.stopping import answer, tick
 
-MOST = 96  # stages of a window
-BOTH = 20  # stages up to which the first may be any of the cycle's
-ROUGHLY = 2  # guesses that decide whether a number of stages will do
-CLOSELY = 5  # guesses at numbers of stages near the fewest
-FEW = 2  # guesses there, once all inequalities are kept, which decide more than they do
-STRIDE = 1.1  # from one number of stages that is tried to the next
-WORSE = 2  # numbers of stages without progress, after which the search ends
-BETTER = 0.999  # of the least so far, which is progress
-KEPT = 1.0 + 1e-6  # width, in tolerances, that counts as keeping them
-STEEPNESS = 0.8  # growth of the stages for each tolerance that is lacking
-WORKED = 0.97  # share of a window's work that is left after each solution, as reported
+MOST_STAGES = 96  # of a window
+ANY_FIRST = 20  # stages up to which the first may be any of the cycle's
+ROUGHLY = 2  # guesses that decide whether a number of stages is sufficient
+CLOSELY = 5  # guesses at numbers of stages near the smallest
+SOFT_GUESSES = 2  # guesses there with soft constraints, which cost more
+STRIDE = 1.1  # ratio of numbers of stages that are tried one after another
+PATIENT_FOR = 2  # numbers of stages without progress, after which the search ends
+PROGRESS = 0.999  # of the least score so far, which counts as progress
+KEPT = 1.0 + 1e-6  # width of the corridor, in tolerances, that counts as keeping them
+STEEPNESS = 0.8  # relative growth of the stages per tolerance of excess width
+WORKED = 0.97  # share of a window's work that remains after each solution, as reported
 
 Score = Callable[[Solution], float]
 Report = Callable[[float], None]
@@ -47,13 +47,13 @@ Trial = tuple[int, int, int]  # number of stages, the first of them, and of the 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Window:
-    """A part of the path, and the state in which the motion comes to it.
+    """A part of the path, and the state in which the motion enters it.
 
     Attributes:
-        start: The state, shape (n,).
-        ends: Where on the path the part begins and ends.
+        start: State at its beginning, shape (n,).
+        ends: Places on the path where it begins and ends, from 0 to 1.
         goal: State to end in, shape (n,); None for any within the tolerances.
-        first: Number of the first stage since the start.
+        first: Number of the first stage, counted from the start of the path.
     """
 
     start: Array
@@ -63,25 +63,20 @@ class Window:
 
     @property
     def begins(self) -> bool:
-        """Whether the motion begins here, so that any stage may be the first."""
+        """Whether the path begins here, so that any stage may be the first."""
         return self.ends[0] == 0.0
 
 
 @dataclass
 class Programs:
-    """Programs of a task along a path, each built once.
-
-    Attributes:
-        task: What to optimise.
-        path: Configurations to follow.
-    """
+    """Programs of a task along a path, each built once."""
 
     task: Task
     path: Path
     _built: dict[tuple[int, int], Program] = field(default_factory=dict)
 
     def __call__(self, count: int, first: int) -> Program:
-        """The program for a number of stages, from one of them on."""
+        """The program for a number of stages and the number of the first."""
         key = count, first % len(self.task.stages)
         if key not in self._built:
             self._built[key] = Program(self.task, self.path, *key)
@@ -90,17 +85,17 @@ class Programs:
 
 @dataclass
 class WindowSearch:
-    """Looks for the best plan for one window after another.
+    """Search for the best plan of one window after another.
 
     Attributes:
-        task: What to optimise.
+        task: Task to optimise.
         path: Configurations to follow.
-        score: What is to be least; `Solution.cost` leaves out what is fixed by the
-            number of stages.
-        coarse: Stratified plans to start from.
-        report: Told how much of the work is done, from 0 to 1.
-        hurried: Whether the first solution that is found will do, as after Ctrl-C.
-        without: Whether inequalities that may be violated are left out for now.
+        score: Objective of a solution; `Solution.cost` lacks the part that the number
+            of stages determines.
+        coarse: Stratified plans for first guesses.
+        report: Called with the share of the work that is done, from 0 to 1.
+        hurried: Whether the first solution is accepted, as after Ctrl-C.
+        without_soft: Whether soft constraints are left out at present.
     """
 
     task: Task
@@ -109,7 +104,7 @@ class WindowSearch:
     coarse: Coarse | None = None
     report: Report = lambda done: None
     hurried: bool = False
-    without: bool = False
+    without_soft: bool = False
     _best: Solution | None = None
     _guesses: dict[Trial, Solution | None] = field(default_factory=dict)
     _tried: set[Trial] = field(default_factory=set)
@@ -121,22 +116,18 @@ class WindowSearch:
         self._relaxed = without if self._relaxes else self.programs
 
     def solve(self, window: Window, count: int) -> Solution | None:
-        """The best that keeps the tolerances, or else the nearest to that.
+        """The best solution that keeps the tolerances, or the narrowest if none does.
 
-        Args:
-            window: The part of the path.
-            count: Number of stages to begin with.
-
-        Raises:
-            BudgetError: If the time is over before a plan is found.
+        The search begins with `count` stages. It raises `BudgetError` if the time is
+        over before a plan is found.
         """
         self._left = 1.0
         self._guesses.clear()
-        self._best, self.without = None, self._relaxes
+        self._best, self.without_soft = None, self._relaxes
         try:
             self._explore_both(window, count)
         except (KeyboardInterrupt, BudgetError) as stop:
-            if self.without or self._width_of(self._best) > KEPT:
+            if self.without_soft or self._width_of(self._best) > KEPT:
                 raise  # nothing is found
             if isinstance(stop, BudgetError) and window.ends[1] < 1.0:
                 raise
@@ -151,22 +142,22 @@ class WindowSearch:
         few = 0 if window.begins else round(count / STRIDE**2)
         self._tried.clear()
         count = self._fewest(window, few, count)
-        if self.without:
+        if self.without_soft:
             if self._width_of(self._best) > KEPT:
                 return
-            self._best, self.without = None, False
+            self._best, self.without_soft = None, False
             self._tried.clear()
             count = self._fewest(window, count - 1, count)
         if self._width_of(self._best) <= KEPT:
             self._improve(window, count)
 
     def _fewest(self, window: Window, few: int, count: int) -> int:
-        """Find the fewest stages that do, if there are any; more than `few` of them."""
+        """The fewest stages, more than `few`, that keep the tolerances, if any do."""
         while (width := self._width_found(window, count)) > KEPT:
-            if count >= MOST:
+            if count >= MOST_STAGES:
                 return count
             growth = np.clip(1 + STEEPNESS * (width - 1), STRIDE, 2.0)
-            few, count = count, min(max(count + 1, round(count * growth)), MOST)
+            few, count = count, min(max(count + 1, round(count * growth)), MOST_STAGES)
         while count - few > max(1, count * (STRIDE - 1)) and not self.hurried:
             middle = (few + count) // 2
             if self._width(window, middle, ROUGHLY) <= KEPT:
@@ -176,24 +167,24 @@ class WindowSearch:
         return count
 
     def _width_found(self, window: Window, count: int) -> float:
-        """Least width of a number of stages, from more guesses if few lead nowhere."""
+        """Least width for a number of stages, from more guesses if few fail."""
         width = self._width(window, count, ROUGHLY)
         return width if width < np.inf else self._width(window, count, CLOSELY)
 
     def _improve(self, window: Window, count: int) -> None:
-        """Try more stages until they do no better."""
+        """Try more stages until the score no longer improves."""
         worse = 0
-        while worse < WORSE and count <= MOST and not self.hurried:
+        while worse < PATIENT_FOR and count <= MOST_STAGES and not self.hurried:
             before = self._least()
             self._width(window, count, CLOSELY)
-            worse = 0 if self._least() < BETTER * before else worse + 1
+            worse = 0 if self._least() < PROGRESS * before else worse + 1
             count = max(count + 1, round(count * STRIDE))
 
     def _width(self, window: Window, count: int, attempts: int) -> float:
-        """Least width found for a number of stages; keeps the best solution."""
-        again = self._relaxes and not self.without
-        any_first = window.begins and (count <= BOTH or again)
-        attempts = min(max(1, attempts // 2), FEW) if again else attempts
+        """Least width found for a number of stages; the best solution is kept."""
+        again = self._relaxes and not self.without_soft
+        any_first = window.begins and (count <= ANY_FIRST or again)
+        attempts = min(max(1, attempts // 2), SOFT_GUESSES) if again else attempts
         turns = len(self.task.stages) if any_first else 1
         least = np.inf
         for first in range(window.first, window.first + turns):
@@ -213,30 +204,30 @@ class WindowSearch:
         return float(least)
 
     def _solved(self, window: Window, trial: Trial, strokes: Array) -> Solution | None:
-        """The solution of a trial in the search's phase."""
+        """The solution of a trial, with soft constraints in the second search."""
         if trial not in self._guesses:
             program = self._relaxed(*trial[:2])
             tick()
             guess = program.guess(strokes, window.start, window.ends)
             self._guesses[trial] = program.solve(guess, window.ends, window.goal)
         relaxed = self._guesses[trial]
-        if self.without or not self._relaxes:
+        if self.without_soft or not self._relaxes:
             return relaxed
         if relaxed is None or relaxed.width > KEPT or self._hopeless(relaxed):
             return None
         tick()
         guess = replace(relaxed, width=np.inf)  # far inside of a wide corridor
         found = self.programs(*trial[:2]).solve(guess, window.ends, window.goal)
-        # what is left of the tolerances at the steps is no licence to violate the rest
-        return found and replace(found, width=found.width / TIGHTER)
+        # soft constraints hold only where the corridor has its smallest width
+        return found and replace(found, width=found.width / CHECKED_SHARE)
 
     def _hopeless(self, relaxed: Solution) -> bool:
-        """Whether more inequalities would only add to a score that is no better."""
+        """Whether a score is no better even without soft constraints."""
         good = self._width_of(self._best) <= KEPT
         return good and self.score(relaxed) >= self._least()
 
     def _keep(self, found: Solution | None) -> None:
-        """Remember a solution that is better, or nearer where none is good."""
+        """Keep a better solution, or a narrower one while none keeps the tolerances."""
         best = self._best
         if found is None or best is None:
             self._best = best or found
@@ -246,13 +237,13 @@ class WindowSearch:
             self._best = min(best, found, key=self.score)
         if found is None or found is not self._best or found.width > KEPT:
             return
-        if not self.without:
+        if not self.without_soft:
             stages, begin = len(found.strokes), float(found.places[0])
             tick(f"{stages} stages from {begin:.0%} of the path on")
 
     @property
     def _relaxes(self) -> bool:
-        """Whether some inequalities are left out at first."""
+        """Whether there are soft constraints."""
         return self.task.relaxed is not self.task
 
     @staticmethod
@@ -263,7 +254,7 @@ class WindowSearch:
         return self.score(self._best) if self._best else np.inf
 
     def _worked(self, window: Window) -> None:
-        """Report what is done, of an amount of work that nobody knows beforehand."""
+        """Report progress, of an amount of work that is not known beforehand."""
         self._left *= WORKED
         begin, end = window.ends
         self.report(begin + (end - begin) / 2 * (1.0 - self._left))

@@ -23,9 +23,9 @@ import sympy as sp
 
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import (
-    ITERATIONS,
-    NODES,
-    TOLERANCE,
+    PICARD_ITERATIONS,
+    PICARD_TOLERANCE,
+    STEP_NODES,
     Collocation,
     collocation,
 )
@@ -107,7 +107,7 @@ def batched(
         block = flows[begin : begin + BLOCK]
         states = _states(system, block, here, order, FEW_NODES)
         if states is None:
-            states = _states(system, block, here, order, NODES)
+            states = _states(system, block, here, order, STEP_NODES)
         if states is None:
             return None
         found.append(states)
@@ -165,7 +165,7 @@ class _Batch:
         self._place(chosen, self.rule.integral @ rates, begins)
         tail = np.abs(self.rule.coefficients[-2:] @ rates).max()
         scale = 1.0 + np.abs(self.states[chosen, -1]).max()
-        return bool(tail <= 10 * TOLERANCE * scale < np.inf)
+        return bool(tail <= 10 * PICARD_TOLERANCE * scale < np.inf)
 
     def _place(self, chosen: list[int], ways: Array, start: Array) -> None:
         """Let every flow begin where the one before it ends."""
@@ -280,13 +280,13 @@ def _points(
     """
     begin = np.eye(2)[:, :, None, None]
     u, v = np.broadcast_to(begin, (2, 2, *diagonal.shape))
-    for _ in range(ITERATIONS):
+    for _ in range(PICARD_ITERATIONS):
         before = u, v
         rates = upper * v - diagonal * u, lower * u + diagonal * v
         u, v = (b + rule.integral @ r for b, r in zip(begin, rates, strict=True))
-        if max(_largest(u - before[0]), _largest(v - before[1])) <= TOLERANCE:
+        if max(_largest(u - before[0]), _largest(v - before[1])) <= PICARD_TOLERANCE:
             tail = max(_largest(rule.coefficients[-2:] @ r) for r in rates)
-            return (u, v) if tail <= TOLERANCE else None
+            return (u, v) if tail <= PICARD_TOLERANCE else None
     return None
 
 

@@ -21,11 +21,11 @@ from planner.systems.elements import name_of
 from planner.systems.fields import NumericField, Symbols, VectorField, lie_bracket
 from planner.systems.rounding import WeighedValues
 
-LARGEST = 150  # number of fields at which the search ends
-OPERATIONS = 50_000  # in their formulas, at which the search ends: some two seconds
-CALL = 10  # operations that a call of a Python function counts as
+MOST_FIELDS = 150  # number of fields at which the search ends
+MOST_OPERATIONS = 50_000  # in their formulas, likewise: some two seconds
+CALL_OPERATIONS = 10  # operations that a call of a Python function counts as
 INDEPENDENT = ROUNDING  # part of a new field outside the span; less may be rounding
-POINTS = 80  # configurations at which fields are compared
+PROBES = 80  # configurations where fields are compared
 NEAREST = 1e-3  # half of them lie within 1 in each coordinate, the others down to this
 Named = tuple[str, VectorField]
 
@@ -94,13 +94,13 @@ class _Span:
     """The span of fields, each a vector of its values around a configuration."""
 
     def __init__(self, state: Symbols, at: Array) -> None:
-        spread = np.ones((POINTS, 1))
-        spread[POINTS // 2 :, 0] = np.geomspace(1.0, NEAREST, POINTS - POINTS // 2)
+        spread = np.ones((PROBES, 1))
+        spread[PROBES // 2 :, 0] = np.geomspace(1.0, NEAREST, PROBES - PROBES // 2)
         spread[0] = 0.0  # the configuration itself
-        offsets = np.random.default_rng(0).uniform(-1.0, 1.0, (POINTS, at.size))
+        offsets = np.random.default_rng(0).uniform(-1.0, 1.0, (PROBES, at.size))
         self._evaluation = WeighedValues(state, at + spread * offsets)
-        self._sound = np.ones(POINTS, dtype=bool)  # points where all fields are finite
-        self._directions = np.empty((POINTS * at.size, 0))
+        self._sound = np.ones(PROBES, dtype=bool)  # points where all fields are finite
+        self._directions = np.empty((PROBES * at.size, 0))
         self._columns = np.empty((at.size, 0))
         self._known: list[Named] = []
         self._operations = 0  # in the formulas of all fields met
@@ -109,8 +109,8 @@ class _Span:
     def full(self) -> bool:
         """Whether there are too many fields, or more than the points distinguish."""
         told_apart = int(self._sound.sum()) * len(self._columns) // 2
-        many = len(self._known) > min(LARGEST, told_apart)
-        return many or self._operations > OPERATIONS
+        many = len(self._known) > min(MOST_FIELDS, told_apart)
+        return many or self._operations > MOST_OPERATIONS
 
     def algebra(self, depth: int, complete: bool) -> LieClosure:
         """The algebra found so far; a degree that was cut short does not count."""
@@ -131,7 +131,7 @@ class _Span:
         return self._known[before:]
 
     def _take_in(self, name: str, field: VectorField) -> None:
-        values = self._evaluation(field)  # (POINTS, n)
+        values = self._evaluation(field)  # (PROBES, n)
         sound = np.all(np.isfinite(values), axis=1)
         if not sound[0]:
             raise SingularConfigurationError(name, self._evaluation.points[0])
@@ -162,5 +162,5 @@ class _Span:
 
 def _operations(field: VectorField) -> int:
     if isinstance(field, NumericField):
-        return CALL * field.calls
+        return CALL_OPERATIONS * field.calls
     return int(sp.count_ops(field))

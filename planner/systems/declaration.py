@@ -11,7 +11,7 @@ import sympy as sp
 
 from planner.errors import point, unknown
 from planner.systems.fields import (
-    STEP,
+    DIFFERENCE,
     NumericField,
     Symbols,
     VectorField,
@@ -21,7 +21,7 @@ from planner.systems.fields import (
 from planner.systems.formulas import RESERVED, read_formula
 from planner.systems.level_sets import LevelSet
 
-LARGEST = 1e100  # magnitude of a number; a product of three still fits a float
+HUGE = 1e100  # magnitude of a number; a product of three still fits a float
 NAME = re.compile(r"[A-Za-z_]\w*")
 
 
@@ -98,7 +98,7 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
     for x in sample_configurations(size):
         direction = np.cos(np.arange(size) + x)  # any direction serves
         given = field.derivative(x, direction)
-        found = central_difference(field, x, direction, STEP / 4)
+        found = central_difference(field, x, direction, DIFFERENCE / 4)
         if np.isfinite(found).all() and not np.allclose(given, found, 1e-6, 1e-6):
             raise ValueError(
                 f"{what} has a derivative of {point(given)} at {point(x)} where "
@@ -133,7 +133,7 @@ def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
         )
     for part in parts:
         if part.is_number and not _is_real(part):
-            raise ValueError(f"{what} has {part}, no real number below {LARGEST:.0e}")
+            raise ValueError(f"{what} has {part}, no real number below {HUGE:.0e}")
 
 
 def _parts(expression: sp.Expr) -> dict[sp.Basic, None]:
@@ -150,7 +150,7 @@ def _parts(expression: sp.Expr) -> dict[sp.Basic, None]:
 
 def _is_real(number: sp.Expr) -> bool:
     try:
-        return abs(float(number)) < LARGEST
+        return abs(float(number)) < HUGE
     except (TypeError, OverflowError):
         return False
 

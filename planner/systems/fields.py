@@ -23,8 +23,8 @@ from planner.numerics.arrays import Array
 Symbols = tuple[sp.Symbol, ...]
 VectorField = Any  # sp.ImmutableMatrix of shape (n, 1), or a NumericField
 
-STEP = 0.02  # of central differences; the error of the extrapolation is of sixth order
-SAMPLES = 12  # random points; an analytic field that vanishes at all of them is zero
+DIFFERENCE = 0.02  # of central differences; the extrapolation's error is of sixth order
+PROBES = 12  # random points; an analytic field that vanishes at all of them is zero
 
 KINKS = {"DiracDelta": lambda x, *_: np.where(x == 0, np.nan, 0.0)}
 """Derivative of `sign`: zero, except at the jump, where there is none."""
@@ -119,7 +119,10 @@ def _called(function: Callable[[Array], ArrayLike], x: Array) -> ArrayLike:
 
 
 def central_difference(
-    function: Callable[[Array], Array], x: Array, direction: Array, step: float = STEP
+    function: Callable[[Array], Array],
+    x: Array,
+    direction: Array,
+    step: float = DIFFERENCE,
 ) -> Array:
     """Derivative of a function along a direction, by central differences.
 
@@ -151,7 +154,7 @@ def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
 
     def terms(x: Array) -> float:
         speeds = np.linalg.norm(f(x)), np.linalg.norm(g(x))
-        return float(speeds[0] * g.weight(x) + speeds[1] * f.weight(x)) / STEP
+        return float(speeds[0] * g.weight(x) + speeds[1] * f.weight(x)) / DIFFERENCE
 
     return NumericField(value, None, terms, 7 * (f.calls + g.calls))
 
@@ -272,7 +275,7 @@ def rates_with(
     return rates
 
 
-def sample_configurations(size: int, count: int = SAMPLES) -> Array:
+def sample_configurations(size: int, count: int = PROBES) -> Array:
     """Fixed random configurations, shape (count, size), the second half positive."""
     points = np.random.default_rng(0).uniform(-1.0, 1.0, (count, size))
     points[count // 2 :] = np.abs(points[count // 2 :]) + 0.1

@@ -40,9 +40,9 @@ UNARY: Mapping[type, Callable[[Any], Any]] = {
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }
-LONGEST = 10_000  # characters of one formula
+LONGEST_FORMULA = 10_000  # characters of one formula
 MOST_BITS = 1024  # of an integer, or of the parts of a fraction
-SHOWN = 60  # characters of a formula in a message
+QUOTED = 60  # characters of a formula in a message
 
 
 def read_formula(
@@ -64,8 +64,10 @@ def read_formula(
     """
     if isinstance(text, (int, float)):
         return sp.sympify(text)
-    if len(text) > LONGEST:
-        raise ValueError(f"formula is {len(text)} characters long, {LONGEST} at most")
+    if len(text) > LONGEST_FORMULA:
+        raise ValueError(
+            f"formula is {len(text)} characters long, {LONGEST_FORMULA} at most"
+        )
     numbers = {name: sp.sympify(value) for name, value in (values or {}).items()}
     known = {str(s): s for s in names} | numbers | dict(CONSTANTS)
     try:
@@ -75,7 +77,7 @@ def read_formula(
 
 
 def _short(text: str) -> str:
-    return repr(text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}...")
+    return repr(text if len(text) <= QUOTED else f"{text[: QUOTED - 3]}...")
 
 
 def _power(base: sp.Expr, exponent: sp.Expr) -> sp.Expr:

@@ -26,7 +26,7 @@ from planner.systems.fields import (
 )
 from planner.systems.rounding import TRUSTED, WeighedValues
 
-ITERATIONS = 30  # of Newton's method; far fewer suffice where it converges
+NEWTON_ITERATIONS = 30  # of Newton's method; far fewer suffice where it converges
 FADED = 1e-6  # of a function's slope, that is none where the function vanishes
 TOUCHED = 1e-12  # value that only functions without a slope are left with
 
@@ -79,7 +79,7 @@ class LevelSet:
         """
         x = sample_configurations(len(self.state))
         steepest = np.zeros(len(self.functions))
-        for _ in range(ITERATIONS):
+        for _ in range(NEWTON_ITERATIONS):
             residual, slopes = self._linear(x)
             steepest = np.maximum(steepest, _steepness(slopes))
             sound = np.isfinite(residual).all(axis=1) & np.isfinite(slopes).all((1, 2))

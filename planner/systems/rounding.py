@@ -26,7 +26,7 @@ from planner.systems.fields import (
 )
 
 TRUSTED = 1e-9  # takes the place of ROUNDING for functions, whose terms are unknown
-FAR = 10.0  # formulas must vanish that many times as far away, too, to count as zero
+FARTHER = 10.0  # times as far away formulas must vanish, too, to count as zero
 NUDGE = 1e-6  # change of an argument over its weight, by which slopes are estimated
 
 Weighed = tuple[Array, Array]  # values and their weights, broadcastable to (points,)
@@ -104,7 +104,7 @@ def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]
     functions are evaluated near the origin only.
     """
     near = sample_configurations(len(state))
-    formulas = WeighedValues(state, np.vstack([near, FAR * near]))
+    formulas = WeighedValues(state, np.vstack([near, FARTHER * near]))
     functions = WeighedValues(state, near)
     return tuple(
         _vanishes(functions if isinstance(field, NumericField) else formulas, field)

@@ -103,7 +103,7 @@ def task_of(setup: Setup, within: tuple[float, float]) -> Task:
         price={
             name: p * (cheap if name in recoveries else 1.0) for name, p in pace.items()
         },
-        together=scenario.overlap_recovery,
+        overlapped=scenario.overlap_recovery,
         centred=_centred(setup),
         inequalities=tuple(_inequalities(setup, within[0])),
     )

@@ -116,7 +116,7 @@ def test_processes_that_are_started_leave_signals_to_this_one():
 
 def test_ctrl_c_ends_the_search_of_a_solver_that_swallows_it(listening, capfd):
     ca = pytest.importorskip("casadi")
-    from planner.optimisation.ipopt import Ipopt
+    from planner.optimisation.solver import Ipopt
 
     x = ca.SX.sym("x", 10_000)  # a second of work
     cost = ca.sumsqr(ca.sin(x[1:]) * x[:-1] - 1) + ca.sumsqr(ca.cos(3 * x))

@@ -10,17 +10,17 @@ from models.systems.catalogue import shipped_system
 from planner.errors import BoundError, BudgetError, StratumError
 from planner.extension.extended import extend
 from planner.optimisation import (
-    between,
+    constraints,
     optimise,
     program,
-    requirements,
+    refinement,
     search,
     windows,
 )
-from planner.optimisation.between import Exact
+from planner.optimisation.constraints import Margins
 from planner.optimisation.corridor import Tolerance, deviation
 from planner.optimisation.optimise import Criterion, Optimiser
-from planner.optimisation.requirements import Demands
+from planner.optimisation.refinement import Violations
 from planner.optimisation.solver import MissingSolverError
 from planner.optimisation.stages import cycle
 from planner.optimisation.task import Inequality, Task
@@ -99,9 +99,9 @@ def test_fewest_switches_are_no_more_than_those_of_the_fastest(found):
 
 
 def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
-    monkeypatch.setattr(search, "LONGEST", 2.0)
+    monkeypatch.setattr(search, "FIRST_WINDOW", 2.0)
     monkeypatch.setattr(search, "MANY", 8)
-    monkeypatch.setattr(windows, "MOST", 8)
+    monkeypatch.setattr(windows, "MOST_STAGES", 8)
     monkeypatch.setattr(windows, "CLOSELY", 1)
     goal = np.array([4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
     optimiser = optimised(line(np.zeros(7), goal))
@@ -112,9 +112,9 @@ def test_long_paths_are_cut_and_still_end_in_their_goal(monkeypatch):
 
 def test_stages_go_on_where_the_window_before_ended(monkeypatch):
     """Also where the first window begins with another stage than the cycle does."""
-    for name, value in (("LONGEST", 2.0), ("MANY", 8)):
+    for name, value in (("FIRST_WINDOW", 2.0), ("MANY", 8)):
         monkeypatch.setattr(search, name, value)
-    for name, value in (("MOST", 8), ("CLOSELY", 1)):
+    for name, value in (("MOST_STAGES", 8), ("CLOSELY", 1)):
         monkeypatch.setattr(windows, name, value)
     optimiser = optimised(line(np.zeros(7), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
     optimiser._search._windows.score = lambda solution: -solution.first
@@ -125,10 +125,10 @@ def test_stages_go_on_where_the_window_before_ended(monkeypatch):
         assert after.first == (before.first + len(before.strokes)) % cycle_length
 
 
-def test_what_strays_between_its_checks_is_mended_in_every_window(monkeypatch):
-    for module in (program, requirements):  # so that nothing is kept in reserve
-        monkeypatch.setattr(module, "TIGHTER", 1.0)
-    for name, value in (("LONGEST", 1.0), ("MANY", 8)):
+def test_violations_between_the_checks_are_mended_in_every_window(monkeypatch):
+    for module in (program, constraints):  # so that nothing is kept in reserve
+        monkeypatch.setattr(module, "CHECKED_SHARE", 1.0)
+    for name, value in (("FIRST_WINDOW", 1.0), ("MANY", 8)):
         monkeypatch.setattr(search, name, value)
     monkeypatch.setattr(windows, "CLOSELY", 1)
     path = line(np.zeros(7), [2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0])
@@ -137,18 +137,18 @@ def test_what_strays_between_its_checks_is_mended_in_every_window(monkeypatch):
     optimiser, points = optimised(path, tolerances=tight), path.at(POINTS_ALONG)
     assert len(optimiser._solutions) > 1
     raw = [flow for part in optimiser.flows(optimiser._solutions) for flow in part]
-    states = play(BIPED.system, raw, path(0.0), optimise.SAMPLES)
+    states = play(BIPED.system, raw, path(0.0), optimise.FLOW_SAMPLES)
     assert (deviation(states, points, groups) / most).max() > 1.0001
-    states = rollout(optimiser.plan(), optimise.SAMPLES)
+    states = rollout(optimiser.plan(), optimise.FLOW_SAMPLES)
     assert (deviation(states, points, groups) / most).max() <= 1.0
 
 
-def test_higher_demands_move_the_stages_of_one_window_between_its_ends(found):
+def test_larger_margins_move_the_stages_of_one_window_between_its_ends(found):
     optimiser = optimised()
     (solution,) = optimiser._solutions
-    none = Demands.none(optimiser.task, len(solution.strokes))
-    exact = Exact(1.1, np.zeros(0))
-    (asked,) = optimiser._between.demanded([none], [solution], exact)
+    none = Margins.none(optimiser.task, len(solution.strokes))
+    violations = Violations(1.1, np.zeros(0))
+    (asked,) = optimiser._refinement.enlarged([none], [solution], violations)
     assert (asked.shares < 1.0).any()
     again = optimiser._search.again(solution, solution.states[-1], asked)
     assert again.states[-1] == pytest.approx(solution.states[-1], abs=1e-9)
@@ -160,16 +160,16 @@ def test_higher_demands_move_the_stages_of_one_window_between_its_ends(found):
 def test_stages_that_exceed_nothing_are_asked_for_nothing_more(monkeypatch):
     optimiser = optimised()
     (solution,) = optimiser._solutions
-    none = Demands.none(optimiser.task, len(solution.strokes))
+    none = Margins.none(optimiser.task, len(solution.strokes))
     widths = np.full(len(solution.strokes), 0.9)
     widths[1] = 1.05
-    monkeypatch.setattr(type(optimiser._between), "_widths", lambda *_: widths)
-    exact = Exact(1.1, np.zeros(0))
-    (one,) = optimiser._between.demanded([none], [solution], exact)
+    monkeypatch.setattr(type(optimiser._refinement), "_widths", lambda *_: widths)
+    violations = Violations(1.1, np.zeros(0))
+    (one,) = optimiser._refinement.enlarged([none], [solution], violations)
     widths[1] = 0.9
-    (every,) = optimiser._between.demanded([none], [solution], exact)
+    (every,) = optimiser._refinement.enlarged([none], [solution], violations)
     assert np.flatnonzero(one.shares < 1.0).tolist() == [1]
-    assert one.shares[1] == pytest.approx(1 / (1.1 + between.SAFE))
+    assert one.shares[1] == pytest.approx(1 / (1.1 + refinement.GUARD))
     assert (every.shares < 1.0).all()  # nobody knows where
 
 
@@ -192,16 +192,16 @@ def test_what_was_found_in_time_is_made_exact_in_any_time(found):
 
 def test_tolerances_that_are_not_kept_are_refused_with_those_that_are(monkeypatch):
     monkeypatch.setattr(search, "MANY", 6)
-    monkeypatch.setattr(windows, "MOST", 6)
+    monkeypatch.setattr(windows, "MOST_STAGES", 6)
     tight = (Tolerance((0, 1), 0.01), Tolerance((2,), 0.02))
     with pytest.raises(BoundError, match="within 0.01 and 0.02 .* nearest"):
         optimised(tolerances=tight).plan()
 
 
 def test_what_else_a_refused_plan_may_lack_is_named_by_its_task(monkeypatch):
-    for name, value in (("MANY", 6), ("SHORTEST", 0.2)):
+    for name, value in (("MANY", 6), ("LAST_WINDOW", 0.2)):
         monkeypatch.setattr(search, name, value)
-    for name, value in (("MOST", 6), ("ROUGHLY", 1)):
+    for name, value in (("MOST_STAGES", 6), ("ROUGHLY", 1)):
         monkeypatch.setattr(windows, name, value)
 
     def never(stage, state):
@@ -271,7 +271,7 @@ def test_fields_known_as_functions_are_refused():
 
 
 def test_strokes_during_which_legs_recover_meet_the_goal_too():
-    found = optimised(together=True).plan()
+    found = optimised(overlapped=True).plan()
     assert rollout(found)[-1] == pytest.approx(STEP(1.0), abs=1e-6)
 
 

@@ -107,7 +107,7 @@ def test_a_least_margin_is_kept(monkeypatch):
 
 def test_a_tolerance_that_cannot_be_kept_is_refused(monkeypatch):
     monkeypatch.setattr("planner.optimisation.search.MANY", 6)
-    monkeypatch.setattr("planner.optimisation.windows.MOST", 6)
+    monkeypatch.setattr("planner.optimisation.windows.MOST_STAGES", 6)
     setup = setup_of(path_tolerance=0.0005, yaw_tolerance=0.005)
     with pytest.raises(BoundError, match="nearest found there keeps"):
         PlannedWalk(setup).plan()

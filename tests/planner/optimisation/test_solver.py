@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from planner.errors import BudgetError
-from planner.optimisation.ipopt import Ipopt
+from planner.optimisation.solver import Ipopt
 from planner.support.stopping import limited
 
 SIZE = 400

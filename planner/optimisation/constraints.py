@@ -1,0 +1,207 @@
+"""Constraints of the nonlinear program, their bounds, and margins that tighten them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+from planner.optimisation.dynamics import PathDistance, whole_state
+from planner.optimisation.solver import Expression, solver
+from planner.optimisation.stages import Stage
+from planner.optimisation.task import Task
+
+CHECKED_SHARE = 0.98  # of the tolerances, allowed where they are checked
+
+
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """Margins for the motion between the points where constraints are checked.
+
+    Attributes:
+        shares: Share of its tolerances that each stage may use, shape (count,).
+        inequalities: Least value of each of the task's inequalities in each stage,
+            shape (count, R).
+    """
+
+    shares: Array
+    inequalities: Array
+
+    @classmethod
+    def none(cls, task: Task, count: int) -> Margins:
+        """No margins, for a number of stages."""
+        return cls(np.ones(count), np.zeros((count, len(task.inequalities))))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Margins]) -> Margins:
+        """Margins of consecutive solutions, as those of one solution."""
+        shares = np.concatenate([part.shares for part in parts])
+        return cls(shares, np.vstack([part.inequalities for part in parts]))
+
+    def enlarged(self, shares: Array, inequalities: Array) -> Margins:
+        """Margins with smaller shares, shape (count,), and higher bounds (count, R).
+
+        Margins that do not change are the same object.
+        """
+        if (shares == 1.0).all() and (inequalities == 0.0).all():
+            return self
+        return Margins(self.shares * shares, self.inequalities + inequalities)
+
+
+Tightening = Callable[[Margins], Array]
+"""Maps margins to the amounts by which bounds are tightened, one for each row."""
+
+
+class Constraints:
+    """Constraints g(x) with lower and upper bounds, collected row by row."""
+
+    def __init__(self) -> None:
+        self.rows: list[Expression] = []
+        self._bounds: list[Array] = []
+        self._tightened: list[tuple[slice, Tightening]] = []
+
+    def add(
+        self,
+        rows: Expression,
+        low: float,
+        high: float,
+        tightening: Tightening | None = None,
+    ) -> None:
+        """Add constraints low <= rows <= high.
+
+        Args:
+            rows: Matrix of expressions.
+            low: Lower bound.
+            high: Upper bound.
+            tightening: Amounts by which margins tighten both bounds, of the shape of
+                the rows; margins do not change the bounds if not given.
+        """
+        flat = solver().vec(rows)
+        self.rows.append(flat)
+        first = sum(bounds.shape[1] for bounds in self._bounds)
+        self._bounds.append(np.tile([[low], [high]], flat.numel()))
+        if tightening is not None:
+            self._tightened.append((slice(first, first + flat.numel()), tightening))
+
+    def bounds(self, margins: Margins | None = None) -> tuple[Array, Array]:
+        """Lower and upper bounds of all rows, tightened by margins."""
+        low, high = np.concatenate(self._bounds, axis=1)
+        if margins is None:
+            return low, high
+        for rows, tightening in self._tightened:
+            amount = tightening(margins).ravel(order="F")
+            low[rows] += amount
+            high[rows] -= amount
+        return low, high
+
+    def corridor(
+        self,
+        distance: PathDistance,
+        states: Sequence[Expression],
+        places: Sequence[Expression],
+        widths: Sequence[Expression],
+        stages: Array,
+    ) -> None:
+        """Keep states in the corridor: within the tolerances of points of the path.
+
+        Args:
+            distance: Distance from the path, relative to the width of the corridor.
+            states: States as columns.
+            places: Place on the path that belongs to each state.
+            widths: Width of the corridor at each state, in tolerances.
+            stages: Number of the stage of each state; -1 for a state that is fixed, to
+                which margins do not apply.
+        """
+        if not distance.powers:
+            return
+        ca = solver()
+        every, where = ca.horzcat(*states), ca.horzcat(*places)
+        wide = ca.horzcat(*widths)
+        rows = distance.function.map(where.numel())(every, where, wide)
+        powers = np.array(distance.powers)[:, None]
+
+        def tightening(margins: Margins) -> Array:
+            shares = np.where(stages < 0, 1.0, margins.shares[stages])
+            amounts: Array = CHECKED_SHARE**powers * (1.0 - shares**powers)
+            return amounts
+
+        self.add(rows, -np.inf, 0.0, tightening)
+
+    def inequalities(
+        self,
+        task: Task,
+        stage: Stage,
+        start: Array,
+        states: tuple[Expression, Expression],
+        width: Expression,
+        stages: Sequence[int],
+    ) -> None:
+        """Impose the task's inequalities where stages begin, have recovered and end.
+
+        Soft constraints share one slack variable with the corridor: its width in excess
+        of its minimum.
+
+        Args:
+            task: Task with the inequalities.
+            stage: Stage of the cycle.
+            start: State with the coordinates that no stage moves, shape (n,).
+            states: States at the beginnings and ends of these stages, as columns.
+            width: Width of the corridor in excess of its minimum, in tolerances.
+            stages: Numbers of these stages.
+        """
+        if not task.inequalities:
+            return
+        ca, n = solver(), len(task.moved)
+        begin, end = ca.SX.sym("begin", n), ca.SX.sym("end", n)
+        excess = ca.SX.sym("excess")
+        recovered = {r.coordinate for r in stage.recoveries}
+        mixed = [
+            end[k] if i in recovered else begin[k] for k, i in enumerate(task.moved)
+        ]
+        parts, kinds = list[Expression](), list[tuple[int, int]]()
+        unit = task.unit(start)
+        for place, state in enumerate((begin, ca.vertcat(*mixed), end)):
+            whole = whole_state(task, start, state)
+            for number, inequality in enumerate(task.inequalities):
+                if inequality.relaxed and task.overlapped and place == 1:
+                    continue  # recovered only as the stroke ends
+                slack = excess if inequality.relaxed else 0.0
+                found = inequality.expressions(stage, whole)
+                parts += [part / unit + slack for part in found]
+                kinds += [(place, number)] * len(found)
+        if not parts:
+            return
+        arguments = [begin, end, excess]
+        function = ca.Function("inequalities", arguments, [ca.vertcat(*parts)])
+        mapped = function.map(states[0].shape[1])(*states, width)
+
+        def tightening(margins: Margins) -> Array:
+            last = len(margins.shares) - 1
+            numbers = [number for _, number in kinds]
+            amounts = margins.inequalities[np.ix_(stages, numbers)].T
+            fixed = [
+                [(place == 0 and k == 0) or (place == 2 and k == last) for k in stages]
+                for place, _ in kinds
+            ]
+            tightened: Array = np.where(fixed, 0.0, amounts) / unit
+            return tightened
+
+        self.add(mapped, 0.0, np.inf, tightening)
+
+    def durations(
+        self,
+        task: Task,
+        stages: Sequence[Stage],
+        times: Expression,
+        strokes: Expression,
+        recoveries: Expression,
+    ) -> None:
+        """Bound the duration of each stage below by those of its parts."""
+        for k, stage in enumerate(stages):
+            if stage.stroke:
+                self.add(times[k] - task.cost(stage.stroke) * strokes[k], 0.0, np.inf)
+            for j, recovery in enumerate(stage.recoveries):
+                part = task.cost(recovery.field) * recoveries[j, k]
+                self.add(times[k] - part, 0.0, np.inf)

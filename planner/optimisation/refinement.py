@@ -1,0 +1,167 @@
+"""Violations between the points where a program checks its constraints, and margins.
+
+A program checks the corridor after a few steps of every stage, and inequalities at the
+ends of stages. Here the motion is checked after many steps, stage by stage, so that
+margins are enlarged in the stages that need it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from planner.numerics.arrays import Array
+from planner.optimisation.constraints import Margins
+from planner.optimisation.corridor import gaps
+from planner.optimisation.dynamics import stage_function, whole_state
+from planner.optimisation.solver import Expression, solver
+from planner.optimisation.stages import Stage
+from planner.optimisation.task import Solution, Task
+from planner.planning.paths import Path
+
+FINE_STEPS = 12  # of a stage
+PATH_POINTS = 1001  # at which a motion is compared with its path
+GUARD = 1e-3  # further share of a tolerance, since larger margins move the plan
+
+
+@dataclass(frozen=True, eq=False)
+class Violations:
+    """Violations of tolerances and inequalities by an exact motion.
+
+    Attributes:
+        excess: Largest deviation from the path, in tolerances.
+        lacks: Violation of each of the task's inequalities, shape (R,).
+    """
+
+    excess: float
+    lacks: Array
+
+    @property
+    def none(self) -> bool:
+        """Whether all constraints are satisfied."""
+        return self.excess <= 1.0 and not (self.lacks > 0.0).any()
+
+    def message(self, task: Task) -> str:
+        """What is violated, and the way out."""
+        names = [
+            f"lacks {lack:.3g} of its {inequality.name}"
+            for lack, inequality in zip(self.lacks, task.inequalities, strict=True)
+            if lack > 0.0
+        ]
+        if self.excess > 1.0:
+            names = [f"deviates {self.excess - 1:.2%} more than allowed", *names]
+        return (
+            f"{' and '.join(names)} between the points where it was checked; give "
+            "larger tolerances, or ask for less"
+        )
+
+
+def _violating(excess: Array) -> Array:
+    """Stages with a positive excess, or all if there are none, along the first axis."""
+    violating: Array = (excess > 0.0) | ~(excess > 0.0).any(axis=0)
+    return violating
+
+
+@dataclass
+class Refinement:
+    """Enlarges the margins of the stages whose motion violates constraints.
+
+    Attributes:
+        task: Task that is optimised.
+        path: Configurations to follow.
+    """
+
+    task: Task
+    path: Path
+    _functions: dict[Stage, Expression] = field(default_factory=dict)
+
+    def enlarged(
+        self,
+        before: Sequence[Margins],
+        solutions: Sequence[Solution],
+        violations: Violations,
+    ) -> list[Margins]:
+        """Margins enlarged in the stages that cause the violations.
+
+        Args:
+            before: Margins that the solutions were found with.
+            solutions: Consecutive solutions.
+            violations: Violations of the exact motion. A violation that no stage
+                accounts for enlarges the margins of all stages.
+        """
+        if violations.none:
+            return list(before)
+        starts = np.cumsum([len(solution.strokes) for solution in solutions])
+        checked = [
+            self._checked(solution, k)
+            for solution in solutions
+            for k in range(len(solution.strokes))
+        ]
+        widths = self._widths(solutions, [states for states, _ in checked])
+        over = np.maximum(1.0, widths)
+        shares = np.ones(len(checked))
+        if violations.excess > 1.0:
+            more = max(1.0, violations.excess / over.max())
+            shares = np.where(_violating(over - 1.0), 1.0 / (over * more + GUARD), 1.0)
+        own = np.array([lacks for _, lacks in checked])
+        more = np.maximum(violations.lacks - own.max(axis=0), 0.0)
+        asked = _violating(own) & (violations.lacks > 0.0)
+        lacks = np.where(asked, own + more, 0.0)
+        parts = np.split(shares, starts[:-1]), np.split(lacks, starts[:-1])
+        return [
+            margins.enlarged(share, lack)
+            for margins, share, lack in zip(before, *parts, strict=True)
+        ]
+
+    def _widths(self, solutions: Sequence[Solution], parts: Sequence[Array]) -> Array:
+        """Largest deviation of the states of each stage, in tolerances.
+
+        The position is compared with the places on the path that belong to the states
+        in the solutions.
+        """
+        asked = self.task.tolerances
+        groups = [list(tolerance.coordinates) for tolerance in asked]
+        points = self.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
+        states = np.tile(points[0], (sum(map(len, parts)), 1))
+        states[:, self.task.moved] = np.vstack(parts)
+        found = gaps(states, points, groups)
+        share = np.arange(1, FINE_STEPS + 1) / FINE_STEPS
+        places = [
+            s.places[:-1, None] + np.diff(s.places)[:, None] * share for s in solutions
+        ]
+        apart = states - self.path.at(np.concatenate([p.ravel() for p in places]))
+        found[:, 0] = np.linalg.norm(apart[:, groups[0]], axis=1)
+        widths = (found / [t.most for t in asked]).max(axis=1)
+        return np.array([part.max() for part in np.split(widths, len(parts))])
+
+    def _checked(self, solution: Solution, number: int) -> tuple[Array, Array]:
+        """States within a stage, shape (FINE_STEPS, m), and violations, shape (R,)."""
+        stage = self.task.stage(solution.first + number)
+        if stage not in self._functions:
+            self._functions[stage] = self._function(stage, solution.states[0])
+        amounts = solution.recoveries[number]
+        padded = np.pad(amounts, (0, self.task.most_recoveries - len(amounts)))
+        begin = solution.states[number][self.task.moved]
+        states, *lacks = self._functions[stage].call(
+            [begin, solution.strokes[number], padded]
+        )
+        return np.array(states).T, np.array([np.array(lack).max() for lack in lacks])
+
+    def _function(self, stage: Stage, start: Array) -> Expression:
+        """States and violations at many steps, from start, stroke and recoveries."""
+        ca, task, n = solver(), self.task, len(self.task.moved)
+        x, d = ca.MX.sym("x", n), ca.MX.sym("d")
+        a = ca.MX.sym("a", task.most_recoveries)
+        y, lacks = ca.SX.sym("y", n), list[Expression]()
+        moved = stage_function(task, stage, start, FINE_STEPS)
+        steps = moved(x, d, a)
+        halfway = x if task.overlapped else moved(x, 0.0, a / 2)[:, -1]
+        every = ca.horzcat(x, halfway, steps)
+        whole = whole_state(task, start, y)
+        for inequality in task.inequalities:
+            rows = ca.vertcat(ca.SX(0.0), *inequality.expressions(stage, whole))
+            function = ca.Function("rows", [y], [rows])
+            lacks.append(-function.map(every.shape[1])(every))
+        return ca.Function("between", [x, d, a], [steps, *lacks])
