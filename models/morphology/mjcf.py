@@ -12,11 +12,13 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from models.morphology.dimensions import Leg, Morphology
 
 INK, ACCENT = "0.25 0.29 0.35 1", "0.95 0.55 0.15 1"
-COLOURS = (  # of the groups
+COLOURS = (  # of the groups; pictures mark their footprints alike
     "0.16 0.44 0.75 1",
     "0.80 0.27 0.24 1",
-    "0.84 0.63 0.14 1",
-    "0.49 0.36 0.71 1",
+    "0.87 0.82 0.20 1",
+    "0.98 0.67 0.63 1",
+    "0.44 0.56 0.69 1",
+    "0.44 0.31 0.03 1",
 )
 CONTACT_DATA = "found force pos linvel"
 

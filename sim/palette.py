@@ -1,0 +1,133 @@
+"""Colours and marks, which mean the same in films, viewer, replay, report and figures.
+
+No two meanings share a colour, and those that meet in one picture also differ for
+readers without red, green or blue cones. Where lines may be printed in grey, dashes
+tell them apart too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class Colour(NamedTuple):
+    """A colour of the sRGB space, each component from 0 to 255."""
+
+    red: int
+    green: int
+    blue: int
+
+    @property
+    def hex(self) -> str:
+        """The colour as pages and matplotlib take it, such as `#2970bf`."""
+        return "#{:02x}{:02x}{:02x}".format(*self)
+
+    def rgba(self, alpha: float = 1.0) -> tuple[float, float, float, float]:
+        """The colour as MuJoCo takes it."""
+        return self.red / 255, self.green / 255, self.blue / 255, alpha
+
+    def tint(self, strength: float) -> Colour:
+        """The colour mixed with the paper's, for marks in the background."""
+        return self.mixed(PAPER, 1 - strength)
+
+    def mixed(self, other: Colour, share: float) -> Colour:
+        """The colour with a share of another one."""
+        pairs = zip(self, other, strict=True)
+        return Colour(*(round((1 - share) * a + share * b) for a, b in pairs))
+
+
+PAPER = Colour(246, 247, 249)
+GRID = Colour(218, 222, 227)
+RELIEF = Colour(203, 212, 143)  # contour lines of a floor that is not plane
+TEXT = Colour(20, 24, 32)
+FAINT = Colour(100, 108, 120)  # text of less weight
+
+CENTRE_OF_MASS = TEXT
+OUTLINE = Colour(150, 158, 170)  # of the robot, from above
+SWEPT = Colour(194, 231, 255)  # floor that the robot has stood over
+OBSTACLE = Colour(115, 122, 135)
+STABLE = Colour(88, 205, 95)  # support polygon with the weight over it
+LIMIT = Colour(148, 11, 49)  # exceeded: about to tip over, touching, not as planned
+
+GROUPS = (  # of legs; models paint the legs of robots alike
+    Colour(41, 112, 191),
+    Colour(204, 69, 61),
+    Colour(222, 209, 51),
+    Colour(250, 171, 161),
+    Colour(112, 143, 176),
+    Colour(112, 79, 8),
+)
+OUTCOMES = tuple(  # of a sweep's points: from within 1 % to beyond, fallen, no walk
+    Colour(*components)
+    for components in (
+        (0, 158, 115), (86, 180, 233), (230, 159, 0), (213, 94, 0), (0, 0, 0),
+        (187, 187, 187),
+    )
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class PathMark:
+    """How the path of one kind is drawn.
+
+    Attributes:
+        label: Its name in keys.
+        colour: Of the line.
+        width: Of the line on the floor, in units of the robot's reach.
+        points: Of the line in print [1/72 in].
+        dashes: Lengths of a dash and of the gap after it in print, in widths of the
+            line; empty for a solid line.
+    """
+
+    label: str
+    colour: Colour
+    width: float
+    points: float
+    dashes: tuple[float, ...] = ()
+
+    @property
+    def linestyle(self) -> str | tuple[float, tuple[float, ...]]:
+        """The dashes as matplotlib takes them."""
+        return (0.0, self.dashes) if self.dashes else "-"
+
+
+NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))
+ACHIEVED = PathMark("achieved path", Colour(0, 128, 98), 0.006, 2.2)
+PREDICTED: Mapping[str, PathMark] = {
+    "ideal": PathMark("ideal prediction", Colour(176, 96, 0), 0.014, 0.7),
+    "quasi_static": PathMark(
+        "quasi-static prediction", Colour(128, 34, 190), 0.01, 0.8, (4.0, 1.5)
+    ),
+    "identified": PathMark(
+        "identified prediction", Colour(28, 168, 237), 0.008, 0.8, (1.0, 1.0)
+    ),
+}
+
+# Sizes on the floor, in units of the robot's reach.
+FOOTPRINT, SPOT, GOAL = 0.014, 0.032, 0.06  # radii; a spot is the centre of mass
+EDGE = 0.01  # width of the edges of support polygon and outline
+GHOST, GHOST_TORSO = 0.5, 0.12  # opacity of a predicted robot's legs and torso
+
+
+def group(index: int) -> Colour:
+    """Colour of a group of legs; after the last one they begin again."""
+    return GROUPS[index % len(GROUPS)]
+
+
+def footprint(index: int) -> Colour:
+    """Colour of a group's footprints, paler than its legs."""
+    return group(index).tint(0.58)
+
+
+def leg(group_index: int, place: int, legs: int) -> Colour:
+    """Colour of one leg's curve: a shade of its group's, from dark to pale.
+
+    Args:
+        group_index: Of the group that the leg belongs to.
+        place: Of the leg within the group, from 0.
+        legs: In that group.
+    """
+    paler = 1.1 * place / (legs - 1) - 0.5 if legs > 1 else 0.0
+    return group(group_index).mixed(PAPER if paler > 0 else TEXT, abs(paler))
