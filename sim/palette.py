@@ -28,6 +28,11 @@ class Colour(NamedTuple):
         """The colour as MuJoCo takes it."""
         return self.red / 255, self.green / 255, self.blue / 255, alpha
 
+    @property
+    def ink(self) -> Colour:
+        """Colour of words on it: white, or that of text."""
+        return WHITE if self.green < 128 else TEXT
+
     def tint(self, strength: float) -> Colour:
         """The colour mixed with the paper's, for marks in the background."""
         return self.mixed(PAPER, 1 - strength)
@@ -38,6 +43,7 @@ class Colour(NamedTuple):
         return Colour(*(round((1 - share) * a + share * b) for a, b in pairs))
 
 
+WHITE = Colour(255, 255, 255)
 PAPER = Colour(246, 247, 249)
 GRID = Colour(218, 222, 227)
 RELIEF = Colour(203, 212, 143)  # contour lines of a floor that is not plane

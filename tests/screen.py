@@ -5,8 +5,7 @@ import subprocess
 import imageio_ffmpeg
 import numpy as np
 
-from sim.pictures.camera import FIELD_OF_VIEW
-from sim.pictures.style import HEIGHT, WIDTH
+from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH
 
 FFMPEG = imageio_ffmpeg.get_ffmpeg_exe()
 

@@ -107,9 +107,8 @@ def _physics() -> str:
 
 
 def _rendering() -> str:
-    from sim.pictures.drawing_speed import pictures_per_second
-    from sim.pictures.gl import probe
-    from sim.pictures.style import HEIGHT, WIDTH
+    from sim.pictures.camera import HEIGHT, WIDTH
+    from sim.pictures.gl import pictures_per_second, probe
 
     driver = probe()
     speed = pictures_per_second(driver)

@@ -5,28 +5,85 @@ On walks that are much longer than the robot, the camera stays close and follows
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from planner import Array
-from sim.pictures.clock import Clock
+from planner.support import did_you_mean
+from sim.errors import UsageError
+from sim.pictures.clock import FRAME_RATE, Clock
 from sim.pictures.filmed_walk import FilmedWalk
-from sim.pictures.style import FRAME_RATE, HEIGHT, WIDTH
-from sim.pictures.views import ACROSS, ELEVATION, View
 
+WIDTH, HEIGHT = 1280, 720  # of the picture [pixels]; even, as the codec demands
 FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
-ROOM = (0.77, 0.73)  # of half the picture, sideways and upright: the rest is captions
+USED = (0.77, 0.73)  # of half the picture, sideways and upright: the rest is captions
 MIDDLE = (0.16, 0.12)  # of that room, right of and above the middle of the picture
 KNEES = 0.35  # above the feet, in units of the robot's reach
 HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
 HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT
-ROUNDS = 8  # of moving the target; settles to a pixel
+FIT_ROUNDS = 8  # of moving the target; settles to a pixel
 DUSK = 4.0  # below the horizon [degrees], where the floor may end
 NEAR_FLOOR = 3.5  # in units of the distance; beyond, a grid would be a blur
 ENOUGH = 2000  # moments at which it is asked what has to be seen
+ELEVATION = -50.0  # [degrees]
+VIEW_DISTANCE = 7.0  # in units of the robot's reach; beyond, the camera follows
+CLOSE = 3.5  # the same where the camera always follows
+STEEPEST, FLATTEST = -89.9, -5.0  # [degrees]; the floor hides all from below
 CALM = 1.5  # [s] of film over which the camera follows
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """From where a film is taken.
+
+    Attributes:
+        azimuth: Direction in which the camera looks, 0 along x and 90 along y
+            [degrees]; None looks across the path.
+        elevation: Below the horizon, negative [degrees].
+        farthest: Largest distance, in units of the robot's reach; where the whole walk
+            does not fit, the camera follows the robot.
+    """
+
+    azimuth: float | None = None
+    elevation: float = ELEVATION
+    farthest: float = VIEW_DISTANCE
+
+
+ACROSS = View()
+VIEWS = {
+    "across": ACROSS,
+    "follow": View(farthest=CLOSE),
+    "top": View(90.0, STEEPEST),
+    "front": View(180.0, -25.0),
+    "back": View(0.0, -25.0),
+    "left": View(-90.0, -25.0),
+    "right": View(90.0, -25.0),
+}
+"""Named views; sides are those of the robot at the start."""
+
+
+def view_of(text: str) -> View:
+    """The view of a name, or of two angles in degrees, `AZIMUTH,ELEVATION`.
+
+    Raises:
+        UsageError: If it is neither, or looks up from below the floor.
+    """
+    if text in VIEWS:
+        return VIEWS[text]
+    try:
+        azimuth, elevation = map(float, text.split(","))
+    except ValueError:
+        remedy = f"{did_you_mean(text, [*VIEWS])}; or give AZIMUTH,ELEVATION in degrees"
+        raise UsageError(f"unknown camera {text!r}", "film", remedy) from None
+    if not (math.isfinite(azimuth) and -90 <= elevation <= FLATTEST):
+        what = f"camera {text!r} does not see the floor"
+        raise UsageError(
+            what, "film", f"give an elevation from -90 to {FLATTEST:g} degrees"
+        )
+    return View(azimuth, max(elevation, STEEPEST))
 
 
 @dataclass(frozen=True)
@@ -133,10 +190,10 @@ def _fit(points: Array, azimuth: float, elevation: float) -> tuple[Array, float]
     """Target and distance with which the points just fill the picture's margins."""
     forward, right, up = _axes(azimuth, elevation)
     target = points.mean(axis=0)
-    for _ in range(ROUNDS):
+    for _ in range(FIT_ROUNDS):
         seen = points - target
-        across = np.abs(seen @ right) / (ROOM[0] * HALF_WIDTH)
-        upright = np.abs(seen @ up) / (ROOM[1] * HALF_HEIGHT)
+        across = np.abs(seen @ right) / (USED[0] * HALF_WIDTH)
+        upright = np.abs(seen @ up) / (USED[1] * HALF_HEIGHT)
         distance = float((np.maximum(across, upright) - seen @ forward).max())
         depth = distance + seen @ forward
         for axis in (right, up):

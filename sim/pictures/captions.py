@@ -5,15 +5,18 @@ They stand on panels, whose constant parts are drawn once, the others on every p
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from planner import Array
-from sim.pictures import style
-from sim.pictures.camera import Camera
+from sim import palette
+from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
-from sim.pictures.filmed_walk import FilmedWalk
+from sim.pictures.filmed_walk import FilmedWalk, FlowRow
+from sim.pictures.floor import cell
 from sim.pictures.inset import inset
-from sim.pictures.legend import legend
+from sim.pictures.legend import legend, noun
 from sim.pictures.panel import (
     EDGE,
     LARGE,
@@ -22,17 +25,25 @@ from sim.pictures.panel import (
     Draw,
     Panel,
     empty,
+    length,
     millimetres,
     text,
 )
-from sim.pictures.scale_bar import scale_bar
-from sim.pictures.stratum_caption import describe
-from sim.pictures.style import HEIGHT, WIDTH
 
 GAP = 10  # between panels [pixels]
 BAR = 92  # height of the bar at the bottom [pixels]
 LAMP = 11  # radius of a foot's lamp [pixels]
 COLUMN = 230  # width of a number in the bar [pixels]
+SCALE = 50  # height of the scale bar's panel [pixels]
+TICK = 5  # half the height of the scale bar's ends [pixels]
+
+Verb = tuple[str, str]  # singular, plural
+STANDS: Verb = ("stands", "stand")
+WAITS: Verb = ("waits in the air", "wait in the air")
+SWINGS_BODY: Verb = ("swings the body", "swing the body")
+SWINGS: Verb = ("swings in the air", "swing in the air")
+LIFTS: Verb = ("lifts", "lift")
+LANDS: Verb = ("lands", "land")
 
 
 class Captions:
@@ -55,7 +66,7 @@ def _clock(walk: FilmedWalk, playback: float) -> Panel:
     """Top right: the time, and how much faster it passes."""
     still, draw = empty(150, 82)
     speed = "real time" if playback == 1 else f"{playback:g}x real time"
-    text(draw, (150 - PAD, 48), speed, anchor="ra", colour=style.FAINT)
+    text(draw, (150 - PAD, 48), speed, anchor="ra", colour=palette.FAINT)
 
     def write(draw: Draw, row: int) -> None:
         text(draw, (150 - PAD, 10), f"{walk.time[row]:.1f} s", LARGE, "ra")
@@ -73,7 +84,7 @@ def _bar(walk: FilmedWalk) -> Panel:
         numbers["clear of obstacles"] = walk.clearance
     ends = [width - PAD - i * COLUMN for i in range(len(numbers))]
     for end, label in zip(ends, numbers, strict=True):
-        text(draw, (end, 54), label, anchor="ra", colour=style.FAINT)
+        text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
     def write(draw: Draw, row: int) -> None:
         flow = walk.flows[walk.phase[row]]
@@ -90,9 +101,74 @@ def _bar(walk: FilmedWalk) -> Panel:
 def _lamp(draw: Draw, walk: FilmedWalk, row: int, foot: int, y: int) -> None:
     """A numbered disc, filled while the foot touches the floor."""
     x = PAD + LAMP + 3 * LAMP * foot
-    colour = style.group(walk.group_of_foot[foot])
+    colour = palette.group(walk.group_of_foot[foot])
     touches = walk.contact[row, foot]
     place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
     draw.ellipse(place, fill=colour if touches else None, outline=colour, width=2)
     number = str(sorted(walk.card.legs)[foot])
-    text(draw, (x, y), number, 14, "mm", (255, 255, 255) if touches else colour)
+    text(draw, (x, y), number, 14, "mm", colour.ink if touches else colour)
+
+
+def describe(flow: FlowRow, groups: Sequence[str], legs_per_group: int) -> str:
+    """One clause for each group, those that do the same named together.
+
+    Args:
+        flow: Flow that is being carried out.
+        groups: Names of all groups.
+        legs_per_group: Chooses the noun; 0 where the groups differ.
+
+    Returns:
+        For example `tripod 1 stands, tripod 2 swings in the air`.
+    """
+    doing: dict[Verb, list[str]] = {}
+    for group in groups:
+        doing.setdefault(_verb(flow, group), []).append(group)
+    return ", ".join(
+        _clause(noun(legs_per_group), names, verb) for verb, names in doing.items()
+    )
+
+
+def _verb(flow: FlowRow, group: str) -> Verb:
+    stands = group in flow.stratum
+    if group not in flow.group or flow.kind == "hold":
+        return STANDS if stands else WAITS
+    if flow.kind == "swing":
+        return SWINGS_BODY if stands else SWINGS
+    return LIFTS if flow.kind == "lift" else LANDS
+
+
+def _clause(noun: str, names: list[str], verb: Verb) -> str:
+    one, several = verb
+    if len(names) == 1:
+        return f"{noun} {names[0]} {one}"
+    return f"{noun}s {', '.join(names[:-1])} and {names[-1]} {several}"
+
+
+def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
+    """The panel at the right, above the bar of numbers.
+
+    Args:
+        view: Where the film is taken from.
+        reach: Of the robot [m]; the bar is one cell of the grid long.
+        bottom: Lower edge of the panel [pixels].
+    """
+    metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
+    bar = round(metres * _pixels_per_metre(view, bottom - SCALE // 3))
+    width = max(bar, length(words)) + 2 * PAD
+    still, draw = empty(width, SCALE)
+    text(draw, (width - PAD, 6), words, anchor="ra", colour=palette.FAINT)
+    left, right, y = width - PAD - bar, width - PAD, SCALE - 15
+    draw.line((left, y, right, y), palette.TEXT, 3)
+    for x in (left, right):
+        draw.line((x, y - TICK, x, y + TICK), palette.TEXT, 3)
+    return Panel(WIDTH - EDGE - width, bottom - SCALE, still, lambda draw, row: None)
+
+
+def _pixels_per_metre(view: Camera, y: int) -> float:
+    """Pixels that one metre across the picture takes on the floor at a height."""
+    tilt = np.radians(view.elevation)
+    above = (HEIGHT / 2 - y) * view.pixel  # the middle, at a distance of one
+    eye = view.eyes()[0]
+    # How deep in the picture the ray through this height meets the floor.
+    depth = -eye[2] / (np.sin(tilt) + above * np.cos(tilt))
+    return float(1 / (view.pixel * depth))

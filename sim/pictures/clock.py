@@ -10,7 +10,10 @@ from math import inf
 import numpy as np
 
 from planner import Array
-from sim.pictures.style import FRAME_RATE, LONGEST, TAIL
+
+FRAME_RATE = 25  # [1/s]
+FILM_LENGTH = 40.0  # [s] at most, unless a scenario sets the playback speed itself
+TAIL = 1.5  # [s] that the last picture stays
 
 Stretch = tuple[float, float]
 WHOLE: Stretch = (-inf, inf)
@@ -46,13 +49,15 @@ def clock(
     Args:
         time: Of each row of the trajectory, ascending, shape (T,) [s].
         playback: Speed against real time; None takes the lowest round one, real time
-            at best, that keeps the film within `LONGEST`.
+            at best, that keeps the film within `FILM_LENGTH`.
         stretch: Begin and end of what is shown [s].
     """
     first, last = rows_of(time, stretch)
     duration = float(time[last] - time[first])
     if playback is None:
-        playback = next(p for p in _round_speeds() if duration / p <= LONGEST - TAIL)
+        playback = next(
+            p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL
+        )
     moving = int(duration / playback * FRAME_RATE)
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
     tail = np.full(round(TAIL * FRAME_RATE), last)

@@ -17,7 +17,7 @@ from typing import Any
 import imageio_ffmpeg
 
 from sim.errors import RenderError
-from sim.pictures.style import FRAME_RATE
+from sim.pictures.clock import FRAME_RATE
 
 CODEC = "libx264"
 QUALITY = ("-preset", "superfast", "-crf", "22", "-threads", "1")

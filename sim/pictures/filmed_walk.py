@@ -15,13 +15,12 @@ from planner import Array
 from planner.support import open_file
 from sim.finished_run import arrays_of, nominal_poses, phases_of, reading
 from sim.motion.poses import rotate
-from sim.pictures.style import Colour
+from sim.palette import Colour
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
 
-IDEAL = "ideal prediction"
 NOSE = "nose"  # geom on the front of the shipped robots
-PREDICTIONS = {"predicted_pose": IDEAL, "quasi_static_pose": "quasi-static prediction"}
+PREDICTIONS = {"predicted_pose": "ideal", "quasi_static_pose": "quasi_static"}
 
 
 class FlowRow(NamedTuple):
@@ -57,7 +56,7 @@ class FilmedWalk:
     @property
     def ideal(self) -> Array:
         """Poses predicted by the paper's fields, (T, 3)."""
-        return self.predicted[IDEAL]
+        return self.predicted["ideal"]
 
     @property
     def segments(self) -> int:
@@ -133,7 +132,7 @@ def _colour_of(model: Path, name: str) -> Colour | None:
     """Colour of a geom in an MJCF file; None where there is no such geom."""
     geoms = mujoco.MjSpec.from_file(str(model)).geoms
     for red, green, blue, _ in (geom.rgba for geom in geoms if geom.name == name):
-        return round(255 * red), round(255 * green), round(255 * blue)
+        return Colour(round(255 * red), round(255 * green), round(255 * blue))
     return None
 
 

@@ -7,13 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from planner import Array
+from sim import palette
 from sim.motion.polylines import length_up_to
 
 CORNERS = 24  # of a disc
+PIECE = 400  # triangles that are passed to the driver at once
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,22 @@ class Drawing:
 
     def __len__(self) -> int:
         return len(self.frames)
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Drawing of one colour."""
+
+    name: str
+    drawing: Drawing
+    colour: palette.Colour
+    alpha: float = 1.0
+
+    @cached_property
+    def pieces(self) -> tuple[tuple[str, Drawing], ...]:
+        """Pieces of the drawing with their names; complete ones stay on the card."""
+        parts = self.drawing.pieces(PIECE)
+        return tuple((f"{self.name} {i}", part) for i, part in enumerate(parts))
 
 
 def join(drawings: Iterable[Drawing], fleeting: bool = False) -> Drawing:

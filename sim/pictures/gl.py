@@ -1,4 +1,4 @@
-"""The choice of an OpenGL driver: EGL first, OSMesa second.
+"""The choice of an OpenGL driver, EGL first and OSMesa second, and its speed.
 
 MuJoCo binds its driver at `import mujoco`, which fails if MUJOCO_GL does not suit the
 machine. The physics therefore imports MuJoCo without a driver, and pictures are drawn
@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import time
 from functools import cache
 from pathlib import Path
 
@@ -20,6 +21,9 @@ OFF = ("disable", "disabled", "off", "false", "0")  # as MuJoCo spells it
 ASKED = "STRATAWALK_GL"  # what MUJOCO_GL said before physics silenced it
 TRIAL_LIMIT = 60.0  # [s]; a trial takes 0.5 s
 INSTALL = "on Debian: apt-get install libegl1 libopengl0 libgl1-mesa-dri"
+SPEED = "speed"  # what a child process is asked to measure
+PICTURES = 10  # that it draws
+SPEED_LIMIT = 120.0  # [s]
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -57,6 +61,32 @@ def environment(backend: str) -> dict[str, str]:
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     gl = {"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": backend, "PYTHONPATH": path}
     return {**os.environ, **gl}
+
+
+def pictures_per_second(driver: str) -> float:
+    """Pictures of the default robot, drafts without captions, drawn in a second.
+
+    Args:
+        driver: One that draws, as `probe` finds it.
+
+    Raises:
+        RenderError: If it does not draw pictures of this size.
+    """
+    command = [sys.executable, "-P", "-m", "sim.pictures.gl", SPEED]
+    try:
+        done = subprocess.run(
+            command,
+            env=environment(driver),
+            capture_output=True,
+            text=True,
+            errors="replace",
+            timeout=SPEED_LIMIT,
+            check=True,
+        )
+    except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
+        where = f"{driver}, {error}"
+        raise RenderError("cannot draw pictures", where, INSTALL) from error
+    return float(done.stdout)
 
 
 @cache
@@ -119,5 +149,34 @@ def _draw_one_frame() -> None:
         raise SystemExit("the picture is blank")
 
 
+def _measure() -> float:
+    import mujoco  # only here: the driver is tied at this moment
+
+    from models import FOLDER
+    from sim.pictures.camera import HEIGHT, WIDTH
+
+    spec = mujoco.MjSpec.from_file(str(FOLDER / "hexapod.xml"))
+    size = spec.visual.global_
+    size.offwidth, size.offheight = WIDTH, HEIGHT
+    spec.visual.quality.offsamples = 0
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
+        renderer.update_scene(data)
+        renderer.render()  # the first one is slow
+        began = time.perf_counter()
+        for _ in range(PICTURES):
+            renderer.update_scene(data)
+            renderer.render()
+    return PICTURES / (time.perf_counter() - began)
+
+
 if __name__ == "__main__":
-    _draw_one_frame()
+    if SPEED in sys.argv:
+        print(_measure())
+    else:
+        _draw_one_frame()

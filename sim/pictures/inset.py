@@ -11,18 +11,18 @@ from functools import cached_property
 import numpy as np
 
 from planner import Array
+from sim import palette
 from sim.motion.polylines import spaced_rows
-from sim.pictures import style
-from sim.pictures.camera import Camera
+from sim.palette import Colour
+from sim.pictures.camera import WIDTH, Camera
 from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.panel import EDGE, PAD, SMALL, Draw, Panel, empty, millimetres, text
-from sim.pictures.style import WIDTH, Colour
 
 TOP, BOX, WORDS = 38, 128, 116  # title, plot, and words beside it [pixels]
 SIZE = (2 * PAD + BOX + 12 + WORDS, TOP + BOX + 12)
 MIDDLE = np.array([PAD + BOX / 2, TOP + BOX / 2])  # of the plot: no error
 DOT, CROSS = 4, 5  # of the present error, and of no error [pixels]
-STEP = 1.0  # between points of a trail [pixels]
+TRAIL_STEP = 1.0  # between points of a trail [pixels]
 FILL = 0.92  # of half the plot, at most, for the largest error
 
 NOTHING = 1e-9  # [m], below which an error is rounding
@@ -41,7 +41,7 @@ class Trail:
     @cached_property
     def rows(self) -> Array:
         """Rows at which the trail has come another step farther."""
-        return spaced_rows(self.error, STEP / self.scale)
+        return spaced_rows(self.error, TRAIL_STEP / self.scale)
 
     @cached_property
     def points(self) -> list[tuple[float, float]]:
@@ -57,7 +57,7 @@ class Trail:
         """Draw the trail up to a row, its end as a dot, and its length in words."""
         past = self.points[: int(np.searchsorted(self.rows, row, side="right"))]
         x, y = self.place(row)
-        draw.line([*past, (x, y)], style.tint(self.colour, 0.6), 1)
+        draw.line([*past, (x, y)], self.colour.tint(0.6), 1)
         draw.ellipse((x - DOT, y - DOT, x + DOT, y + DOT), self.colour)
         size = millimetres(float(np.hypot(*self.error[row])), digits=2)
         text(draw, (SIZE[0] - PAD, line + 18), size, SMALL, "ra")
@@ -73,15 +73,14 @@ def inset(walk: FilmedWalk, view: Camera, top: int, bottom: int, clear: int) -> 
         bottom: Where the bar at the bottom begins [pixels].
         clear: Where something else begins at the right [pixels].
     """
-    errors = {name: _turned(walk, view, poses) for name, poses in _predicted(walk)}
+    errors = {n: _turned(walk, view, poses) for n, poses in walk.predicted.items()}
     largest = max(float(np.hypot(*error.T).max()) for error in errors.values())
     floor = 1 / (view.pixel * view.distance)  # pixels to a metre, about
     factor = magnification(largest, BOX / 2 * FILL / floor)
     scale = factor * floor
-    colours = style.PREDICTED
     trails = [
-        Trail(name, colours[i], error, scale)
-        for i, (name, error) in enumerate(errors.items())
+        Trail(name.replace("_", "-"), palette.PREDICTED[name].colour, error, scale)
+        for name, error in errors.items()
     ]
     still, draw = empty(*SIZE)
     text(draw, (PAD, 10), f"error of position, {factor:g}x")
@@ -108,20 +107,13 @@ def magnification(largest: float, room: float) -> float:
         largest: Length to be shown [m].
         room: Length for which there is room in its own size [m].
     """
-    most = room / max(largest, NOTHING)
-    return _round(most)
+    return _round(room / max(largest, NOTHING))
 
 
 def _round(most: float) -> float:
     """The greatest of 1, 2, 5 times a power of ten that is not above a number."""
     power = 10.0 ** np.floor(np.log10(most))
     return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())
-
-
-def _predicted(walk: FilmedWalk) -> list[tuple[str, Array]]:
-    """Short names of the predictions, and their poses."""
-    named = walk.predicted.items()
-    return [(name.removesuffix(" prediction"), poses) for name, poses in named]
 
 
 def _turned(walk: FilmedWalk, view: Camera, poses: Array) -> Array:
@@ -136,10 +128,12 @@ def _draw_scale(draw: Draw, scale: float) -> None:
     """A cross where there is no error, and a ring at a round distance from it."""
     (x, y), ring = MIDDLE, _round(BOX / 2 * FILL / scale)
     radius = ring * scale
-    draw.rectangle((PAD, TOP, PAD + BOX, TOP + BOX), None, style.GRID, 1)
-    draw.ellipse((x - radius, y - radius, x + radius, y + radius), None, style.FAINT, 1)
-    draw.line((x - CROSS, y, x + CROSS, y), style.FAINT, 1)
-    draw.line((x, y - CROSS, x, y + CROSS), style.FAINT, 1)
+    draw.rectangle((PAD, TOP, PAD + BOX, TOP + BOX), None, palette.GRID, 1)
+    draw.ellipse(
+        (x - radius, y - radius, x + radius, y + radius), None, palette.FAINT, 1
+    )
+    draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
+    draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
     words = f"ring {1000 * ring:g} mm"
     at = (SIZE[0] - PAD, TOP + BOX - 18)
-    text(draw, at, words, anchor="ra", colour=style.FAINT)
+    text(draw, at, words, anchor="ra", colour=palette.FAINT)

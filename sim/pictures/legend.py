@@ -1,70 +1,92 @@
-"""The legend of a film: the meaning of every colour and sign in it."""
+"""The legend of film, viewer and replay: the meaning of every colour and sign.
+
+It also has the words for groups of legs, by the number of their legs.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
 
-from sim.pictures import relief, style
+from sim import palette
+from sim.palette import Colour
 from sim.pictures.filmed_walk import FilmedWalk
-from sim.pictures.floor import cell
+from sim.pictures.floor import cell, contour_step
 from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, length, text
-from sim.pictures.stratum_caption import noun
-from sim.pictures.style import Colour
 
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 TITLE = 86  # height of what is above the lines [pixels]
+NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
 Sample = Callable[[Draw, int, Colour], None]
 
 
 def legend(walk: FilmedWalk) -> Panel:
     """The panel at the top left: the walk, and the meaning of the colours."""
-    scenario, entries = walk.scenario, _entries(walk)
+    scenario, lines = walk.scenario, _lines(walk)
     robot = Path(scenario.robot).stem  # of a user's own, the file
     about = f"{robot}, {scenario.fields} fields, {walk.segments} segments"
-    labels = [length(label) + SWATCH for label, _, _ in entries]
+    labels = [length(label) + SWATCH for label, _, _ in lines]
     still, draw = empty(
         max(length(about), length(scenario.name, LARGE), *labels) + 2 * PAD,
-        TITLE - 2 + LINE * len(entries),
+        TITLE - 2 + LINE * len(lines),
     )
     text(draw, (PAD, 10), scenario.name, LARGE)
-    text(draw, (PAD, 46), about, colour=style.FAINT)
-    for i, (label, colour, sample) in enumerate(entries):
+    text(draw, (PAD, 46), about, colour=palette.FAINT)
+    for i, (label, colour, sample) in enumerate(lines):
         y = TITLE + i * LINE
         sample(draw, y, colour)
         text(draw, (PAD + SWATCH, y), label, anchor="lm")
     return Panel(EDGE, EDGE, still, lambda draw, row: None)
 
 
-def _entries(walk: FilmedWalk) -> list[tuple[str, Colour, Sample]]:
-    """Label, colour and sample of every line of the legend."""
+def entries(walk: FilmedWalk) -> list[tuple[str, Colour]]:
+    """Labels and colours of what viewer and replay show."""
+    paths = [palette.NOMINAL, *(palette.PREDICTED[name] for name in walk.predicted)]
     groups = noun(walk.legs_per_group)
-    around: list[tuple[str, Colour, Sample]] = [
-        ("obstacles", style.OBSTACLE, _block),
-        ("floor swept over", style.SWEPT, _block),
-    ]
-    heights = f", contours {1000 * relief.step(walk):.3g} mm"
     return [
-        *(around if walk.scenario.obstacles else []),
-        ("outline of the robot", style.OUTLINE, _line),
-        *([("nose, the front", walk.nose, _block)] if walk.nose else []),
-        ("nominal path", style.NOMINAL, _dashes),
-        ("goal", style.NOMINAL, _ring),
-        *((name, style.PREDICTED[i], _line) for i, name in enumerate(walk.predicted)),
-        ("achieved path", style.ACHIEVED, _line),
-        ("centre of mass", style.WEIGHT, _disc),
-        ("support polygon", style.STABLE, _area),
+        *([("nose, the front", walk.nose)] if walk.nose else []),
+        *((mark.label, mark.colour) for mark in (*paths, palette.ACHIEVED)),
+        ("goal", palette.NOMINAL.colour),
+        ("support polygon", palette.STABLE),
+        ("support polygon, weight outside", palette.LIMIT),
         *(
-            (f"footprints of {groups} {group}", style.footprint(i), _disc)
+            (f"legs of {groups} {group}, and paler their footprints", palette.group(i))
             for i, group in enumerate(walk.groups)
         ),
-        (
-            f"grid, {1000 * cell(walk.reach):g} mm"
-            + (heights if walk.scenario.bumps else ""),
-            style.GRID,
-            _mesh,
+    ]
+
+
+def noun(legs_per_group: int) -> str:
+    """What a group of so many legs is called; 0 where the groups differ."""
+    return NOUNS.get(legs_per_group, "group")
+
+
+def _lines(walk: FilmedWalk) -> list[tuple[str, Colour, Sample]]:
+    """Label, colour and sample of every line of a film's legend."""
+    groups, nominal = noun(walk.legs_per_group), palette.NOMINAL
+    around: list[tuple[str, Colour, Sample]] = [
+        ("obstacles", palette.OBSTACLE, _block),
+        ("floor swept over", palette.SWEPT, _block),
+    ]
+    predicted = [palette.PREDICTED[name] for name in walk.predicted]
+    squares = f"grid, {1000 * cell(walk.reach):g} mm"
+    if walk.scenario.bumps:
+        squares += f", contours {1000 * contour_step(walk):.3g} mm"
+    return [
+        *(around if walk.scenario.obstacles else []),
+        ("outline of the robot", palette.OUTLINE, _line),
+        *([("nose, the front", walk.nose, _block)] if walk.nose else []),
+        (nominal.label, nominal.colour, _dashes),
+        ("goal", nominal.colour, _ring),
+        *((mark.label, mark.colour, _line) for mark in (*predicted, palette.ACHIEVED)),
+        ("centre of mass", palette.CENTRE_OF_MASS, _disc),
+        ("support polygon", palette.STABLE, _area),
+        *(
+            (f"footprints of {groups} {group}", palette.footprint(i), _disc)
+            for i, group in enumerate(walk.groups)
         ),
+        (squares, palette.GRID, _mesh),
     ]
 
 
@@ -82,7 +104,7 @@ def _disc(draw: Draw, y: int, colour: Colour) -> None:
 
 
 def _ring(draw: Draw, y: int, colour: Colour) -> None:
-    draw.ellipse((PAD + 4, y - 8, PAD + 20, y + 8), style.PAPER, colour, 3)
+    draw.ellipse((PAD + 4, y - 8, PAD + 20, y + 8), palette.PAPER, colour, 3)
 
 
 def _mesh(draw: Draw, y: int, colour: Colour) -> None:

@@ -6,20 +6,24 @@ A walk is turned into coloured drawings, frame by frame; `pictures.offscreen` dr
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
 
+import mujoco
 import numpy as np
 import shapely
 
+from models import root_body
 from planner import Array
+from sim import palette
 from sim.motion.polylines import spaced_rows
 from sim.motion.stability import support_polygons
-from sim.pictures import relief, style, swept_area
+from sim.obstacles.solids import Solids
+from sim.palette import ACHIEVED, EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, PathMark
 from sim.pictures.clock import Clock
 from sim.pictures.filmed_walk import FilmedWalk
+from sim.pictures.floor import contours
 from sim.pictures.floor_drawing import (
     Drawing,
+    Mark,
     dashes,
     discs,
     join,
@@ -30,29 +34,11 @@ from sim.pictures.floor_drawing import (
 # In units of the robot's reach.
 SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
-FINE, THIN, WIDE = 0.006, 0.01, (0.014, 0.01)  # widths of lines
-FOOT, TRAIL = 0.014, 0.012  # radius of a footprint, width of its slip
-SPOT, GOAL = 0.032, 0.06  # radii
+TRAIL = 0.012  # width of the slip of a foot
 BEND = 0.1  # [rad] that a path turns between its points, or
 BEAT = 6  # pictures; what comes first
-FEW = 8  # corners of a footprint, which is a few pixels wide
-PIECE = 400  # triangles that are passed to the driver at once
-
-
-@dataclass(frozen=True)
-class Mark:
-    """Drawing of one colour."""
-
-    name: str
-    drawing: Drawing
-    colour: style.Colour
-    alpha: float = 1.0
-
-    @cached_property
-    def pieces(self) -> tuple[tuple[str, Drawing], ...]:
-        """Pieces of the drawing with their names; complete ones stay on the card."""
-        parts = self.drawing.pieces(PIECE)
-        return tuple((f"{self.name} {i}", part) for i, part in enumerate(parts))
+FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
+FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 
 
 def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
@@ -64,14 +50,14 @@ def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
         frames: Frames to be drawn; what moves with the robot is drawn for these only.
     """
     drawn = (
-        Mark("contours of the floor", relief.contours(walk), style.RELIEF),
+        Mark("contours of the floor", contours(walk), palette.RELIEF),
         *_covered(walk, clock, frames),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         *_goal(walk),
         *_predicted(walk, clock),
-        Mark("achieved path", _path(walk, clock, walk.achieved, FINE), style.ACHIEVED),
-        Mark("nominal path", _nominal(walk), style.NOMINAL),
+        _path(walk, clock, walk.achieved, ACHIEVED),
+        Mark(NOMINAL.label, _nominal(walk), NOMINAL.colour),
         *_weight(walk, clock, frames),
     )
     return tuple(mark for mark in drawn if len(mark.drawing))
@@ -79,41 +65,40 @@ def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
 
 def _covered(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
     """The robot's outline; beside obstacles also the floor that it swept over."""
-    robot = swept_area.solids(walk)
+    robot = _solids(walk)
     if walk.scenario.obstacles:
-        yield Mark(
-            "floor swept over", swept_area.swept(robot, walk, clock), style.SWEPT
-        )
-    edge = swept_area.edge(robot, walk, clock, frames, THIN * walk.reach)
-    yield Mark("outline of the robot", edge, style.OUTLINE)
+        yield Mark("floor swept over", swept(robot, walk, clock), palette.SWEPT)
+    edge = outline(robot, walk, clock, frames, EDGE * walk.reach)
+    yield Mark("outline of the robot", edge, palette.OUTLINE)
 
 
 def _nominal(walk: FilmedWalk) -> Drawing:
-    return dashes(walk.nominal[:, :2], DASH * walk.reach, THIN * walk.reach)
+    return dashes(walk.nominal[:, :2], DASH * walk.reach, NOMINAL.width * walk.reach)
 
 
 def _goal(walk: FilmedWalk) -> Iterator[Mark]:
     """A ring where the nominal path ends."""
     end, first = walk.nominal[-1:, :2], np.zeros(1, int)
     for name, share, colour in (
-        ("goal", 1.0, style.NOMINAL),
-        ("goal's eye", 0.75, style.PAPER),
+        ("goal", 1.0, NOMINAL.colour),
+        ("goal's eye", 0.75, palette.PAPER),
     ):
         yield Mark(name, discs(end, first, share * GOAL * walk.reach), colour)
 
 
 def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
     """The predicted path of the body, wider than the actual one and below it."""
-    for i, (name, poses) in enumerate(walk.predicted.items()):
-        yield Mark(name, _path(walk, clock, poses, WIDE[i]), style.PREDICTED[i])
+    for name, poses in walk.predicted.items():
+        yield _path(walk, clock, poses, palette.PREDICTED[name])
 
 
-def _path(walk: FilmedWalk, clock: Clock, poses: Array, width: float) -> Drawing:
+def _path(walk: FilmedWalk, clock: Clock, poses: Array, style: PathMark) -> Mark:
     """The path of the body's centre so far."""
     rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
     frames = clock.frame_of(rows)
-    return ribbon(poses[rows, :2], frames, width * walk.reach, JUMP * walk.reach)
+    width, jump = style.width * walk.reach, JUMP * walk.reach
+    return Mark(style.label, ribbon(poses[rows, :2], frames, width, jump), style.colour)
 
 
 def _telling(line: Array, frames: Array) -> Array:
@@ -133,7 +118,7 @@ def _footprints(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
         drawing = join(
             drawing for foot in feet for drawing in _stands(walk, clock, foot)
         )
-        yield Mark(f"footprints of {name}", drawing, style.footprint(group))
+        yield Mark(f"footprints of {name}", drawing, palette.footprint(group))
 
 
 def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Drawing]:
@@ -141,7 +126,9 @@ def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Drawing]:
     place = walk.contact_point[:, foot]
     touched = np.concatenate([[False], walk.contact[:, foot], [False]])
     starts, stops = np.flatnonzero(touched[1:] != touched[:-1]).reshape(-1, 2).T
-    yield discs(place[starts], clock.frame_of(starts), FOOT * walk.reach, FEW)
+    yield discs(
+        place[starts], clock.frame_of(starts), FOOTPRINT * walk.reach, FOOTPRINT_CORNERS
+    )
     for start, stop in zip(starts, stops, strict=True):
         rows = start + spaced_rows(place[start:stop], TRAIL * walk.reach)
         yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)
@@ -153,13 +140,13 @@ def _support(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
     hulls = support_polygons(walk.contact_point[rows], walk.contact[rows])
     stable = walk.margin[rows] > 0
     for name, colour, chosen in (
-        ("support polygon", style.STABLE, stable),
-        ("support polygon, tipping", style.TIPPING, ~stable),
+        ("support polygon", palette.STABLE, stable),
+        ("support polygon, tipping", palette.LIMIT, ~stable),
     ):
         outlines = [(frames[i], _corners(hulls[i])) for i in np.flatnonzero(chosen)]
         filled = polygons([c for _, c in outlines], [f for f, _ in outlines])
         edges = (
-            ribbon(np.vstack([c, c[:1]]), np.full(len(c) + 1, frame), THIN * walk.reach)
+            ribbon(np.vstack([c, c[:1]]), np.full(len(c) + 1, frame), EDGE * walk.reach)
             for frame, c in outlines
         )
         yield Mark(name, join([filled], fleeting=True), colour, alpha=0.25)
@@ -178,8 +165,66 @@ def _weight(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
     rows = clock.rows[frames.start : frames.stop]
     centres = walk.center_of_mass[rows]
     for name, share, colour in (
-        ("rim of the centre of mass", 1.4, style.PAPER),
-        ("centre of mass", 1.0, style.WEIGHT),
+        ("rim of the centre of mass", 1.4, palette.PAPER),
+        ("centre of mass", 1.0, palette.CENTRE_OF_MASS),
     ):
         spots = discs(centres, np.array(frames), share * SPOT * walk.reach)
         yield Mark(name, join([spots], fleeting=True), colour)
+
+
+def _solids(walk: FilmedWalk) -> Solids:
+    """The solid parts of a walk's robot."""
+    model = mujoco.MjModel.from_xml_path(str(walk.model))
+    return Solids(model, root_body(model, walk.model))
+
+
+def outline(
+    robot: Solids, walk: FilmedWalk, clock: Clock, frames: range, width: float
+) -> Drawing:
+    """The outline in each of some frames, gone in the next.
+
+    Args:
+        robot: What of it covers the floor.
+        walk: What happened.
+        clock: Which row each frame shows.
+        frames: Which ones.
+        width: Of the line [m].
+    """
+    shapes = _outlines(robot, walk, clock.rows[frames.start : frames.stop])
+    lines = (
+        ribbon(ring, np.full(len(ring), frame), width)
+        for frame, shape in zip(frames, shapes, strict=True)
+        for ring in _rings(shape)
+    )
+    return join(lines, fleeting=True)
+
+
+def swept(robot: Solids, walk: FilmedWalk, clock: Clock) -> Drawing:
+    """All that the robot has stood over, growing with the frames."""
+    shapes = _outlines(robot, walk, clock.rows)
+    done, pieces = shapely.Polygon(), []
+    for frame, shape in enumerate(shapes):
+        triangles = _triangles(shapely.difference(shape, done))
+        pieces.append(polygons(triangles, np.full(len(triangles), frame)))
+        done = shapely.union(done, shape)
+    return join(pieces)
+
+
+def _outlines(robot: Solids, walk: FilmedWalk, rows: Array) -> Array:
+    """The floor covered at each row, shapely geometries, shape (rows,)."""
+    parts = robot.covered(walk.qpos[rows])
+    return shapely.simplify(shapely.union_all(parts, axis=0), FINENESS * walk.reach)
+
+
+def _rings(shape: shapely.Geometry) -> Iterator[Array]:
+    """Closed lines around a polygon, or several, shape (n, 2) each."""
+    for line in shapely.get_parts(shapely.boundary(shape)):
+        yield shapely.get_coordinates(line)
+
+
+def _triangles(shape: shapely.Geometry) -> Array:
+    """Triangles that make up a polygon, anticlockwise, shape (n, 3, 2)."""
+    flat = shapely.MultiPolygon([p for p in shapely.get_parts(shape) if p.area])
+    pieces = shapely.orient_polygons(shapely.constrained_delaunay_triangles(flat))
+    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)
+    return corners[:, :3]

@@ -12,18 +12,21 @@ from typing import Self
 
 import mujoco
 import numpy as np
+from PIL import Image, ImageDraw
 
 from planner import Array
-from sim.pictures.camera import Camera
+from sim import palette
+from sim.palette import Colour
+from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.filmed_walk import FilmedWalk
-from sim.pictures.floor_drawing import Drawing
-from sim.pictures.leg_numbers import LegNumbers
-from sim.pictures.marks import Mark
-from sim.pictures.scene import SUN, build, has_endless_floor, mesh_name
-from sim.pictures.style import HEIGHT, WIDTH, Look
+from sim.pictures.floor_drawing import Drawing, Mark
+from sim.pictures.panel import text
+from sim.pictures.scene import SUN, Look, build, has_endless_floor, mesh_name
 
 SUN_DISTANCE = 5.0  # [reach of the robot]
-ROOM = 1000  # geoms beyond those of the model, for what MuJoCo adds
+RADIUS = 9  # of the disc under the number of a leg [pixels]
+OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
+SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
 
 
 class OffscreenRenderer:
@@ -47,7 +50,9 @@ class OffscreenRenderer:
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
         self._context.make_current()
-        self._scene = mujoco.MjvScene(self._model, maxgeom=self._model.ngeom + ROOM)
+        self._scene = mujoco.MjvScene(
+            self._model, maxgeom=self._model.ngeom + SPARE_GEOMS
+        )
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look.shadows
         self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
         # Half the time of a picture goes into the sky behind the floor.
@@ -129,3 +134,44 @@ class OffscreenRenderer:
         if (model.mesh_faceadr[mesh], model.mesh_facenum[mesh]) != (first, count):
             model.mesh_faceadr[mesh], model.mesh_facenum[mesh] = first, count
             mujoco.mjr_uploadMesh(model, self._brush, mesh)
+
+
+class LegNumbers:
+    """Writes the number of each leg halfway between its lift joint and its foot."""
+
+    def __init__(self, walk: FilmedWalk, model: mujoco.MjModel) -> None:
+        legs = sorted(walk.card.legs)
+        self._joints = [model.joint(walk.card.legs[leg].lift).id for leg in legs]
+        self._feet = [model.geom(walk.card.legs[leg].foot[0]).id for leg in legs]
+        owners = zip(legs, walk.group_of_foot, strict=True)
+        self._discs = [_disc(str(leg), palette.group(owner)) for leg, owner in owners]
+
+    def places(self, data: mujoco.MjData) -> Array:
+        """Where the numbers belong, shape (legs, 3) [m]."""
+        return (data.xanchor[self._joints] + data.geom_xpos[self._feet]) / 2
+
+    def write(self, picture: Array, pixels: Array) -> None:
+        """Write the numbers on a picture, in place.
+
+        Args:
+            picture: Shape (height, width, 3), bytes.
+            pixels: Where, shape (legs, 2); numbers over the edge are left out.
+        """
+        for disc, (x, y) in zip(self._discs, np.round(pixels).astype(int), strict=True):
+            side, half = disc.shape[0], disc.shape[0] // 2
+            area = picture[max(y - half, 0) :, max(x - half, 0) :][:side, :side]
+            if y < half or x < half or area.shape[:2] != (side, side):
+                continue
+            share = disc[..., 3:] / 255
+            area[:] = np.round(share * disc[..., :3] + (1 - share) * area)
+
+
+def _disc(number: str, colour: Colour) -> Array:
+    """A number on a disc, shape (side, side, 4), bytes, the last one its opacity."""
+    side = 2 * RADIUS + 3
+    large = Image.new("RGBA", (side * OVERSAMPLING, side * OVERSAMPLING), (*colour, 0))
+    draw, edge = ImageDraw.Draw(large), side * OVERSAMPLING - 1
+    draw.ellipse((0, 0, edge, edge), (255, 255, 255, 255), colour, 2 * OVERSAMPLING)
+    middle = side * OVERSAMPLING // 2
+    text(draw, (middle, middle), number, 13 * OVERSAMPLING, "mm", palette.TEXT)
+    return np.asarray(large.resize((side, side), Image.Resampling.LANCZOS))

@@ -10,8 +10,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from planner import Array
-from sim.pictures import style
-from sim.pictures.style import Colour
+from sim import palette
+from sim.palette import Colour
 
 Draw = ImageDraw.ImageDraw
 
@@ -58,7 +58,7 @@ def text(
     words: str,
     size: int = SMALL,
     anchor: str = "la",
-    colour: Colour = style.TEXT,
+    colour: Colour = palette.TEXT,
 ) -> None:
     """Write words at a place, with an anchor as Pillow names it."""
     mask, (left, top) = _mask(words, size, anchor)

@@ -16,17 +16,17 @@ from planner import Array
 from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import gl
+from sim.pictures.camera import view_of
 from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
 from sim.pictures.file import animate, check_encoder, count_pictures, join
 from sim.pictures.filmed_walk import read_walk
 from sim.pictures.processes import KEPT, Piece, draw
-from sim.pictures.style import LOOKS
-from sim.pictures.views import view_of
+from sim.pictures.scene import LOOKS
 
 NAME = "video.mp4"
 ANIMATED = ".webp"  # of files that are small animated pictures instead
 WORKERS = 2  # processes at most; each takes 200 MB
-SHORTEST = 90  # pictures that are worth a process
+FEWEST_PICTURES = 90  # pictures that are worth a process
 
 
 def check() -> str:
@@ -143,6 +143,8 @@ def _scratch(film: Path) -> Iterator[Path]:
 
 def _shares(pictures: int) -> list[range]:
     """Equal shares of the pictures, one for each process."""
-    workers = min(WORKERS, len(os.sched_getaffinity(0)), 1 + pictures // SHORTEST)
+    workers = min(
+        WORKERS, len(os.sched_getaffinity(0)), 1 + pictures // FEWEST_PICTURES
+    )
     ends = [pictures * i // workers for i in range(workers + 1)]
     return [range(start, stop) for start, stop in zip(ends[:-1], ends[1:], strict=True)]

@@ -6,16 +6,16 @@ The model is only drawn, never stepped; its states are those of the run.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
 
 from models import root_body
-from sim.pictures import style
-from sim.pictures.camera import FIELD_OF_VIEW
+from sim import palette
+from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH
 from sim.pictures.filmed_walk import FilmedWalk
-from sim.pictures.marks import Mark
-from sim.pictures.style import HEIGHT, WIDTH, Look
+from sim.pictures.floor_drawing import Mark
 
 AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
@@ -24,9 +24,24 @@ LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 SHADOW_MAP = 2048  # [texels]
 EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
-NEAR = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
+NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
 PREFIX = "film: "  # of names, against those of the robot
 FLOOR = f"{PREFIX}floor"
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The quality of a film's pictures."""
+
+    shadows: bool
+    samples: int  # of every pixel, against jagged edges
+    slices: int  # of round shapes
+
+
+LOOKS = {
+    "draft": Look(shadows=False, samples=0, slices=14),
+    "final": Look(shadows=True, samples=4, slices=28),
+}
 
 
 def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
@@ -47,7 +62,7 @@ def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel
     visual.global_.fovy = FIELD_OF_VIEW
     visual.quality.offsamples, visual.quality.shadowsize = look.samples, SHADOW_MAP
     visual.quality.numslices, visual.quality.numstacks = look.slices, look.slices // 2
-    visual.map.znear = NEAR
+    visual.map.znear = NEAREST
     spec.stat.extent = EXTENT * walk.reach
     model = spec.compile()
     _see_through(model, root_body(model, walk.model))
@@ -86,7 +101,7 @@ def _lay_floor(spec: mujoco.MjSpec) -> float:
     kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
     floors = [geom for geom in spec.worldbody.geoms if geom.type in kinds]
     for geom in floors:
-        geom.material, geom.rgba = FLOOR, style.rgba(style.PAPER)
+        geom.material, geom.rgba = FLOOR, palette.PAPER.rgba()
     return _top(spec, floors[0]) if floors else 0.0
 
 
@@ -99,9 +114,7 @@ def _top(spec: mujoco.MjSpec, floor: mujoco.MjsGeom) -> float:
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:
     """A mesh for each piece of a mark, with all the triangles it will ever show."""
     material = mesh_name(mark.name)
-    spec.add_material(
-        name=material, rgba=style.rgba(mark.colour, mark.alpha), specular=0
-    )
+    spec.add_material(name=material, rgba=mark.colour.rgba(mark.alpha), specular=0)
     for name, drawing in mark.pieces:
         sheet = drawing.shapes % SHEETS / SHEETS
         _add_mesh(
@@ -112,7 +125,7 @@ def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> N
             type=mujoco.mjtGeom.mjGEOM_MESH,
             meshname=mesh_name(name),
             material=material,
-            rgba=style.rgba(mark.colour, mark.alpha),  # not that of the file's defaults
+            rgba=mark.colour.rgba(mark.alpha),  # not that of the file's defaults
             group=0,
             contype=0,
             conaffinity=0,

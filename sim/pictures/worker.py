@@ -12,7 +12,7 @@ from pathlib import Path
 
 import mujoco
 
-from sim.pictures.camera import Camera, camera
+from sim.pictures.camera import Camera, camera, view_of
 from sim.pictures.captions import Captions
 from sim.pictures.clock import Clock, clock
 from sim.pictures.file import encoding
@@ -21,8 +21,7 @@ from sim.pictures.floor import grid
 from sim.pictures.marks import marks
 from sim.pictures.offscreen import OffscreenRenderer
 from sim.pictures.processes import Piece
-from sim.pictures.style import LOOKS
-from sim.pictures.views import view_of
+from sim.pictures.scene import LOOKS
 
 
 def draw(piece: Piece) -> None:

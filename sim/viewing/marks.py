@@ -10,18 +10,26 @@ import shapely
 
 from models import root_body
 from planner import Array
+from sim import palette
 from sim.motion.polylines import length_up_to
 from sim.motion.stability import support_polygons
-from sim.pictures import style
+from sim.palette import (
+    EDGE,
+    FOOTPRINT,
+    GHOST,
+    GHOST_TORSO,
+    GOAL,
+    NOMINAL,
+    SPOT,
+    Colour,
+)
 from sim.pictures.filmed_walk import FilmedWalk
-from sim.pictures.style import Colour
 
-POINTS = 120  # of a path
+PATH_POINTS = 120  # of a path
 PRINTS = 240  # footprints, the latest ones; the viewer draws 1024 geoms in all
-GHOST, FAINT = 0.5, 0.12  # opacity of its legs, and of its body
 INSIDE = 0.93  # size of the ghost, which the robot hides where it is as predicted
 # In units of the robot's reach.
-HIGH, THICK, EDGE, PRINT, GOAL = 0.008, 0.006, 0.008, 0.014, 0.06
+HIGH, THICK = 0.008, 0.006  # above the floor, width of paths
 FLAT = np.eye(3).ravel()
 
 
@@ -46,7 +54,7 @@ class Marks:
         """
         walk = self._walk
         come = walk.achieved[: row + 1, :2]
-        achieved = self._line(thinned(come), style.ACHIEVED, THICK, level=3)
+        achieved = self._line(thinned(come), palette.ACHIEVED.colour, THICK, level=3)
         moving = (
             self._footprints(row),
             achieved,
@@ -64,18 +72,25 @@ class Marks:
     def _paths(self) -> Iterator[mujoco.MjvGeom]:
         walk = self._walk
         yield from self._line(
-            thinned(walk.nominal[:, :2]), style.NOMINAL, THICK, level=0, dashed=True
+            thinned(walk.nominal[:, :2]),
+            NOMINAL.colour,
+            THICK,
+            level=0,
+            dashed=True,
         )
-        for i, poses in enumerate(walk.predicted.values()):
-            line = thinned(poses[:, :2])
-            yield from self._line(line, style.PREDICTED[i], THICK, level=1 + i)
+        for level, (name, poses) in enumerate(walk.predicted.items(), start=1):
+            colour = palette.PREDICTED[name].colour
+            yield from self._line(thinned(poses[:, :2]), colour, THICK, level)
 
     def _goal(self) -> mujoco.MjvGeom:
         reach = self._walk.reach
         place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)
         size = np.array([GOAL, HIGH / 4, 0.0]) * reach
         return _geom(
-            mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, style.rgba(style.NOMINAL, 0.5)
+            mujoco.mjtGeom.mjGEOM_CYLINDER,
+            size,
+            place,
+            NOMINAL.colour.rgba(0.5),
         )
 
     def _line(
@@ -91,7 +106,7 @@ class Marks:
         places = np.insert(points, 2, HIGH * reach * (1 + 0.3 * level), axis=1)
         for i in range(0, len(places) - 1, 2 if dashed else 1):
             geom = _geom(
-                mujoco.mjtGeom.mjGEOM_CAPSULE, np.ones(3), places[i], style.rgba(colour)
+                mujoco.mjtGeom.mjGEOM_CAPSULE, np.ones(3), places[i], colour.rgba()
             )
             start, end = places[i], places[i + 1]
             mujoco.mjv_connector(
@@ -102,29 +117,28 @@ class Marks:
     def _footprints(self, row: int) -> Iterator[mujoco.MjvGeom]:
         rows, feet = self._prints
         stop = int(np.searchsorted(rows, row, side="right"))
-        size = np.array([PRINT, HIGH / 4, 0.0]) * self._walk.reach
+        size = np.array([FOOTPRINT, HIGH / 4, 0.0]) * self._walk.reach
         for i in range(max(stop - PRINTS, 0), stop):
             foot = int(feet[i])
             place = np.append(self._walk.contact_point[rows[i], foot], size[1])
-            colour = style.rgba(style.footprint(self._walk.group_of_foot[foot]))
+            colour = palette.footprint(self._walk.group_of_foot[foot]).rgba()
             yield _geom(mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, colour)
 
     def _support(self, row: int) -> Iterator[mujoco.MjvGeom]:
         """The edge of the support polygon, red where the weight has left it."""
-        walk, here = self._walk, slice(row, row + 1)
-        (hull,) = support_polygons(walk.contact_point[here], walk.contact[here])
-        ring = hull.exterior if isinstance(hull, shapely.Polygon) else hull
-        colour = style.STABLE if walk.margin[row] > 0 else style.TIPPING
-        yield from self._line(shapely.get_coordinates(ring), colour, EDGE, level=4)
+        walk = self._walk
+        yield from self._line(*support(walk, row), EDGE, level=4)
         place = np.append(walk.center_of_mass[row], 2 * HIGH * walk.reach)
-        size = np.full(3, 2 * PRINT * walk.reach)
-        yield _geom(mujoco.mjtGeom.mjGEOM_SPHERE, size, place, style.rgba(style.WEIGHT))
+        size = np.full(3, SPOT * walk.reach)
+        yield _geom(
+            mujoco.mjtGeom.mjGEOM_SPHERE, size, place, palette.CENTRE_OF_MASS.rgba()
+        )
 
     def _shadow(self, row: int) -> Iterator[mujoco.MjvGeom]:
         """The robot where the last of the predictions, the quasi-static, sees it."""
         walk, model = self._walk, self._model
         *_, (name, poses) = walk.predicted.items()
-        colour = style.PREDICTED[list(walk.predicted).index(name)]
+        colour = palette.PREDICTED[name].colour
         self._ghost.qpos[:] = _moved(
             walk.qpos[row], self._address, walk.achieved[row], poses[row]
         )
@@ -136,7 +150,7 @@ class Marks:
                 mujoco.mjtGeom(model.geom_type[i]),
                 INSIDE * model.geom_size[i],
                 self._ghost.geom_xpos[i],
-                style.rgba(colour, FAINT if i in self._torso else GHOST),
+                colour.rgba(GHOST_TORSO if i in self._torso else GHOST),
                 self._ghost.geom_xmat[i],
             )
 
@@ -156,6 +170,15 @@ def _moved(qpos: Array, address: int, pose: Array, to: Array) -> Array:
     return moved
 
 
+def support(walk: FilmedWalk, row: int) -> tuple[Array, Colour]:
+    """Edge of the support polygon, closed, shape (n, 2) [m], and its colour."""
+    here = slice(row, row + 1)
+    (hull,) = support_polygons(walk.contact_point[here], walk.contact[here])
+    ring = hull.exterior if isinstance(hull, shapely.Polygon) else hull
+    colour = palette.STABLE if walk.margin[row] > 0 else palette.LIMIT
+    return shapely.get_coordinates(ring), colour
+
+
 def landings(walk: FilmedWalk) -> tuple[Array, Array]:
     """Rows in which a foot comes down, ascending, and which foot it is."""
     before = np.zeros((1, walk.contact.shape[1]), bool)
@@ -169,7 +192,7 @@ def thinned(points: Array) -> Array:
     way = length_up_to(points)
     if not way[-1]:
         return points[:1]
-    at = np.searchsorted(way, np.linspace(0, way[-1], POINTS))
+    at = np.searchsorted(way, np.linspace(0, way[-1], PATH_POINTS))
     return points[np.unique(np.minimum(at, len(points) - 1))]
 
 

@@ -13,8 +13,8 @@ import numpy as np
 from mujoco.studio import messages, plugin, sim
 from mujoco.studio.dear_imgui import dear_imgui as imgui
 
-from sim.pictures import style
-from sim.viewing.key import entries
+from sim import palette
+from sim.pictures.legend import entries
 from sim.viewing.marks import Marks
 from sim.viewing.playback import Playback, RecordedWalk
 
@@ -125,7 +125,8 @@ class Panel(plugin.ViewerPlugin):
 
     def __init__(self, walk: RecordedWalk, playback: Playback) -> None:
         self._playback = playback
-        ghost = style.PREDICTED[len(walk.shown.predicted) - 1]
+        *_, last = walk.shown.predicted
+        ghost = palette.PREDICTED[last].colour
         self._key = [*entries(walk.shown), ("robot where it is predicted", ghost)]
 
     @messages.handler
@@ -147,7 +148,7 @@ class Panel(plugin.ViewerPlugin):
                 playback.speed = speed
         imgui.Separator()
         for label, colour in self._key:
-            imgui.TextColored(imgui.Vec4(*style.rgba(colour)), label)
+            imgui.TextColored(imgui.Vec4(*colour.rgba()), label)
         imgui.End()
 
 

@@ -17,21 +17,32 @@ import numpy as np
 
 from models import root_body
 from planner import Array
+from sim import palette
 from sim.errors import UsageError
 from sim.folder import blamed_on, whole
-from sim.pictures import style
-from sim.pictures.clock import clock
+from sim.palette import ACHIEVED, FOOTPRINT, GOAL, NOMINAL, Colour
+from sim.pictures.clock import FRAME_RATE, clock
 from sim.pictures.filmed_walk import FilmedWalk, read_walk
 from sim.pictures.floor_drawing import CORNERS
-from sim.pictures.style import FRAME_RATE, Colour
-from sim.viewing.key import key
-from sim.viewing.marks import GOAL, landings, thinned
-from sim.viewing.shapes import mesh_of
+from sim.pictures.legend import entries
+from sim.viewing.marks import landings, support, thinned
 
 NAME = "replay.html"
 EVERY = 2  # pictures of the film's clock
 LIFT, THICK, WIDE = 0.004, 0.004, 0.007  # of lines, in units of the robot's reach
+Mesh = tuple[Array, Array]  # corners (N, 3) [m] and faces (M, 3)
+KIND = mujoco.mjtGeom
+SIDES = 20  # of what is round
 TORSO = 0.35  # opacity, so that the paths below are seen
+BOX = (
+    "position: fixed; top: 12px; right: 12px; max-width: 45vw; padding: 8px 12px; "
+    "border-radius: 6px; background: rgba(255, 255, 255, 0.85); color: #212936; "
+    "font: 13px/1.6 system-ui, sans-serif"
+)
+SWATCH = (
+    "display: inline-block; width: 14px; height: 6px; margin-right: 6px; "
+    "vertical-align: middle; background: {}"
+)
 INSTALL = "pip install 'stratawalk[replay]'"
 
 
@@ -93,8 +104,20 @@ def _explained(page: str, walk: FilmedWalk, playback: float) -> str:
     before, _, rest = page.partition("<title>")
     body, end, after = rest.partition("</title>")[2].rpartition("</body>")
     name = escape(f"{walk.scenario.name}, a replay")
-    explained = f"{key(walk, playback)}\n{end}{after}"
+    explained = f"{_key(walk, playback)}\n{end}{after}"
     return f"{before}<title>{name}</title>{body}{explained}"
+
+
+def _key(walk: FilmedWalk, playback: float) -> str:
+    """The meaning of the colours as an element of the page; it can be folded up."""
+    lines = "".join(
+        f'<div><span style="{SWATCH.format(colour.hex)}"></span>{escape(label)}</div>'
+        for label, colour in entries(walk)
+    )
+    scenario = walk.scenario
+    speed = "in real time" if playback == 1 else f"{playback:g} times real time"
+    title = escape(f"{scenario.name}, {speed}")
+    return f'<details open style="{BOX}"><summary>{title}</summary>{lines}</details>'
 
 
 def _eye(walk: FilmedWalk) -> tuple[float, float, float]:
@@ -145,20 +168,8 @@ class _Robot:
         mujoco.mj_kinematics(self._model, self._data)
         for body, frame in self._bodies:
             frame.position, frame.wxyz = self._data.xpos[body], self._data.xquat[body]
-        feet = self._walk.contact_point[row][self._walk.contact[row]]
-        stable = self._walk.margin[row] > 0
-        colour = style.STABLE if stable else style.TIPPING
-        ring = _hull(feet)
+        ring, colour = support(self._walk, row)
         _line(self._scene, "/support", ring, colour, self._walk.reach, WIDE)
-
-
-def _hull(points: Array) -> Array:
-    """Corners of the convex hull of points, the first one again at the end."""
-    import shapely
-
-    hull = shapely.convex_hull(shapely.MultiPoint(points))
-    ring = hull.exterior if isinstance(hull, shapely.Polygon) else hull
-    return shapely.get_coordinates(ring)
 
 
 def _draw_still(scene: Any, walk: FilmedWalk) -> None:
@@ -175,26 +186,26 @@ def _draw_still(scene: Any, walk: FilmedWalk) -> None:
         section_size=0.5,
         position=(*middle, 0.0),
     )
-    _line(scene, "/nominal", walk.nominal[:, :2], style.NOMINAL, reach, WIDE)
-    for i, (name, poses) in enumerate(walk.predicted.items()):
-        line = thinned(poses[:, :2])
-        _line(scene, f"/{name}", line, style.PREDICTED[i], reach, THICK)
+    _line(scene, "/nominal", walk.nominal[:, :2], NOMINAL.colour, reach, WIDE)
+    for name, poses in walk.predicted.items():
+        mark = palette.PREDICTED[name]
+        _line(scene, f"/{mark.label}", thinned(poses[:, :2]), mark.colour, reach, THICK)
     _line(
-        scene, "/achieved", thinned(walk.achieved[:, :2]), style.ACHIEVED, reach, THICK
+        scene, "/achieved", thinned(walk.achieved[:, :2]), ACHIEVED.colour, reach, THICK
     )
     rows, feet = landings(walk)
     places = np.insert(walk.contact_point[rows, feet], 2, LIFT * reach, axis=1)
-    owners = [style.footprint(walk.group_of_foot[int(foot)]) for foot in feet]
+    owners = [palette.footprint(walk.group_of_foot[int(foot)]) for foot in feet]
     scene.add_point_cloud(
         "/footprints",
         places.astype(np.float32),
         np.array(owners, np.uint8).reshape(-1, 3),
-        point_size=0.03 * reach,
+        point_size=2 * FOOTPRINT * reach,
         point_shape="circle",
     )
     angle = np.linspace(0, 2 * np.pi, CORNERS + 1)
     ring = GOAL * reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    _line(scene, "/goal", walk.nominal[-1, :2] + ring, style.NOMINAL, reach, WIDE)
+    _line(scene, "/goal", walk.nominal[-1, :2] + ring, NOMINAL.colour, reach, WIDE)
 
 
 def _line(
@@ -205,3 +216,41 @@ def _line(
     raised = np.insert(points, 2, LIFT * reach, axis=1).astype(np.float32)
     pieces = np.stack([raised[:-1], raised[1:]], axis=1)
     scene.add_line_segments(name, pieces, colour, thickness=width * reach)
+
+
+def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh | None:
+    """The surface of a geom in its own frame; None of planes and height fields.
+
+    Args:
+        model: Whose geom.
+        geom: Its index.
+    """
+    import trimesh
+
+    size, kind = model.geom_size[geom], model.geom_type[geom]
+    if kind == KIND.mjGEOM_MESH:
+        return _of_file(model, int(model.geom_dataid[geom]))
+    make = trimesh.creation
+    if kind == KIND.mjGEOM_BOX:
+        shape = make.box(extents=2 * size)
+    elif kind == KIND.mjGEOM_CYLINDER:
+        shape = make.cylinder(radius=size[0], height=2 * size[1], sections=SIDES)
+    elif kind == KIND.mjGEOM_CAPSULE:
+        ends = [[0, 0, -size[1]], [0, 0, size[1]]]
+        shape = make.cylinder(radius=size[0], segment=ends, sections=SIDES)
+        for end in ends:
+            ball = make.icosphere(subdivisions=2, radius=size[0])
+            ball.apply_translation(end)
+            shape = trimesh.util.concatenate([shape, ball])
+    elif kind in (KIND.mjGEOM_SPHERE, KIND.mjGEOM_ELLIPSOID):
+        shape = make.icosphere(subdivisions=2, radius=1.0)
+        shape.apply_scale(size if kind == KIND.mjGEOM_ELLIPSOID else size[0])
+    else:
+        return None
+    return np.asarray(shape.vertices), np.asarray(shape.faces)
+
+
+def _of_file(model: mujoco.MjModel, mesh: int) -> Mesh:
+    corner, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+    corners = model.mesh_vert[corner : corner + model.mesh_vertnum[mesh]]
+    return corners, model.mesh_face[face : face + model.mesh_facenum[mesh]]

@@ -98,7 +98,9 @@ def test_predictions_are_told_apart_in_grey_by_their_dashes():
 
 
 def test_legs_of_a_robot_have_the_colour_of_their_groups_footprints():
-    painted = [tuple(round(255 * float(c)) for c in text.split()[:3]) for text in COLOURS]
+    painted = [
+        tuple(round(255 * float(c)) for c in text.split()[:3]) for text in COLOURS
+    ]
     assert painted == list(palette.GROUPS)
 
 

@@ -3,20 +3,18 @@
 import numpy as np
 import pytest
 
-from sim.pictures import style
-from sim.pictures.camera import camera
+from sim import palette
+from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
+from sim.pictures.captions import SCALE, scale_bar
 from sim.pictures.clock import clock
 from sim.pictures.filmed_walk import read_walk
 from sim.pictures.floor import cell, grid
 from sim.pictures.inset import BOX, FILL, MIDDLE, SIZE, inset, magnification
-from sim.pictures.legend import _entries
-from sim.pictures.scale_bar import HEIGHT as BAR_HEIGHT, scale_bar
-from sim.pictures.style import HEIGHT, WIDTH
-from sim.pictures.views import VIEWS, view_of
+from sim.pictures.legend import _lines
 from sim.pictures.worker import _is_held
 from tests.screen import on_screen
 
-PAPER = np.array(style.PAPER)
+PAPER = np.array(palette.PAPER)
 
 
 @pytest.fixture(scope="module")
@@ -77,9 +75,9 @@ def on_floor(view, frame, pixel):
 
 def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
     panel = scale_bar(view, walk.reach, bottom=600)
-    dark = np.asarray(panel.still)[..., :3].astype(int)[BAR_HEIGHT - 15]
-    drawn = np.flatnonzero((np.abs(dark - style.TEXT) < 40).all(axis=1))
-    y = panel.top + BAR_HEIGHT - 15
+    dark = np.asarray(panel.still)[..., :3].astype(int)[SCALE - 15]
+    drawn = np.flatnonzero((np.abs(dark - palette.TEXT) < 40).all(axis=1))
+    y = panel.top + SCALE - 15
     left, right = (on_floor(view, 0, (panel.left + x, y)) for x in drawn[[0, -1]])
     # The panel measures it at two thirds of its own height, a few pixels higher.
     length = np.hypot(*(right - left))
@@ -87,7 +85,7 @@ def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
 
 
 def test_the_key_explains_nose_goal_and_grid(walk):
-    labels = [label for label, _, _ in _entries(walk)]
+    labels = [label for label, _, _ in _lines(walk)]
     assert "goal" in labels
     assert "nose, the front" in labels
     assert walk.nose == (242, 140, 38)  # of the file, 0.95 0.55 0.15
@@ -121,7 +119,7 @@ def test_the_inset_shows_the_error_turned_and_scaled_as_the_picture_is(walk, vie
     panel.put(picture, 5)
     x, y = np.round(place + (panel.left, panel.top)).astype(int)
     drawn = {tuple(picture[y, x]), tuple(picture[y + 1, x])}
-    assert style.PREDICTED[1] in drawn  # the quasi-static dot lies on top
+    assert palette.PREDICTED["quasi_static"].colour in drawn
 
 
 def test_an_inset_that_finds_no_room_under_the_key_goes_to_the_right(walk, view):

@@ -5,13 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sim.pictures.camera import camera
-from sim.pictures.clock import clock
+from sim.pictures.camera import HEIGHT, VIEW_DISTANCE, WIDTH, camera
+from sim.pictures.captions import describe
+from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, TAIL, clock
 from sim.pictures.filmed_walk import FlowRow
 from sim.pictures.floor_drawing import CORNERS, dashes, discs, join, polygons, ribbon
-from sim.pictures.stratum_caption import describe
-from sim.pictures.style import FRAME_RATE, HEIGHT, LONGEST, TAIL, WIDTH
-from sim.pictures.views import FARTHEST
 from tests.screen import on_screen
 
 AIR = "tripod 1 waits in the air"
@@ -77,7 +75,7 @@ def test_joined_ink_is_in_the_order_of_its_frames_and_keeps_shapes_apart():
 def test_films_stay_short_and_end_with_the_walk(duration):
     time = np.linspace(0, duration, 1001)
     film = clock(time)
-    assert len(film.rows) <= LONGEST * FRAME_RATE
+    assert len(film.rows) <= FILM_LENGTH * FRAME_RATE
     assert film.rows[-1] == 1000
     assert (np.diff(film.rows) >= 0).all()
 
@@ -146,7 +144,7 @@ def test_the_camera_follows_a_walk_much_longer_than_the_robot():
     walk = walk_along(np.hstack([s * (8.0, 0.0), 0 * s]))
     film = clock(np.linspace(0, 30, 400))
     view = camera(walk, film)
-    assert view.distance == pytest.approx(FARTHEST * walk.reach)
+    assert view.distance == pytest.approx(VIEW_DISTANCE * walk.reach)
     for frame in range(0, len(film.rows), 100):
         feet = np.insert(walk.contact_point[film.rows[frame]], 2, 0.0, axis=1)
         pixels = on_screen(view, frame, feet)

@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.pictures import gl, processes, style
+from sim import palette
+from sim.pictures import gl, processes
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
 from sim.pictures.file import count_pictures
@@ -94,7 +95,7 @@ def test_feet_leave_prints_where_they_stood_first(filmed, decoded):
     for foot in (1, 5):  # red, on the side of the camera, not under the body
         place = walk.contact_point[0, foot]
         (colour,) = colours_at(decoded[-1], view, last, place, around=0)
-        assert np.abs(colour - style.footprint(1)).max() < 25  # 4 measured
+        assert np.abs(colour - palette.footprint(1)).max() < 25  # 4 measured
 
 
 @pytest.mark.render
@@ -123,8 +124,8 @@ def test_paths_are_drawn_where_they_were_recorded(driver, folder):
     frame = len(film_clock.rows) - 1
     (picture,) = draw(folder, range(frame, frame + 1), driver)
     expected = (
-        (walk.achieved, style.ACHIEVED),
-        *zip(walk.predicted.values(), style.PREDICTED, strict=True),
+        (walk.achieved, palette.ACHIEVED.colour),
+        *((p, palette.PREDICTED[name].colour) for name, p in walk.predicted.items()),
     )
     for poses, colour in expected:
         seen = colours_at(picture, view, frame, poses[len(poses) // 3, :2])
@@ -190,7 +191,7 @@ def test_every_leg_carries_its_number_in_its_colour(filmed, decoded):
         dark = (disc.max(axis=1) < 120).mean()
         assert white > 0.3  # half of the square
         assert dark > 0.03  # the number
-        rim = np.abs(disc - style.group(walk.group_of_foot[index])).max(axis=1)
+        rim = np.abs(disc - palette.group(walk.group_of_foot[index])).max(axis=1)
         assert (rim < 60).sum() >= 4
 
 
@@ -206,6 +207,6 @@ def test_a_floor_that_ends_shows_the_sky_behind_it(driver, folder):
     (bounded,) = draw(folder, frame, driver)
     path.unlink()
     corner = np.s_[340:400, 1200:1270]  # of the picture, beyond 0.3 m
-    assert difference(endless[corner], np.full((60, 70, 3), style.PAPER)) < 8
+    assert difference(endless[corner], np.full((60, 70, 3), palette.PAPER)) < 8
     assert bounded[corner].mean() > 5  # a sky, not the void
     assert difference(endless[corner], bounded[corner]) > 8

@@ -8,7 +8,7 @@ import shapely
 
 from models.library import load
 from sim.obstacles.outline import Outline
-from sim.pictures import swept_area
+from sim.pictures.marks import FINENESS, outline as drawn_outline, swept
 
 REACH = 0.234  # [m], of the hexapod's outer feet
 
@@ -37,8 +37,8 @@ def shown(drawing, frame):
 
 def test_what_is_swept_grows_to_all_outlines_and_never_overlaps(outline, walk):
     clock = SimpleNamespace(rows=np.arange(61))
-    drawing = swept_area.swept(outline.solids, walk, clock)
-    tolerance = swept_area.FINENESS * REACH
+    drawing = swept(outline.solids, walk, clock)
+    tolerance = FINENESS * REACH
     for frame in (0, 20, 60):
         covered, painted = shown(drawing, frame)
         rows = np.arange(frame + 1)
@@ -50,7 +50,7 @@ def test_what_is_swept_grows_to_all_outlines_and_never_overlaps(outline, walk):
 
 def test_the_edge_is_drawn_around_the_robot_of_its_own_frame_alone(outline, walk):
     width, clock = 0.002, SimpleNamespace(rows=np.arange(61))
-    drawing = swept_area.edge(outline.solids, walk, clock, range(10, 13), width)
+    drawing = drawn_outline(outline.solids, walk, clock, range(10, 13), width)
     for frame in (10, 12):
         drawn, _ = shown(drawing, frame)
         line = outline.solids.swept(walk.qpos[[frame]]).boundary

@@ -8,12 +8,10 @@ from PIL import Image, ImageSequence
 
 from sim.cli import main
 from sim.errors import UsageError
-from sim.pictures.camera import camera
-from sim.pictures.clock import clock, rows_of
+from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
+from sim.pictures.clock import FRAME_RATE, TAIL, clock, rows_of
 from sim.pictures.file import count_pictures
 from sim.pictures.filmed_walk import read_walk
-from sim.pictures.style import FRAME_RATE, HEIGHT, TAIL, WIDTH
-from sim.pictures.views import VIEWS, view_of
 from tests.screen import decode, on_screen
 
 

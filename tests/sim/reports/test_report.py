@@ -13,8 +13,8 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.evaluation.verdict import FAILURES
 from sim.folder import RunFolder
+from sim.pictures.clock import FRAME_RATE
 from sim.pictures.run_film import film_folder
-from sim.pictures.style import FRAME_RATE
 from sim.reports.page import NAME, write_report
 from sim.reports.record import read_run
 from sim.run_folder import run, write

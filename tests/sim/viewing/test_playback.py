@@ -4,10 +4,10 @@ import mujoco
 import numpy as np
 import pytest
 
+from sim import palette
 from sim.errors import UsageError
-from sim.pictures import style
-from sim.viewing.key import entries
-from sim.viewing.marks import FAINT, GHOST, GOAL, Marks
+from sim.pictures.legend import entries
+from sim.viewing.marks import Marks
 from sim.viewing.playback import Playback, read_recorded
 from sim.viewing.web import TORSO, looked_through
 
@@ -79,11 +79,11 @@ def test_the_marks_lie_where_the_walk_was(recorded, model):
     def of(colour):
         return places[(np.abs(colours - np.array(colour) / 255) < 1e-3).all(axis=1)]
 
-    weight = of(style.WEIGHT)
+    weight = of(palette.CENTRE_OF_MASS)
     np.testing.assert_allclose(weight[-1, :2], shown.center_of_mass[last], atol=1e-6)
-    rings = [g for g in geoms if g.size[0] == pytest.approx(GOAL * shown.reach)]
+    rings = [g for g in geoms if g.size[0] == pytest.approx(palette.GOAL * shown.reach)]
     np.testing.assert_allclose(rings[0].pos[:2], shown.nominal[-1, :2], atol=1e-6)
-    achieved = of(style.ACHIEVED)
+    achieved = of(palette.ACHIEVED.colour)
     gaps = np.hypot(*(achieved[:, None, :2] - shown.achieved[:, :2]).T).min(axis=0)
     assert gaps.max() < 0.002  # the middle of a rod, beside the path
 
@@ -97,7 +97,11 @@ def test_the_ghost_stands_where_the_prediction_is(recorded, model):
         {tuple(np.round(g.rgba, 3)): g.pos.copy() for g in Marks(walk, model).at(5)}
         for walk in (shown, replace(shown, predicted=aside))
     ]
-    colour = tuple(np.round(np.float32(style.rgba(style.PREDICTED[1], GHOST)), 3))
+    colour = tuple(
+        np.round(
+            np.float32(palette.PREDICTED["quasi_static"].colour.rgba(palette.GHOST)), 3
+        )
+    )
     there, moved = (places[colour] for places in ghosts)
     centre = list(shown.predicted.values())[-1][5]
     cos, sin = np.cos(0.5), np.sin(0.5)
@@ -129,7 +133,7 @@ def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
     assert opacity[torso] == pytest.approx(TORSO * before[torso])
     assert np.array_equal(opacity[~torso], before[~torso])
     drawn = Marks(recorded.shown, shown).at(0)
-    ghosts = [g for g in drawn if g.rgba[3] == np.float32(FAINT)]
+    ghosts = [g for g in drawn if g.rgba[3] == np.float32(palette.GHOST_TORSO)]
     sizes = model.geom_size[torso & (before > 0)]
     assert len(ghosts) == len(sizes) > 0
     for ghost, size in zip(ghosts, sizes, strict=True):
@@ -138,5 +142,5 @@ def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
 
 def test_colours_are_explained(recorded):
     said = dict(entries(recorded.shown))
-    assert said["achieved path"] == style.ACHIEVED
-    assert said["legs of tripod 2, and paler their footprints"] == style.group(1)
+    assert said["achieved path"] == palette.ACHIEVED.colour
+    assert said["legs of tripod 2, and paler their footprints"] == palette.group(1)

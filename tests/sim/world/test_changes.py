@@ -9,11 +9,9 @@ import pytest
 from models.description.robot import FOLDER
 from models.errors import ModelError
 from models.library import load
-from sim import cli
-from sim.pictures import style
-from sim.pictures.floor_drawing import ribbon
-from sim.pictures.marks import Mark
-from sim.pictures.scene import build as build_scene, mesh_name
+from sim import cli, palette
+from sim.pictures.floor_drawing import Mark, ribbon
+from sim.pictures.scene import LOOKS, build as build_scene, mesh_name
 from sim.preparation.inspection import inspected
 from sim.preparation.setup import prepare
 from sim.world.changes import changes
@@ -145,9 +143,7 @@ def test_marks_of_films_keep_their_colours(edited, tmp_path):
     edited(DEFAULTS, DEFAULTS.replace(">", grey, 1))
     walk = SimpleNamespace(model=tmp_path / "hexapod.xml", reach=0.2)
     line = np.array([[0.0, 0.0], [0.1, 0.0]])
-    mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), style.ACHIEVED)
-    geom = build_scene(walk, [mark], style.LOOKS["draft"]).geom(
-        mesh_name(mark.pieces[0][0])
-    )
-    assert geom.rgba == pytest.approx(style.rgba(style.ACHIEVED, 1.0))
+    mark = Mark("path", ribbon(line, np.zeros(2, int), 0.01), palette.ACHIEVED.colour)
+    geom = build_scene(walk, [mark], LOOKS["draft"]).geom(mesh_name(mark.pieces[0][0]))
+    assert geom.rgba == pytest.approx(palette.ACHIEVED.colour.rgba(1.0))
     assert geom.group == 0
