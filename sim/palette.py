@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 
 class Colour(NamedTuple):
@@ -93,10 +93,11 @@ class PathMark:
     points: float
     dashes: tuple[float, ...] = ()
 
-    @property
-    def linestyle(self) -> str | tuple[float, tuple[float, ...]]:
-        """The dashes as matplotlib takes them."""
-        return (0.0, self.dashes) if self.dashes else "-"
+    def line(self, **changes: Any) -> dict[str, Any]:
+        """The line as matplotlib takes it, with changes."""
+        dashes = (0.0, self.dashes) if self.dashes else "-"
+        style = {"color": self.colour.hex, "linewidth": self.points}
+        return {**style, "linestyle": dashes, **changes}
 
 
 NOMINAL = PathMark("nominal path", Colour(84, 88, 98), 0.01, 1.2, (3.7, 1.6))

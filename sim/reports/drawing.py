@@ -1,5 +1,7 @@
 """Inline SVG drawn by matplotlib: curves and numbers, while the page adds the words.
 
+Curves are reduced to few points without a visible change.
+
 Text remains text and has a class of its own, so that the page sets its size. On a
 telephone, where the drawing is smaller, the text is larger.
 """
@@ -14,11 +16,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from planner import Array
+from sim import palette
+from sim.motion.polylines import spaced_rows
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH = 7.2  # [in] of a drawing over the whole page
+PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
 LOOK: Mapping[Any, Any] = {
     "svg.fonttype": "none",
@@ -30,7 +38,7 @@ LOOK: Mapping[Any, Any] = {
     "axes.linewidth": 0.6,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "grid.color": "#e4e7eb",
+    "grid.color": palette.GRID.hex,
     "grid.linewidth": 0.5,
     "xtick.labelsize": 8,
     "ytick.labelsize": 8,
@@ -40,6 +48,9 @@ LOOK: Mapping[Any, Any] = {
     "lines.solid_joinstyle": "round",
     "axes.formatter.useoffset": False,
 }
+BINS = 500  # of a time axis; each keeps its extremes
+SPACING = 1 / 600  # of a path's extent, between its points
+XLINK = "http://www.w3.org/1999/xlink"
 IDS = re.compile(r' id="(?!m|p|DejaVu)[^"#]*"')  # others are referred to
 HEAD = re.compile(r"<svg [^>]*viewBox=\"([^\"]*)\"[^>]*>")
 
@@ -52,6 +63,11 @@ class Key:
     colour: str
     dashed: bool = False
     filled: bool = False
+
+    @classmethod
+    def of(cls, mark: palette.PathMark, label: str) -> Key:
+        """The entry of a path under a label of this drawing."""
+        return cls(label, mark.colour.hex, dashed=bool(mark.dashes))
 
 
 @dataclass
@@ -75,7 +91,7 @@ class Drawing:
 
 
 @contextmanager
-def sheet(height: float, width: float = WIDTH) -> Iterator[tuple[Figure, Axes]]:
+def sheet(height: float, width: float = PAGE_WIDTH) -> Iterator[tuple[Figure, Axes]]:
     """An empty figure with one pair of axes, whose sides lie where the page expects.
 
     Args:
@@ -91,9 +107,9 @@ def sheet(height: float, width: float = WIDTH) -> Iterator[tuple[Figure, Axes]]:
         figure = Figure(figsize=(width, height))
         FigureCanvasSVG(figure)
         low, high = 0.28 / height, 1 - 0.06 / height
-        left = LEFT * WIDTH / width
+        left = LEFT * PAGE_WIDTH / width
         axes = figure.add_axes((left, low, RIGHT - left, high - low))
-        axes.tick_params(length=2.5, colors="#4a5261")
+        axes.tick_params(length=2.5, colors=palette.FAINT.hex)
         yield figure, axes
 
 
@@ -121,4 +137,39 @@ def _inline(svg: str, heading: str) -> str:
     return re.sub(r"\n\s*", "\n", body)
 
 
-XLINK = "http://www.w3.org/1999/xlink"
+def extremes(values: Array, bins: int = BINS) -> Array:
+    """Rows that keep the least and the greatest value of every bin, ascending.
+
+    Args:
+        values: Shape (T,) or (T, k).
+        bins: Into which the rows are divided evenly.
+    """
+    count = len(values)
+    if count <= 2 * bins:
+        return np.arange(count)
+    columns = values.reshape(count, -1)
+    edges = np.linspace(0, count, bins + 1).astype(int)
+    kept = [np.array([0, count - 1])]
+    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+        part = columns[start:stop]
+        kept += [start + part.argmin(axis=0), start + part.argmax(axis=0)]
+    return np.unique(np.concatenate(kept))
+
+
+def along(points: Array) -> Array:
+    """Rows of a path about evenly apart, the last one among them.
+
+    Args:
+        points: Shape (T, 2).
+    """
+    extent = float(np.ptp(points, axis=0).max()) or 1.0
+    rows = spaced_rows(points, SPACING * extent)
+    return np.unique(np.append(rows, len(points) - 1))
+
+
+def round_factor(largest: float) -> float:
+    """The greatest of 1, 2, 5, 10, 20, ... that is not above a number, at least 1."""
+    if not largest >= 1:
+        return 1.0
+    power = 10.0 ** np.floor(np.log10(largest))
+    return float(max(digit * power for digit in (1, 2, 5) if digit * power <= largest))

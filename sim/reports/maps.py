@@ -2,39 +2,37 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from planner import Array
-from sim.reports.colours import ACHIEVED, DASHES, NOMINAL, OUTLINES, PREDICTED
-from sim.reports.curves import along, round_factor
-from sim.reports.drawing import Drawing, Key, finish, sheet
+from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED
+from sim.reports.drawing import Drawing, Key, along, finish, round_factor, sheet
 from sim.reports.record import PREDICTIONS, Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MM = 1e3
-WIDTH = 4.2  # [in]
+MAP_WIDTH = 4.2  # [in]
 SHARE = 0.3  # of the path's extent that the largest error takes
-FEWEST = 8  # points at which the error is drawn
+FEWEST_ENDS = 8  # points at which the error is drawn
 HEIGHTS = (1.8, 4.2)  # [in]
 
 
 def plan_view(run: Record) -> Drawing:
     """Nominal path, every prediction and the achieved path of the body's centre."""
-    with sheet(_height(_points(run)), WIDTH) as (figure, axes):
+    with sheet(_height(_points(run)), MAP_WIDTH) as (figure, axes):
         _draw_obstacles(axes, run)
-        axes.plot(*(MM * run.nominal[:, :2].T), "--", color=NOMINAL, lw=1.2)
+        axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
         achieved = _thin(run.achieved[run.walking, :2])
-        axes.plot(*achieved.T, color=ACHIEVED, lw=2.4, alpha=0.55)
-        keys = [Key("nominal path", NOMINAL, dashed=True), Key("achieved", ACHIEVED)]
+        axes.plot(*achieved.T, **ACHIEVED.line(alpha=0.55))
+        keys = [Key.of(NOMINAL, "nominal path"), Key.of(ACHIEVED, "achieved")]
         for name, poses in run.predicted.items():
             line = _thin(poses[run.walking, :2])
-            axes.plot(*line.T, color=PREDICTED[name], lw=0.8, ls=DASHES[name])
-            said = f"predicted, {PREDICTIONS[name]}"
-            keys.append(Key(said, PREDICTED[name], dashed=name != "ideal"))
+            axes.plot(*line.T, **PREDICTED[name].line())
+            keys.append(Key.of(PREDICTED[name], f"predicted, {PREDICTIONS[name]}"))
         _draw_goal(axes, run)
         axes.set_aspect("equal", adjustable="datalim")
         note = (
@@ -54,11 +52,11 @@ def magnified(run: Record) -> Drawing:
     factor = round_factor(SHARE * extent / largest) if largest else 1.0
     drawn = {name: MM * (places + factor * e) for name, e in shown.items()}
     points = np.concatenate([MM * run.nominal[:, :2], *drawn.values()])
-    keys = [Key("nominal path", NOMINAL, dashed=True)]
-    with sheet(_height(points), WIDTH) as (figure, axes):
-        axes.plot(*(MM * run.nominal[:, :2].T), "--", color=NOMINAL, lw=1.2)
+    keys = [Key.of(NOMINAL, "nominal path")]
+    with sheet(_height(points), MAP_WIDTH) as (figure, axes):
+        axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
         for name, moved in drawn.items():
-            colour = PREDICTED[name]
+            colour = PREDICTED[name].colour.hex
             axes.plot(*moved.T, "o-", color=colour, markersize=2.5, lw=0.9)
             for start, end in zip(MM * places, moved, strict=True):
                 axes.plot(*np.transpose([start, end]), color=colour, lw=0.4)
@@ -81,7 +79,7 @@ def _ends(run: Record) -> tuple[Array, Array]:
     """
     segment = np.array([phase.segment for phase in run.phases])
     changes = np.flatnonzero(np.diff(segment)) if len(segment) else np.array([], int)
-    if len(changes) < FEWEST:
+    if len(changes) < FEWEST_ENDS:
         changes = np.arange(len(segment) - 1)
     ends = [run.phases[i].end for i in changes]
     last = len(run.time) - 1
@@ -103,7 +101,7 @@ def _points(run: Record) -> Array:
 def _height(points: Array) -> float:
     """Height of a map in which x and y have one scale [in]."""
     wide, high = np.maximum(np.ptp(points, axis=0), 1e-9)
-    return float(np.clip(WIDTH * high / wide + 0.4, *HEIGHTS))
+    return float(np.clip(MAP_WIDTH * high / wide + 0.4, *HEIGHTS))
 
 
 def _thin(points: Array) -> Array:
@@ -112,9 +110,10 @@ def _thin(points: Array) -> Array:
 
 def _draw_goal(axes: Axes, run: Record) -> None:
     x, y, _ = run.summary["goal"]
-    axes.plot(MM * x, MM * y, "o", color=NOMINAL, markersize=8, mfc="none", mew=1.4)
+    ring: dict[str, Any] = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
+    axes.plot(MM * x, MM * y, "o", markersize=8, **ring)
 
 
 def _draw_obstacles(axes: Axes, run: Record) -> None:
     for outline in run.obstacles:
-        axes.fill(*(MM * outline.T), color=OUTLINES, lw=0)
+        axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)

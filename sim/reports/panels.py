@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from planner import Array
-from sim.reports.colours import ACHIEVED, DASHES, LIMIT, PREDICTED, of_group, of_leg
-from sim.reports.curves import extremes
-from sim.reports.drawing import Drawing, Key, finish, sheet
+from sim import palette
+from sim.palette import ACHIEVED, PREDICTED
+from sim.reports.drawing import Drawing, Key, extremes, finish, sheet
 from sim.reports.record import PREDICTIONS, Record, key_of
 from sim.reports.tables import number
 
@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MM, MRAD = 1e3, 1e3
-HEIGHT = 1.55  # [in]
+LIMIT = palette.LIMIT.hex
+STRATA = ("#c9ced6", "#9aa3af", "#757f8d", "#565f6c")  # on which several groups stand
+PANEL_HEIGHT = 1.55  # [in]
 ROW = 0.17  # [in] of a foot
 
 
@@ -37,9 +39,9 @@ def panels(run: Record) -> Iterator[Drawing]:
     yield _contacts(run)
 
 
-def _line(axes: Axes, run: Record, values: Array, colour: str, **style: object) -> None:
+def _line(axes: Axes, run: Record, values: Array, **style: Any) -> None:
     rows = extremes(values)
-    axes.plot(run.time[rows], values[rows], color=colour, **style)  # type: ignore[arg-type]
+    axes.plot(run.time[rows], values[rows], **style)
 
 
 def _over_time(axes: Axes, run: Record) -> None:
@@ -47,24 +49,22 @@ def _over_time(axes: Axes, run: Record) -> None:
 
 
 def _errors(run: Record, values: Mapping[str, Array], heading: str) -> Drawing:
-    with sheet(HEIGHT) as (figure, axes):
+    with sheet(PANEL_HEIGHT) as (figure, axes):
         for name, curve in values.items():
-            _line(axes, run, curve, PREDICTED[name], ls=DASHES[name])
+            _line(axes, run, curve, **PREDICTED[name].line(linewidth=1.1))
         _over_time(axes, run)
-        keys = [
-            Key(f"off {PREDICTIONS[name]}", PREDICTED[name], dashed=name != "ideal")
-            for name in values
-        ]
+        keys = [Key.of(PREDICTED[name], f"off {PREDICTIONS[name]}") for name in values]
         return finish(figure, heading, keys)
 
 
 def _components(run: Record, heading: str) -> Drawing:
     error = MM * run.error(run.best)
-    with sheet(HEIGHT) as (figure, axes):
-        _line(axes, run, error[:, 0], of_leg(0))
-        _line(axes, run, error[:, 1], of_leg(1), ls=DASHES["quasi_static"])
+    with sheet(PANEL_HEIGHT) as (figure, axes):
+        colour = PREDICTED[run.best].colour
+        _line(axes, run, error[:, 0], color=colour.hex)
+        _line(axes, run, error[:, 1], color=colour.hex, ls="--", lw=0.9)
         _over_time(axes, run)
-        keys = [Key("in x", of_leg(0)), Key("in y", of_leg(1), dashed=True)]
+        keys = [Key("in x", colour.hex), Key("in y", colour.hex, dashed=True)]
         return finish(figure, heading, keys)
 
 
@@ -72,13 +72,13 @@ def _margin(run: Record) -> Drawing:
     margin = MM * run.arrays["achieved_margin"]
     foreseen = MM * run.arrays[key_of(run.best, "margin")]
     keys = [
-        Key("achieved", ACHIEVED),
-        Key(f"predicted, {PREDICTIONS[run.best]}", PREDICTED[run.best], dashed=True),
+        Key.of(ACHIEVED, "achieved"),
+        Key.of(PREDICTED[run.best], f"predicted, {PREDICTIONS[run.best]}"),
         Key("limit: below 0 it tips over", LIMIT, dashed=True),
     ]
-    with sheet(HEIGHT) as (figure, axes):
-        _line(axes, run, margin, ACHIEVED)
-        _line(axes, run, foreseen, PREDICTED[run.best], ls=DASHES[run.best], lw=0.8)
+    with sheet(PANEL_HEIGHT) as (figure, axes):
+        _line(axes, run, margin, color=ACHIEVED.colour.hex)
+        _line(axes, run, foreseen, **PREDICTED[run.best].line())
         axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
         if asked := run.settings.get("min_margin"):
             axes.axhline(MM * asked, color=LIMIT, ls=":", lw=1.0)
@@ -92,24 +92,30 @@ def _margin(run: Record) -> Drawing:
 
 
 def _clearance(run: Record) -> Drawing:
-    with sheet(HEIGHT) as (figure, axes):
-        _line(axes, run, MM * run.arrays["achieved_clearance"], ACHIEVED)
+    with sheet(PANEL_HEIGHT) as (figure, axes):
+        achieved = MM * run.arrays["achieved_clearance"]
+        _line(axes, run, achieved, color=ACHIEVED.colour.hex)
         axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
         _over_time(axes, run)
-        keys = [Key("achieved", ACHIEVED), Key("limit: it touches", LIMIT, dashed=True)]
+        limit = Key("limit: it touches", LIMIT, dashed=True)
+        keys = [Key.of(ACHIEVED, "achieved"), limit]
         return finish(figure, "Clearance from obstacles [mm]", keys)
 
 
 def _slip(run: Record) -> Drawing:
     achieved = MM * run.arrays["slip"]
     foreseen = MM * run.arrays[key_of(run.best, "slip")]
-    with sheet(1.25 * HEIGHT) as (figure, axes):
-        for i in range(len(run.legs)):
-            _line(axes, run, achieved[:, i], of_leg(i))
-            _line(axes, run, foreseen[:, i], of_leg(i), ls=":", lw=0.9)
+    with sheet(1.25 * PANEL_HEIGHT) as (figure, axes):
+        colours = _legs(run)
+        for i, colour in enumerate(colours):
+            _line(axes, run, achieved[:, i], color=colour.hex)
+            _line(axes, run, foreseen[:, i], color=colour.hex, ls=":", lw=0.9)
         _over_time(axes, run)
         axes.set_ylim(bottom=0)
-        keys = [Key(f"leg {leg}", of_leg(i)) for i, leg in enumerate(run.legs)]
+        keys = [
+            Key(f"leg {leg}", colour.hex)
+            for leg, colour in zip(run.legs, colours, strict=True)
+        ]
         note = f"Dotted lines are the {PREDICTIONS[run.best]} prediction."
         if (floor := run.summary["achieved"]["creep_floor"]) is not None:
             note += (
@@ -126,7 +132,7 @@ def _contacts(run: Record) -> Drawing:
     with sheet(ROW * (feet + 1.6) + 0.34) as (figure, axes):
         for i, leg in enumerate(run.legs):
             y = feet - i
-            colour = of_group(run.card.group_of_leg[leg])
+            colour = palette.group(run.card.group_of_leg[leg]).hex
             _bars(axes, _spells(run, contact[:, i]), y - 0.36, 0.72, colour)
             wrong = _spells(run, contact[:, i] != planned[:, i])
             _bars(axes, wrong, y - 0.5, 0.14, LIMIT)
@@ -143,7 +149,7 @@ def _contacts(run: Record) -> Drawing:
         axes.set_ylim(-0.6, feet + 0.6)
         _over_time(axes, run)
         keys = [
-            *(Key(f"feet of group {name}", of_group(i), filled=True)
+            *(Key(f"feet of group {name}", palette.group(i).hex, filled=True)
               for i, name in enumerate(run.groups)),
             *(Key(f"stratum {name}", _of_stratum(run, name, i), filled=True)
               for i, name in enumerate(_strata(run))),
@@ -182,8 +188,17 @@ def _of_stratum(run: Record, stratum: str, index: int) -> str:
     """Colour of the only group that stands, else a grey."""
     standing = [i for i, name in enumerate(run.groups) if name in stratum]
     if len(standing) == 1:
-        return of_group(standing[0])
-    return ("#c9ced6", "#9aa3af", "#757f8d", "#565f6c")[index % 4]
+        return palette.group(standing[0]).hex
+    return STRATA[index % len(STRATA)]
+
+
+def _legs(run: Record) -> list[palette.Colour]:
+    """Colour of each leg's curve, shades of its group's."""
+    owners = [run.card.group_of_leg[leg] for leg in run.legs]
+    return [
+        palette.leg(owner, owners[:i].count(owner), owners.count(owner))
+        for i, owner in enumerate(owners)
+    ]
 
 
 def _spells(run: Record, flag: Array) -> list[tuple[float, float]]:
