@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-from models.contact.kinematics import Kinematics, Lifting
+from models.contact.kinematics import UPRIGHT, Kinematics
 from models.description.card import LegCard
 from models.description.compiled import joints_above, root_body
 from models.description.robot import Robot
@@ -122,7 +122,6 @@ def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:
             )
 
 
-UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
 STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
 APART = 0.02  # of the stance's size; tolerance of the feet's heights
 BEYOND = 1e-6  # [rad] by which a start may be out of range
@@ -196,8 +195,7 @@ def _off_its_feet(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
 
 def _cannot_swing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
     robot = kinematics.robot
-    for leg in robot.legs:
-        joint = robot.card.legs[leg].swing
+    for leg, joint in zip(robot.legs, robot.swing_joints, strict=True):
         lean = float(np.arccos(min(abs(kinematics.axis(joint)[2]), 1.0)))
         if lean > STEEP:
             yield (
@@ -215,7 +213,7 @@ def _cannot_swing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
 
 
 def _cannot_lift(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    robot, lifting = kinematics.robot, Lifting(kinematics)
+    robot, lifting = kinematics.robot, kinematics.lifting
     wanted = robot.card.lift_angle
     rises = lifting.rise(np.array([wanted, -wanted])).T
     for leg, (rise, other_way) in zip(robot.legs, rises, strict=True):

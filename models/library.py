@@ -12,12 +12,10 @@ from models.checks import check_parts, check_posture
 from models.description.card_file import parse_card, read_text
 from models.description.compiled import read_spec
 from models.description.inspection import Opened, inspect_model
-from models.description.robot import FOLDER, Robot
+from models.description.robot import EMBEDDED, FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 from models.morphology.mjcf import write_mjcf
 from models.morphology.variants import reshaped
-
-EMBEDDED = "card"  # name of the custom text that may hold the card
 
 
 def shipped_robots() -> tuple[str, ...]:
@@ -64,11 +62,6 @@ def load(
     return robot
 
 
-def has_card_inside(path: Path) -> bool:
-    """Whether an MJCF file brings its card as custom text."""
-    return any(text.name == EMBEDDED for text in read_spec(path).texts)
-
-
 def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
     """A shipped robot with other numbers of its shape.
 
@@ -79,7 +72,7 @@ def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
     Raises:
         ModelError: If it is not shipped, or there is no such number or shape.
     """
-    if robot.path.parent != FOLDER:
+    if not robot.is_shipped:
         raise ModelError(
             f"geometry {', '.join(geometry)} of a robot of your own: {robot.path}; "
             "change its file, or take a shipped robot"

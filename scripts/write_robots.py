@@ -1,6 +1,7 @@
 """Write the MJCF files of the shipped robots from their lengths."""
 
-from models import FOLDER, MORPHOLOGIES, read_card, write_mjcf
+from models.description import FOLDER, read_card
+from models.morphology import MORPHOLOGIES, write_mjcf
 
 
 def main() -> None:

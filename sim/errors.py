@@ -12,12 +12,7 @@ from enum import IntEnum
 from pathlib import Path
 from typing import ClassVar, Self
 
-from models import (
-    MeasurementError,
-    ModelError,
-    ProblemError,
-    UnknownRobotError,
-)
+from models import MeasurementError, ModelError, ProblemError, UnknownRobotError
 from planner import PlannerError
 from sim.interruption import Terminated
 

@@ -160,11 +160,9 @@ def servo_for(robot: Robot) -> Servo:
     feet = kinematics.standing.feet
     model = robot.model
     pose = Pose.at(model, model.body(robot.root).id, robot.start_qpos)
-    legs = [robot.card.legs[leg] for leg in robot.legs]
-    hips = np.array([pose.data.joint(leg.swing).xanchor[:2] for leg in legs])
+    hips = np.array([pose.data.joint(name).xanchor[:2] for name in robot.swing_joints])
     arm = float(np.linalg.norm(feet - hips, axis=1).max())
-    joints = [joint for leg in legs for joint in leg.joints]
-    return drafted_servo(pose, joints, arm, len(legs))
+    return drafted_servo(pose, robot.card.joints, arm, len(robot.legs))
 
 
 def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> Servo:

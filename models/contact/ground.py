@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from models.contact.kinematics import Kinematics
-from models.description.compiled import actuator_of, free_joint, weight_of
+from models.description.compiled import actuator_of
 from models.description.robot import Robot
 from planner import Array
 
@@ -32,34 +32,34 @@ class Ground:
     # engine's soft contacts, not of Coulomb's law.
     push: float = 0.0  # [s]
 
+    @classmethod
+    def of(cls, robot: Robot, model: mujoco.MjModel) -> Ground:
+        """The ground in a world that holds the robot, a floor and servos.
 
-def ground_of(robot: Robot, model: mujoco.MjModel) -> Ground:
-    """The ground in a model that holds the robot, a floor and servos.
-
-    Args:
-        robot: Robot whose parts are named in the model.
-        model: World to read; its keyframe `start` stands on the floor.
-    """
-    data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-    _sink(robot, model, data)
-    feet = [_contacts(model, data, robot.card.legs[leg].foot) for leg in robot.legs]
-    springs = np.array([_spring(data, found) for found in feet])  # (F, 2)
-    joints = (robot.card.legs[leg].lift for leg in robot.legs)
-    touching = [index for found in feet for index in found]
-    return Ground(
-        contact=1 / springs[:, 0],
-        servo=np.array([_servo_stiffness(model, joint) for joint in joints]),
-        friction=float(np.mean([data.contact[i].friction[0] for i in touching])),
-        weight=weight_of(model, robot.root),
-        push=float(springs[:, 1].mean()),
-    )
+        Args:
+            robot: Robot whose parts are named in the model.
+            model: World to read; its keyframe `start` stands on the floor.
+        """
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+        _sink(robot, model, data)
+        feet = [_contacts(model, data, leg.foot) for leg in robot.leg_cards]
+        springs = np.array([_spring(data, found) for found in feet])  # (F, 2)
+        lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
+        touching = [index for found in feet for index in found]
+        return cls(
+            contact=1 / springs[:, 0],
+            servo=model.actuator_gainprm[lifts, 0],
+            friction=float(np.mean([data.contact[i].friction[0] for i in touching])),
+            weight=robot.weight_in(model),
+            push=float(springs[:, 1].mean()),
+        )
 
 
 def _sink(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
     """Lower the root until every foot touches, and compute the contacts."""
     gap = Kinematics(robot).standing.height
-    data.qpos[free_joint(model, robot.root) + 2] -= gap.max() - gap.min() + _TOUCH
+    data.qpos[robot.root_address_in(model) + 2] -= gap.max() - gap.min() + _TOUCH
     mujoco.mj_forward(model, data)
 
 
@@ -78,8 +78,3 @@ def _spring(data: mujoco.MjData, contacts: list[int]) -> tuple[float, float]:
     stiffness, damping, impedance, _ = np.transpose(data.efc_KBIP[rows])
     springs = stiffness * impedance / data.efc_R[rows]
     return float(springs.sum()), float((damping / (stiffness * impedance)).mean())
-
-
-def _servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
-    """Stiffness of the position servo that drives a joint."""
-    return float(model.actuator_gainprm[actuator_of(model, joint), 0])

@@ -20,6 +20,7 @@ from models.description.card import LegCard
 from models.description.robot import Robot
 from planner import Array
 
+UPRIGHT = np.deg2rad(3)  # smaller tilts change lengths by less than 0.2 %
 _ANGLES = 2 * np.pi / 3 * np.arange(3)
 _FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], axis=1))
 
@@ -71,6 +72,11 @@ class Kinematics:
         """Feet and centre of mass with all legs at angle 0."""
         return self.stance(np.zeros(len(self.robot.groups)))
 
+    @cached_property
+    def lifting(self) -> Lifting:
+        """How high the robot can raise its feet."""
+        return Lifting(self)
+
     @property
     def reach(self) -> float:
         """Mean distance of the feet from the middle, all legs at angle 0 [m]."""
@@ -99,9 +105,8 @@ class Kinematics:
         """
         robot, data = self.robot, self._data
         middle, samples = self.center_of_mass, np.empty((4, len(robot.legs), 3, 3, 3))
-        cards = [robot.card.legs[leg] for leg in robot.legs]
-        soles = [find_sole(robot.model, data, card.foot) for card in cards]
-        for i, (card, sole) in enumerate(zip(cards, soles, strict=True)):
+        soles = [find_sole(robot.model, data, leg.foot) for leg in robot.leg_cards]
+        for i, (card, sole) in enumerate(zip(robot.leg_cards, soles, strict=True)):
             swing, lift = data.joint(card.swing), data.joint(card.lift)
             start = float(swing.qpos[0]), float(lift.qpos[0])
             for a, b in np.ndindex(3, 3):

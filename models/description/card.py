@@ -219,3 +219,8 @@ class Card:
     def bottom(self) -> str:
         """The stratum with every group in contact."""
         return "".join(self.groups)
+
+    @property
+    def strata(self) -> tuple[str, ...]:
+        """The gait's strata, bottom first, each once."""
+        return tuple(dict.fromkeys((self.bottom, *self.gait)))

@@ -133,12 +133,6 @@ def actuator_of(model: mujoco.MjModel, joint: str) -> int:
     return found[0]
 
 
-def weight_of(model: mujoco.MjModel, body: str) -> float:
-    """Weight of a body with all that it carries [N]."""
-    gravity = float(np.linalg.norm(model.opt.gravity))
-    return gravity * float(model.body_subtreemass[model.body(body).id])
-
-
 def root_body(model: mujoco.MjModel, path: Path) -> int:
     """Index of the body that carries the free joint.
 
@@ -154,11 +148,6 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
             "on its body (<freejoint/>); leave other loose things out"
         )
     return int(model.jnt_bodyid[free[0]])
-
-
-def free_joint(model: mujoco.MjModel, root: str) -> int:
-    """Where the seven numbers of a body's free joint begin in qpos."""
-    return int(model.jnt_qposadr[model.body(root).jntadr[0]])
 
 
 def joints_above(model: mujoco.MjModel, body: int) -> list[int]:

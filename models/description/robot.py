@@ -16,11 +16,10 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from models.description.card import Card
+from models.description.card import Card, LegCard
 from models.description.compiled import (
     actuators_of,
     compile_model,
-    free_joint,
     is_position_servo,
     named,
     parse_spec,
@@ -30,6 +29,7 @@ from models.description.compiled import (
 from models.description.inspection import Opened
 
 START = ("start", "home")  # names of the keyframe to start from
+EMBEDDED = "card"  # name of the custom text that may hold the card
 FOLDER = Path(str(files("models.robots")))
 
 
@@ -55,6 +55,16 @@ class Robot:
     def external(self) -> tuple[Path, ...]:
         """Files that a user's model opens outside its own folder."""
         return () if self.opened is None else self.opened.external
+
+    @property
+    def is_shipped(self) -> bool:
+        """Whether it comes with the package, if with other numbers of its shape."""
+        return self.path.parent == FOLDER
+
+    @property
+    def has_card_inside(self) -> bool:
+        """Whether its MJCF file brings its card as custom text."""
+        return any(text.name == EMBEDDED for text in read_spec(self.path).texts)
 
     def __str__(self) -> str:
         return self.name
@@ -83,14 +93,24 @@ class Robot:
         return np.array([gains[leg] for leg in self.legs])
 
     @property
+    def leg_cards(self) -> tuple[LegCard, ...]:
+        """Joints and geoms of each leg, legs in ascending order."""
+        return tuple(self.card.legs[leg] for leg in self.legs)
+
+    @property
+    def swing_joints(self) -> tuple[str, ...]:
+        """Swing joint of each leg."""
+        return tuple(leg.swing for leg in self.leg_cards)
+
+    @property
     def lift_joints(self) -> tuple[str, ...]:
         """Lift joint of each leg."""
-        return tuple(self.card.legs[leg].lift for leg in self.legs)
+        return tuple(leg.lift for leg in self.leg_cards)
 
     @cached_property
     def raise_sign(self) -> np.ndarray:
         """Sign of each leg's lift joint that raises the foot, shape (F,)."""
-        return np.array([self.card.legs[leg].raise_sign for leg in self.legs], float)
+        return np.array([leg.raise_sign for leg in self.leg_cards], float)
 
     def leg_angles(self, swing: np.ndarray, lift: np.ndarray) -> dict[str, np.ndarray]:
         """Angles of the swing and lift joints when the groups have given angles.
@@ -105,11 +125,8 @@ class Robot:
         turned, raised = self.joint_angles(swing, lift)
         return {
             joint: angles[..., i]
-            for i, leg in enumerate(self.legs)
-            for joint, angles in (
-                (self.card.legs[leg].swing, turned),
-                (self.card.legs[leg].lift, raised),
-            )
+            for i, leg in enumerate(self.leg_cards)
+            for joint, angles in ((leg.swing, turned), (leg.lift, raised))
         }
 
     def joint_angles(
@@ -124,8 +141,10 @@ class Robot:
         return np.array([self.groups[g] in stratum for g in self.group_of_leg])
 
     def read(self) -> mujoco.MjSpec:
-        """A fresh, editable copy of the MJCF file, in which every part has a name."""
+        """A fresh, editable copy of the MJCF without a card; every part has a name."""
         spec = parse_spec(self.text, FOLDER) if self.text else read_spec(self.path)
+        for text in [text for text in spec.texts if text.name == EMBEDDED]:
+            spec.delete(text)
         named(spec)
         return spec
 
@@ -166,7 +185,16 @@ class Robot:
     @property
     def root_address(self) -> int:
         """Where the free joint's seven numbers begin in qpos."""
-        return free_joint(self.model, self.root)
+        return self.root_address_in(self.model)
+
+    def root_address_in(self, model: mujoco.MjModel) -> int:
+        """Where the free joint's seven numbers begin in qpos of a world."""
+        return int(model.jnt_qposadr[model.body(self.root).jntadr[0]])
+
+    def weight_in(self, model: mujoco.MjModel) -> float:
+        """Weight of the robot in a world [N]."""
+        gravity = float(np.linalg.norm(model.opt.gravity))
+        return gravity * float(model.body_subtreemass[model.body(self.root).id])
 
     def standing_angle(self, joint: str) -> float:
         """Angle of a hinge in the configuration `start_qpos` [rad]."""

@@ -1,1 +1,5 @@
 """Dimensions of the shipped robots, and the MJCF files written from them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

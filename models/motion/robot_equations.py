@@ -93,8 +93,9 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     Raises:
         ModelError: If groups do not stand where they swing, or cannot be steered.
     """
-    swings = [swing for stratum in strata(robot) for swing in _swings(robot, stratum)]
-    contacts = {name: name for name in strata(robot)}
+    strata = robot.card.strata
+    swings = [swing for stratum in strata for swing in _swings(robot, stratum)]
+    contacts = {name: name for name in strata}
     return Equations(
         system=walking_system(robot.groups, contacts, swings),
         elements=_elements(robot, swings, fields),
@@ -118,11 +119,6 @@ def _stance(robot: Robot, fields: Fields) -> StanceRule:
 
 def _static_stability(robot: Robot) -> StabilityTest | None:
     return StaticStability(robot).stands if robot.card.least_load else None
-
-
-def strata(robot: Robot) -> tuple[str, ...]:
-    """The gait's strata, bottom first, each once; no more than the card walks."""
-    return tuple(dict.fromkeys((robot.card.bottom, *robot.card.gait)))
 
 
 def _swings(robot: Robot, stratum: str) -> Iterator[Swing]:

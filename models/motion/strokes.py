@@ -92,6 +92,14 @@ PANEL = 0.05  # [rad]; longest part of a stroke that is one panel of integration
 
 
 @dataclass(frozen=True)
+class Travel:
+    """Pose and slip as functions of the strokes' clock, in the frame of the start."""
+
+    pose: Integral  # x, y [m], yaw [rad], not wrapped
+    slip: Integral  # of each foot [m]
+
+
+@dataclass(frozen=True)
 class Strokes:
     """Strokes in time order."""
 
@@ -121,33 +129,23 @@ class Strokes:
         on = tuple(s for s, is_loaded in zip(strata, loaded, strict=True) if is_loaded)
         return cls(on, begin[loaded], change[loaded]), loaded
 
+    def travel(self, twists: TwistModel, kinematics: Kinematics) -> Travel:
+        """Integrate body twist and foot slip along the strokes.
 
-@dataclass(frozen=True)
-class Travel:
-    """Pose and slip as functions of the strokes' clock, in the frame of the start."""
-
-    pose: Integral  # x, y [m], yaw [rad], not wrapped
-    slip: Integral  # of each foot [m]
-
-
-def travel(strokes: Strokes, twists: TwistModel, kinematics: Kinematics) -> Travel:
-    """Integrate body twist and foot slip along strokes.
-
-    Args:
-        strokes: Swings of loaded legs.
-        twists: Prediction to follow.
-        kinematics: Of the robot, for where the feet are.
-    """
-    panels = _Panels(strokes)
-    twist = panels.evaluate(twists)  # (P, n, 3)
-    yaw = Integral(panels.edges, twist[..., 2:]).at_nodes()[..., 0]
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    forward, left, turn = np.moveaxis(twist, -1, 0)
-    velocity = (forward * cos - left * sin, forward * sin + left * cos, turn)
-    return Travel(
-        pose=Integral(panels.edges, np.stack(velocity, axis=-1)),
-        slip=Integral(panels.edges, panels.slip_rates(twist, kinematics)),
-    )
+        Args:
+            twists: Prediction to follow.
+            kinematics: Of the robot, for where the feet are.
+        """
+        panels = _Panels(self)
+        twist = panels.evaluate(twists)  # (P, n, 3)
+        yaw = Integral(panels.edges, twist[..., 2:]).at_nodes()[..., 0]
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        forward, left, turn = np.moveaxis(twist, -1, 0)
+        velocity = (forward * cos - left * sin, forward * sin + left * cos, turn)
+        return Travel(
+            pose=Integral(panels.edges, np.stack(velocity, axis=-1)),
+            slip=Integral(panels.edges, panels.slip_rates(twist, kinematics)),
+        )
 
 
 class _Panels:

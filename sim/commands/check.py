@@ -45,7 +45,7 @@ def execute(options: argparse.Namespace) -> None:
     """Test the gait by both criteria of Sec. 4 and print the results."""
     from dataclasses import asdict
 
-    from models import configuration
+    from models.systems import configuration
     from planner import gait_controllability
     from planner.controllability import MAX_DEPTH
     from sim.commands.problems import coordinates, refused

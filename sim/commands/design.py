@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> ExitCode:
     """Check every design, walk those that go everywhere, and print the table."""
-    from models import designs
+    from models.adoption import designs
     from sim.progress import bar
     from sim.studies.designing import tried
     from sim.sweeps.identity import software

@@ -43,7 +43,7 @@ def execute(options: argparse.Namespace) -> None:
     start = -math.inf if options.start is None else options.start
     stop = math.inf if options.stop is None else options.stop
 
-    from models import inspect_model
+    from models.description import inspect_model
     from sim.pictures.run_film import film_folder
     from sim.progress import bar
 

@@ -12,7 +12,8 @@ from sim.commands.trusted import add_robot_argument, robot_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from models import MeasuredField, TwistModel
+    from models import TwistModel
+    from models.motion import MeasuredField
     from sim.preparation.setup import Setup
     from sim.progress import Progress
 

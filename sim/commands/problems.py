@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from models import ProblemError, parse_toml
+from models import ProblemError
+from models.description import parse_toml
 from planner.support import did_you_mean, read_file
 from sim.errors import StratawalkError, UsageError
 from sim.scenarios.file import parse_override

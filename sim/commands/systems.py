@@ -29,7 +29,8 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _facts(name: str) -> dict[str, Any]:
-    from models import parameters, shipped_system
+    from models import shipped_system
+    from models.systems import parameters
 
     problem = shipped_system(name)
     return {

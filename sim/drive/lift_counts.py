@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from models import actuator_of
+from models.description import actuator_of
 from planner import Array
 from sim.drive.statics import lift_torques
 from sim.preparation.setup import Setup

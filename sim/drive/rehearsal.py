@@ -14,7 +14,7 @@ from copy import copy
 import mujoco
 import numpy as np
 
-from models import actuator_of, weight_of
+from models.description import actuator_of
 from planner import Array
 from sim.drive.lead import Lead, smoothed
 from sim.motion.schedule import Schedule
@@ -66,7 +66,7 @@ def leg_actuators(setup: Setup) -> Array:
 
 def carried_torque(setup: Setup) -> float:
     """Torque of the whole weight at the end of a leg [N m]."""
-    return _reach(setup) * weight_of(setup.model, setup.robot.root)
+    return _reach(setup) * setup.robot.weight_in(setup.model)
 
 
 def _reach(setup: Setup) -> float:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models import actuator_of, static_loads, weight_of
+from models.contact import static_loads
+from models.description import actuator_of
 from planner import Array
 from sim.preparation.setup import Setup
 
@@ -26,7 +27,7 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     loads = np.zeros(len(robot.legs))
     feet, center = stance.feet[down], stance.center_of_mass
     shares = static_loads(feet[None], center[None])[0]
-    loads[down] = shares * weight_of(setup.model, robot.root)
+    loads[down] = shares * robot.weight_in(setup.model)
     rise = stance.gives[:, 2] * robot.raise_sign  # of each foot by its joint [m/rad]
     torque: Array = own_torques(setup) - loads * rise
     return torque

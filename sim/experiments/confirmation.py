@@ -11,7 +11,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from models import MeasuredField, MeasurementError
+from models import MeasurementError
+from models.motion import MeasuredField
 from planner import Array
 from sim.errors import SimulationError
 from sim.motion.poses import relative

@@ -14,13 +14,9 @@ from functools import partial
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models import (
-    UPRIGHT,
-    FailedField,
-    IdentifiedTwists,
-    MeasuredField,
-    MeasurementError,
-)
+from models import IdentifiedTwists, MeasurementError
+from models.contact import UPRIGHT
+from models.motion import FailedField, MeasuredField
 from planner import Array, Flow
 from sim.errors import SimulationError
 from sim.experiments.confirmation import confirmed_reach, with_reach

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from models import free_joint
 from planner import Array
 from sim.export.servo_commands import ServoCommands
 from sim.export.source import Source
@@ -40,7 +39,7 @@ def play(
     recording = _recorded(source, commands, steps, starts, progress)
     moments = recording.moments
     kept = np.isin(moments.step, steps[steps >= starts])
-    address = free_joint(source.model, source.robot.root)
+    address = source.robot.root_address_in(source.model)
     origin = source.reference["world_start_pose"]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
     predicted = source.reference.get("quasi_static_pose")

@@ -11,13 +11,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models import (
-    Card,
-    Robot,
+from models import Card, Robot, load
+from models.description import (
     actuator_of,
     compile_model,
     inspect_model,
-    load,
     read_card,
     silence_the_engine,
 )

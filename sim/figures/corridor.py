@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from models import PIVOT
+from models.morphology import PIVOT
 from planner import Array
 from planner.planning import recut
 from sim.figures.paper import PaperWalk

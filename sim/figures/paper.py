@@ -13,7 +13,8 @@ from typing import Literal
 
 import numpy as np
 
-from models import AIR_SWINGS, FEET, PIVOT, PIVOTS, paper_hexapod
+from models.morphology import FEET, PIVOT, PIVOTS
+from models.systems import AIR_SWINGS, paper_hexapod
 from planner import Array, Execution, ExtendedSystem, Path, Plan, extend, plan, rollout
 from sim.motion.poses import rotate
 

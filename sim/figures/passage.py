@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from models import KAPPA, PIVOT
+from models.morphology import KAPPA, PIVOT
 from planner import Array, Path, subdivide
 from planner.planning import Slack, recut
 from sim.figures.paper import PaperWalk, walk

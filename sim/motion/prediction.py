@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from models import Kinematics, Strokes, TwistModel, travel
+from models import Kinematics, TwistModel
+from models.motion import Strokes
 from planner import Array
 from sim.motion.poses import compose
 from sim.motion.schedule import Schedule
@@ -96,7 +97,7 @@ class Predictor:
         moves = list(zip(strata, schedule.trajectories[0][1], strict=True))
         start = schedule.begin.swing
         strokes, self._loaded = Strokes.among(moves, schedule.limits.groups, start)
-        self._path = travel(strokes, twists, kinematics)
+        self._path = strokes.travel(twists, kinematics)
 
     def angles(self, rows: Array) -> tuple[Array, Array]:
         """Commanded swing and lift of every group, shape (T, G) each [rad]."""

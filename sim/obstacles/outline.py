@@ -8,7 +8,7 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from models import Robot, free_joint
+from models import Robot
 from planner import Array
 from sim.obstacles.solids import Solids
 
@@ -28,7 +28,7 @@ class Outline:
     @cached_property
     def _root(self) -> int:
         """Where the free joint's positions begin."""
-        return free_joint(self.model, self.robot.root)
+        return self.robot.root_address_in(self.model)
 
     def configurations(self, pose: Array, swing: Array, lift: Array) -> Array:
         """Joint positions of a level body.

@@ -15,7 +15,8 @@ import mujoco
 import numpy as np
 import shapely
 
-from models import ModelError, covering_core
+from models import ModelError
+from models.contact import covering_core
 from planner import Array
 
 

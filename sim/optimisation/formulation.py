@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from math import inf, pi
 
-from models import Equations, contact_equations, contact_fields
+from models import Equations
+from models.motion import contact_equations, contact_fields
 from planner import Flow, Path, Plan, plan, play
 from planner.optimisation import Criterion, Inequality, Task, Tolerance, cycle
 from sim.experiments.predictions import twist_model

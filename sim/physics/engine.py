@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 from mujoco import batch
 
-from models import silence_the_engine
+from models.description import silence_the_engine
 from planner import Array
 from sim.errors import SimulationError
 

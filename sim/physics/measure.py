@@ -14,7 +14,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from models import Robot, weight_of
+from models import Robot
 from planner import Array
 from sim.world.sensors import CONTACT_FIELDS, contact_sensor
 
@@ -38,7 +38,7 @@ class Sensors:
     """Reads the contact sensors of a robot's feet out of sensordata."""
 
     def __init__(self, model: mujoco.MjModel, robot: Robot) -> None:
-        self.weight = weight_of(model, robot.root)
+        self.weight = robot.weight_in(model)
         self.feet = len(robot.legs)
         self._slots = _slots(model, robot)
         self._center_of_mass = model.sensor("center_of_mass").adr[0]
@@ -76,8 +76,8 @@ def _slots(model: mujoco.MjModel, robot: Robot) -> list[tuple[Array, Array]]:
         For every k an address and a flag a foot, shape (F,) each.
     """
     feet = []
-    for leg in robot.legs:
-        sensors = (model.sensor(contact_sensor(g)) for g in robot.card.legs[leg].foot)
+    for leg in robot.leg_cards:
+        sensors = (model.sensor(contact_sensor(geom)) for geom in leg.foot)
         ranges = [(s.adr[0], s.adr[0] + s.dim[0]) for s in sensors]
         feet.append([at for ends in ranges for at in range(*ends, CONTACT_FIELDS)])
     most = max(map(len, feet))

@@ -13,16 +13,9 @@ from contextlib import suppress
 import mujoco
 import numpy as np
 
-from models import (
-    UPRIGHT,
-    Kinematics,
-    Lifting,
-    ModelError,
-    Robot,
-    actuator_of,
-    free_joint,
-    silence_the_engine,
-)
+from models import Kinematics, ModelError, Robot
+from models.contact import UPRIGHT
+from models.description import actuator_of, silence_the_engine
 from sim.errors import UsageError
 from sim.world.integrator import suitable_integrator
 from sim.world.sensors import contact_sensor
@@ -77,7 +70,7 @@ def _check_standing(
     if any(warning.number for warning in data.warning):
         return
     sag = float(height - data.qpos[_height(robot, model)])
-    rise = float(Lifting(kinematics).rise(np.array(lift_angle)).min())
+    rise = float(kinematics.lifting.rise(np.array(lift_angle)).min())
     _refuse(robot, _tipped(robot, data))
     _refuse(robot, _lying(robot, model, data))
     _refuse(robot, _aloft(robot, model, data))
@@ -138,7 +131,7 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
 
 
 def _height(robot: Robot, model: mujoco.MjModel) -> int:
-    return free_joint(model, robot.root) + 2
+    return robot.root_address_in(model) + 2
 
 
 def _tipped(robot: Robot, data: mujoco.MjData) -> Iterator[tuple[str, str]]:
@@ -235,7 +228,7 @@ def _feet(robot: Robot, model: mujoco.MjModel) -> dict[int, int]:
 
 def _floor(robot: Robot, model: mujoco.MjModel) -> int:
     """The geom that contact sensors watch the feet against."""
-    foot = robot.card.legs[robot.legs[0]].foot[0]
+    foot = robot.card.feet[0]
     return int(model.sensor_objid[model.sensor(contact_sensor(foot)).id])
 
 

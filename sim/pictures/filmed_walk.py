@@ -10,7 +10,8 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from models import Card, read_card
+from models import Card
+from models.description import read_card
 from planner import Array
 from planner.support import open_file
 from sim.finished_run import arrays_of, nominal_poses, phases_of, reading

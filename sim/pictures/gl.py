@@ -152,7 +152,7 @@ def _draw_one_frame() -> None:
 def _measure() -> float:
     import mujoco  # only here: the driver is tied at this moment
 
-    from models import FOLDER
+    from models.description import FOLDER
     from sim.pictures.camera import HEIGHT, WIDTH
 
     spec = mujoco.MjSpec.from_file(str(FOLDER / "hexapod.xml"))

@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import shapely
 
-from models import root_body
+from models.description import root_body
 from planner import Array
 from sim import palette
 from sim.motion.polylines import spaced_rows

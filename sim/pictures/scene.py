@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models import root_body
+from models.description import root_body
 from sim import palette
 from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH
 from sim.pictures.filmed_walk import FilmedWalk

@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from models import Strokes, TwistModel, travel
+from models import TwistModel
+from models.motion import Strokes
 from planner import Array, ConvergenceError, Path, Plan, RangeError, plan
 from planner.execution import Coordinates
 from planner.planning import Step, grid, plan_step
@@ -172,7 +173,7 @@ def segment_ends(
     strokes, loaded = Strokes.among(moves, groups, start)
     clock = np.concatenate([[0], np.cumsum(loaded)])
     ends = clock[[0, *planned.segment_ends]].astype(float)
-    return travel(strokes, twists, setup.kinematics).pose(ends)
+    return strokes.travel(twists, setup.kinematics).pose(ends)
 
 
 def _path(setup: Setup, start: Array, aims: Array) -> Path:

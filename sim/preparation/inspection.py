@@ -15,8 +15,8 @@ from models import (
     Robot,
     equations,
     mobility_of,
-    servo_for,
 )
+from models.adoption import servo_for
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile
 from sim.preparation.setup import Setup, lift_angle

@@ -7,7 +7,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from models import Equations, Mobility, Robot, mobility_of, propose
+from models import Equations, Mobility, Robot, mobility_of
+from models.adoption import propose
 from planner import Array, Path, PlannerError
 from planner.extension import AFFORDABLE
 from planner.support import limited

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from models import Lifting, Robot, strata
+from models import Robot
 from sim.motion.stability import margin_at_rest
 from sim.preparation.inspection import Inspected
 
@@ -23,7 +23,7 @@ def facts(subject: Inspected) -> Facts:
     """
     robot, kinematics = subject.robot, subject.kinematics
     stance = kinematics.standing
-    lifting, lift = Lifting(kinematics), subject.lift_angle
+    lifting, lift = kinematics.lifting, subject.lift_angle
     moved, can = subject.equations, subject.mobility
     return {
         "name": robot.name,
@@ -60,7 +60,7 @@ def facts(subject: Inspected) -> Facts:
         },
         "changed": list(subject.changed),
         "lacks": list(subject.lacks),
-        "margins": {n: margin_at_rest(kinematics, n) for n in strata(robot)},
+        "margins": {n: margin_at_rest(kinematics, n) for n in robot.card.strata},
     }
 
 

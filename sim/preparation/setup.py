@@ -9,7 +9,7 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from models import Equations, Kinematics, Lifting, Robot, equations, free_joint, load
+from models import Equations, Kinematics, Robot, equations, load
 from planner import Array, Execution, ExtendedSystem, Path, extend
 from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
@@ -127,7 +127,7 @@ class Setup:
 
     def pose(self, qpos: Array) -> Array:
         """Planar pose of the robot's root in the world, shape (..., 3)."""
-        return pose_of(qpos, free_joint(self.model, self.robot.root))
+        return pose_of(qpos, self.robot.root_address_in(self.model))
 
     def state(self, pose: Array, swing: tuple[float, ...] | None = None) -> Array:
         """Configuration of the equations, feet on the ground, shape (n,)."""
@@ -253,7 +253,7 @@ def lift_angle(kinematics: Kinematics, height: float | None) -> float:
     Raises:
         UsageError: The lift joints do not reach as far.
     """
-    robot, lifting = kinematics.robot, Lifting(kinematics)
+    robot, lifting = kinematics.robot, kinematics.lifting
     if height is None:
         return robot.card.lift_angle
     if height > lifting.highest:

@@ -12,7 +12,8 @@ from dataclasses import replace
 
 import mujoco
 
-from models import Robot, actuator_of
+from models import Robot
+from models.description import actuator_of
 from sim.scenarios.scenario import Scenario
 from sim.world.imperfections import PAYLOAD
 from sim.world.integrator import suitable_integrator

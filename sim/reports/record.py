@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from models import Card, parse_toml, read_card
+from models import Card
+from models.description import parse_toml, read_card
 from planner import Array
 from planner.support import read_file
 from sim.finished_run import arrays_of, nominal_poses, phases_of, reading

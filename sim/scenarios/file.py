@@ -15,7 +15,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from models import parse_toml
+from models.description import parse_toml
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes

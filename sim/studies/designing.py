@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from models import Design, ModelError, Robot, equations, group_twist, mobility_of
+from models import ModelError, Robot, equations, mobility_of
+from models.adoption import Design
+from models.motion import group_twist
 from planner import PlannerError
 from sim.errors import StratawalkError, one_line
 from sim.scenarios.file import load_scenario

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from models import geometry_of, shipped_robots
+from models import shipped_robots
+from models.morphology import geometry_of
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.preparation.shared import PLAN

@@ -15,7 +15,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from models import root_body
+from models.description import root_body
 from planner import Array
 from sim import palette
 from sim.errors import UsageError

@@ -15,7 +15,7 @@ from unittest.mock import patch
 
 import mujoco
 
-from models import root_body
+from models.description import root_body
 from sim.errors import UsageError
 from sim.folder import blamed_on
 from sim.pictures.filmed_walk import FilmedWalk

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from models import FOLDER, Robot, equations
+from models import Robot, equations
 from planner import Plan
 from sim.scenarios.body_path import waypoints
 from sim.scenarios.scenario import Scenario
@@ -22,7 +22,7 @@ def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
         UsageError: If a setting is unknown or impossible.
     """
     printed = plan.elements == equations(robot, "paper").elements
-    shipped = robot.path.parent == FOLDER
+    shipped = robot.is_shipped
     return Scenario(
         **{
             "name": "plan",

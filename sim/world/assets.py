@@ -10,7 +10,8 @@ from pathlib import Path
 
 import mujoco
 
-from models import ModelError, Robot, elements_with_files
+from models import ModelError, Robot
+from models.description import elements_with_files
 
 FOLDER = "assets"  # beside model.xml
 

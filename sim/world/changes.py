@@ -8,7 +8,8 @@ from itertools import combinations
 import mujoco
 import numpy as np
 
-from models import ON_JOINT, Robot
+from models import Robot
+from models.description import ON_JOINT
 from sim.scenarios.scenario import Scenario
 from sim.world.foreign_drives import couplings, other_drives
 from sim.world.servos import delayed_servos, joints_without_servo

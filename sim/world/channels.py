@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models import Robot, actuator_of
+from models import Robot
+from models.description import actuator_of
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Channels:
             Mean angle of each group's legs, shape (T, G) [rad].
         """
         robot = self.robot
-        joints = [robot.card.legs[leg].swing for leg in robot.legs]
+        joints = robot.swing_joints
         places = [int(self.model.joint(joint).qposadr[0]) for joint in joints]
         standing = np.array([robot.standing_angle(joint) for joint in joints])
         legs = (qpos[:, places] - standing) / robot.swing_gain  # (T, F)

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from models import FOLDER, ModelError, Robot, compile_model
+from models import ModelError, Robot
+from models.description import FOLDER, compile_model
 
 LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
 WALL = np.deg2rad(45)  # a plane tilted more is a wall, and no attempt at a floor

@@ -10,7 +10,8 @@ from copy import copy
 import mujoco
 import numpy as np
 
-from models import ON_JOINT, Robot
+from models import Robot
+from models.description import ON_JOINT
 
 COUPLING = (int(mujoco.mjtEq.mjEQ_JOINT), int(mujoco.mjtEq.mjEQ_TENDON))
 MOVES = 1e-9  # moment of an actuator about a joint, below which it does not move it

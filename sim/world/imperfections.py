@@ -12,7 +12,8 @@ from math import cos, sin
 import mujoco
 import numpy as np
 
-from models import Robot, compile_model
+from models import Robot
+from models.description import compile_model
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 

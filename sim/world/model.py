@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import mujoco
 
-from models import EMBEDDED, Robot, compile_model
+from models import Robot
+from models.description import compile_model
 from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.bumps import add_bumps
@@ -54,8 +55,6 @@ def build(robot: Robot, scenario: Scenario) -> World:
         ModelError: If the robot cannot be given floor or servos.
     """
     spec = robot.read()
-    for text in [text for text in spec.texts if text.name == EMBEDDED]:
-        spec.delete(text)  # the card is written beside the model
     _set_options(spec, scenario.timestep)
     floor = ensure_floor(spec, robot)
     _set_friction(spec, robot, floor.name, scenario.friction)

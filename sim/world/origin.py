@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from models import FOLDER, Robot, has_card_inside
+from models import Robot
 
 COPY = "robot"  # folder in the run folder
 
@@ -23,7 +23,7 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
         Name of a shipped robot, or path of its MJCF relative to the run folder; content
         by path relative to the run folder.
     """
-    if robot.path.parent == FOLDER:
+    if robot.is_shipped:
         return robot.name, {}
     mjcf = robot.path.resolve()
     used = {path.resolve() for path in (mjcf, *robot.files)}
@@ -33,6 +33,6 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
         for path in sorted(used)
     }
     main = Path(COPY, mjcf.relative_to(above))
-    if not has_card_inside(robot.path):
+    if not robot.has_card_inside:
         copies[main.with_suffix(".toml").as_posix()] = robot.card_text.encode()
     return main.as_posix(), copies

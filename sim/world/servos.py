@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import mujoco
 
-from models import ON_JOINT, ModelError, Robot, actuator_of, is_position_servo
+from models import ModelError, Robot
+from models.description import ON_JOINT, actuator_of, is_position_servo
 from sim.world.foreign_drives import couplings, other_drives
 from sim.world.servo_settings import ServoSettings
 

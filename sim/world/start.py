@@ -5,7 +5,8 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from models import ON_JOINT, Kinematics, Robot
+from models import Kinematics, Robot
+from models.description import ON_JOINT
 from sim.world.floor import Floor
 from sim.world.imperfections import PLAY
 

@@ -7,7 +7,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("planner", "models", "sim")
-ROOMS = sorted(f"planner/{p.parent.name}" for p in ROOT.glob("planner/*/__init__.pyi"))
+STUBS = [*ROOT.glob("planner/*/__init__.pyi"), *ROOT.glob("models/*/__init__.pyi")]
+ROOMS = sorted(str(stub.parent.relative_to(ROOT)) for stub in STUBS)
 
 
 def exported(package):

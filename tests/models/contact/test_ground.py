@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.contact.ground import ground_of
+from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
 from sim.preparation.setup import prepare
 
@@ -12,7 +12,7 @@ RAISED = 'rgba="0.80 0.27 0.24 1" name="foot_3"'
 
 def grounds(robot, scenario):
     setup = prepare(scenario(robot=str(robot.path)))
-    return setup.robot, ground_of(setup.robot, setup.model)
+    return setup.robot, Ground.of(setup.robot, setup.model)
 
 
 def test_a_foot_that_hangs_above_the_floor_is_sunk_until_it_touches(edited, scenario):

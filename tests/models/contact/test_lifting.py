@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from models.contact.kinematics import Kinematics, Lifting
+from models.contact.kinematics import Kinematics
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
 
 
 @pytest.fixture(scope="module")
 def lifting(hexapod):
-    return Lifting(Kinematics(hexapod))
+    return Kinematics(hexapod).lifting
 
 
 def test_a_height_is_reached_by_every_foot(hexapod, lifting):
@@ -28,7 +28,7 @@ def test_the_joints_go_no_farther_than_their_range(lifting):
 def test_the_joint_that_goes_least_far_bounds_all_of_them(edited):
     joint = '<joint class="lift" name="lift_3"/>'
     robot = edited(joint, joint.replace("/>", ' range="-0.1 0.4"/>'))
-    assert Lifting(Kinematics(robot)).farthest == pytest.approx(0.4)
+    assert Kinematics(robot).lifting.farthest == pytest.approx(0.4)
 
 
 def test_the_foot_that_rises_least_is_the_height_of_all(edited):
@@ -36,7 +36,7 @@ def test_the_foot_that_rises_least_is_the_height_of_all(edited):
     long = (
         '<geom class="foot" pos="0.105 0 -0.052" rgba="0.80 0.27 0.24 1" name="foot_3"'
     )
-    lifting = Lifting(Kinematics(edited(long, long.replace("0.105", "0.080"))))
+    lifting = Kinematics(edited(long, long.replace("0.105", "0.080"))).lifting
     rises = lifting.rise(np.array(0.6))
     assert rises.argmin() == 2
     assert np.ptp(rises) > 0.01

@@ -11,7 +11,7 @@ from models.contact.dissipation import (
     foot_velocities,
     least_dissipation_twist,
 )
-from models.contact.ground import Ground, ground_of
+from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics, Stance
 from models.contact.sliding import sliding_twist
 from models.library import load as load_robot
@@ -75,7 +75,7 @@ def swing_on_all_feet(robot, model, speed):
 
 def test_friction_balances_and_loads_carry_the_weight(robot, world):
     stance, rates = standing(robot, np.linspace(-0.3, 0.3, 7))
-    ground = ground_of(robot, world)
+    ground = Ground.of(robot, world)
     twist, loads = sliding_twist(stance, rates, ground, speed=0.5)
     w = foot_velocities(stance.feet, rates, twist)
     direction = w / np.sqrt((w**2).sum(-1, keepdims=True) + (1e-4 * 0.105) ** 2)
@@ -91,7 +91,7 @@ def test_rigid_legs_on_soft_ground_slide_with_least_dissipation(robot, world):
     """Without servo compliance friction does not change loads: two solvers agree."""
     stance, rates = standing(robot, np.linspace(-0.3, 0.3, 5))
     soft = np.linspace(1e-5, 3e-5, 6)
-    ground = replace(ground_of(robot, world), contact=soft, servo=np.full(6, np.inf))
+    ground = replace(Ground.of(robot, world), contact=soft, servo=np.full(6, np.inf))
     twist, loads = sliding_twist(stance, rates, ground)
     known = least_dissipation_twist(stance.feet, rates, loads)
     # friction is smoothed below 1e-4 of the fastest rate; near a tie that shows tenfold
@@ -100,7 +100,7 @@ def test_rigid_legs_on_soft_ground_slide_with_least_dissipation(robot, world):
 
 def test_twist_turns_round_with_the_swing(robot, world):
     stance, rates = standing(robot, [0.1])
-    ground = ground_of(robot, world)
+    ground = Ground.of(robot, world)
     there, loads = sliding_twist(stance, rates, ground, speed=0.5)
     # mirrored fore and aft, the legs at -0.1 swing back as those at 0.1 swing forth
     mirrored, backward = standing(robot, [-0.1], speed=-1.0)
@@ -111,7 +111,7 @@ def test_twist_turns_round_with_the_swing(robot, world):
 
 def test_twist_has_the_unit_of_the_rates(robot, world):
     """One group swings, so that the slowest rate is zero."""
-    ground = ground_of(robot, world)
+    ground = Ground.of(robot, world)
     stance, rates = standing(robot, [0.1])
     twist, loads = sliding_twist(stance, rates, ground)
     faster, same = sliding_twist(stance, 1000 * rates, ground)
@@ -138,7 +138,7 @@ def test_a_foot_that_would_pull_hangs_free_and_the_others_bear_the_weight():
 def test_the_engine_slides_as_predicted(robot, world, speed):
     twist, loads = swing_on_all_feet(robot, world, speed)
     stance, rates = standing(robot, [0.0], speed=-1.0)
-    predicted, shares = sliding_twist(stance, rates, ground_of(robot, world), speed)
+    predicted, shares = sliding_twist(stance, rates, Ground.of(robot, world), speed)
     # at most 0.2 mm/rad, 1 mrad/rad and 0.0005 of the weight measured, out of
     # 50 mm/rad, 0.25 rad/rad and 0.17
     assert twist[:2] == pytest.approx(-predicted[0, :2], abs=1e-3)
@@ -155,12 +155,12 @@ def test_feet_sink_into_the_floor_as_far_as_its_compliance_says(robot, world):
     feet = [world.geom(f"foot_{leg}").id for leg in robot.legs]
     sunk = world.geom_size[feet, 0] - data.geom_xpos[feet, 2]
     # standing still to 1e-6 m/s, which the contact's damping turns into 1e-9 m
-    assert sunk == pytest.approx(ground_of(robot, world).contact * force, abs=1e-8)
+    assert sunk == pytest.approx(Ground.of(robot, world).contact * force, abs=1e-8)
 
 
 def test_ground_takes_stiffness_friction_and_weight_from_the_world(robot, scenario):
     model = load(build(robot, scenario(servo_stiffness=70.0, friction=0.4)))
-    ground = ground_of(robot, model)
+    ground = Ground.of(robot, model)
     assert (ground.servo == 70.0).all()
     assert ground.friction == pytest.approx(0.4)
     assert ground.weight == pytest.approx(1.27 * 9.81)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from models.contact.ground import ground_of
+from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics
 from models.library import load
 from models.motion.real_contacts import (
@@ -12,7 +12,7 @@ from models.motion.real_contacts import (
     contact_fields,
 )
 from models.motion.robot_equations import equations
-from models.motion.strokes import Strokes, travel
+from models.motion.strokes import Strokes
 from models.motion.twists import QuasiStaticTwists
 from planner.controllability.gaits import gait_controllability
 from planner.extension.bracket_fields import hall_fields
@@ -25,7 +25,7 @@ LIFTED = ("g1_1", "g2_2")
 def fitted(name):
     robot = load(name)
     kinematics = Kinematics(robot)
-    twists = QuasiStaticTwists(kinematics, ground_of(robot, robot.model))
+    twists = QuasiStaticTwists(kinematics, Ground.of(robot, robot.model))
     described = equations(robot)
     names = [e for e in described.elements if e in described.swings]
     fields = contact_fields(described, robot.groups, twists, names)
@@ -90,7 +90,7 @@ def test_flows_of_real_fields_go_where_the_prediction_goes():
         begin=np.array([[0.0, 0.0], [0.4, 0.0], [0.4, -0.3]]),
         change=np.array([[0.4, 0.0], [0.0, -0.3], [-0.7, 0.0]]),
     )
-    predicted = travel(strokes, twists, kinematics).pose(np.array([3.0]))[0]
+    predicted = strokes.travel(twists, kinematics).pose(np.array([3.0]))[0]
     end = play(real, flows, np.zeros(real.dimension))[-1]
     assert end[:3] == pytest.approx(predicted, abs=1e-8)  # 1.4 rad of 9e-10 m/rad
 

@@ -1,0 +1,15 @@
+from .card_file import read_card as read_card
+from .compiled import (
+    ON_JOINT as ON_JOINT,
+    actuator_of as actuator_of,
+    compile_model as compile_model,
+    is_position_servo as is_position_servo,
+    root_body as root_body,
+    silence_the_engine as silence_the_engine,
+)
+from .inspection import (
+    elements_with_files as elements_with_files,
+    inspect_model as inspect_model,
+)
+from .robot import FOLDER as FOLDER
+from .table import parse_toml as parse_toml
