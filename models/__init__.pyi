@@ -46,4 +46,5 @@ from .systems.catalogue import (
     shipped_system as shipped_system,
 )
 from .systems.file import load_system as load_system
+from .systems.hexapods import paper_hexapod as paper_hexapod
 from .systems.problem import Problem as Problem

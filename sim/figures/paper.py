@@ -13,8 +13,9 @@ from typing import Literal
 
 import numpy as np
 
+from models import paper_hexapod
 from models.morphology import FEET, PIVOT, PIVOTS
-from models.systems import AIR_SWINGS, paper_hexapod
+from models.systems import AIR_SWINGS
 from planner import Array, Execution, ExtendedSystem, Path, Plan, extend, plan, rollout
 from sim.motion.poses import rotate
 
