@@ -28,7 +28,7 @@ eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata
 eq. (11)   gait          Gait                                 systems/gait
 Sec. 4     D_i           gait_controllability                 controllability/gaits
 eq. (12)   six flows     rollout                              planning/rollouts
-eq. (13)   [g_11, g_12]  require_decoupled                    extension/decoupling
+eq. (13)   [g_11, g_12]  require_decoupled                    extension/fields_on_bottom
 eq. (14)   flows on S_B  on_bottom, tangent_field             extension/fields_on_bottom
 eq. (15)   Def. 3        ExtendedSystem, extend               extension/extended
 (16)-(19)  the hexapod   models.paper_hexapod                 models/systems/hexapods

@@ -12,14 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from planner.controllability.exact import exact_rank
 from planner.errors import point
-from planner.extension.decoupling import coupled
-from planner.extension.fields_on_bottom import tangent_field
-from planner.extension.lift_fields import lifts
+from planner.extension.fields_on_bottom import coupled, lifts, tangent_field
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import (
     SPANNED,
@@ -28,8 +26,8 @@ from planner.numerics.subspaces import (
     null_space,
     rank,
 )
-from planner.systems.closure import LieClosure, involutive_closure
-from planner.systems.gait import Gait, steps
+from planner.systems.closure import LieClosure, exact_rank, involutive_closure
+from planner.systems.gait import Gait
 from planner.systems.level_sets import LevelSet
 from planner.systems.strata import StratifiedSystem
 
@@ -186,7 +184,7 @@ def _filtration(
 ) -> Array:
     """The distribution D_{n+1} of Sec. 4, numbered as eq. (11) is, as columns."""
     space = column_space(algebras[walk.strata[0]].columns)
-    for before, here in steps(walk.strata):
+    for before, here in pairwise(walk.strata):
         if system.contacts[before] < system.contacts[here]:
             space = _within_tangent_space(space, system.level_set(here), x)
         space = column_space(np.hstack([space, algebras[here].columns]))

@@ -3,8 +3,8 @@ from .execution import (
     Execution as Execution,
     StanceRule as StanceRule,
 )
-from .repositioning import reposition_legs as reposition_legs
 from .stepping import (
     StabilityTest as StabilityTest,
+    reposition_legs as reposition_legs,
     stepped as stepped,
 )

@@ -19,7 +19,7 @@ from planner.extension.extended import ExtendedSystem
 from planner.extension.steering import Spelled, Wording
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow, Word
-from planner.systems.gait_order import regroup_in_gait
+from planner.systems.gait import regroup_in_gait
 from planner.systems.grouping import regroup
 from planner.systems.shape import ShapeLimits
 

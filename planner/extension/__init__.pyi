@@ -1,6 +1,5 @@
 from .bracket_fields import hall_fields as hall_fields
 from .choice import choose_elements as choose_elements
-from .decoupling import require_decoupled as require_decoupled
 from .direction_costs import (
     AFFORDABLE as AFFORDABLE,
     DirectionCost as DirectionCost,
@@ -12,6 +11,7 @@ from .extended import (
 )
 from .fields_on_bottom import (
     on_bottom as on_bottom,
+    require_decoupled as require_decoupled,
     tangent_field as tangent_field,
 )
 from .height_functions import (

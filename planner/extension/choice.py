@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,6 @@ from planner.support.stopping import tick
 from planner.systems.closure import involutive_closure
 from planner.systems.elements import Tree, leaves, parse_names
 from planner.systems.fields import VectorField
-from planner.systems.gait import steps
 from planner.systems.rounding import WeighedValues
 from planner.systems.strata import StratifiedSystem
 
@@ -176,7 +175,7 @@ def _even(candidates: Sequence[_Candidate]) -> list[_Candidate]:
 def _switches(system: StratifiedSystem, tree: Tree) -> int:
     walk = [system.stratum_of[name] for name in _letters(tree)]
     walk = [system.bottom, *walk, system.bottom]
-    return sum(system.switches(a, b) for a, b in steps(walk))
+    return sum(system.switches(a, b) for a, b in pairwise(walk))
 
 
 def _letters(tree: Tree) -> tuple[str, ...]:

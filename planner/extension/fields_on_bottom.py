@@ -1,27 +1,102 @@
-"""Fields of higher strata, made to act on the bottom stratum, eq. (14).
+"""Fields of higher strata, made to act on the bottom stratum, eqs. (13) and (14).
 
 Flows of eq. (12) that lift a foot, move and set it down are interchanged until lifting
-and setting down cancel. What remains is a field that is tangent to the bottom stratum:
-one that leaves it is corrected by the lift fields (Sec. 5.1). `decoupling` checks that
-the flows may be interchanged, eq. (13).
+and setting down cancel. Lift fields must therefore commute with the fields used while
+feet are in the air, eq. (13), as Assumption 2 guarantees. What remains is a field that
+is tangent to the bottom stratum: one that leaves it is corrected by the lift fields
+(Sec. 5.1).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 import sympy as sp
 
-from planner.errors import PlannerError
-from planner.extension.decoupling import require_decoupled
-from planner.extension.lift_fields import lifts
+from planner.errors import DecouplingError, PlannerError
 from planner.numerics.arrays import Array
+from planner.numerics.subspaces import rank
 from planner.systems.elements import Tree, leaves, relabel
-from planner.systems.fields import NumericField, VectorField, compile_fields
+from planner.systems.fields import (
+    NumericField,
+    VectorField,
+    compile_fields,
+    lie_bracket,
+)
 from planner.systems.level_sets import LevelSet
+from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
+
+EVEN = 0.5  # least over largest rate of a field that is as good a lift as any
+
+
+def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
+    """Lift fields: fields of a stratum that raise feet off the bottom stratum.
+
+    Fields that raise them everywhere alike are preferred, and simple ones among these:
+    a field whose rate vanishes somewhere raises nothing there. The lift fields change
+    the level sets of the bottom stratum independently of one another.
+
+    Args:
+        system: System that has the fields.
+        stratum: Stratum on which they act.
+        bottom: Stratum that they leave; the bottom stratum of the system if empty.
+    """
+    level_set = system.level_set(bottom or system.bottom)
+    if not level_set.functions:
+        return ()
+    leaving = [n for n, f in system.strata[stratum].items() if level_set.leaves(f)]
+    found = {name: level_set.rates(system.fields[name]) for name in leaving}
+
+    def preference(name: str) -> tuple[float, int]:
+        """Evenness of the rates, capped, then the number of coordinates moved."""
+        sizes = np.linalg.norm(found[name], axis=1)
+        field = system.fields[name]
+        symbolic = not isinstance(field, NumericField)
+        moved = sum(entry != 0 for entry in field) if symbolic else 10**6
+        return -min(float(sizes.min() / sizes.max()), EVEN), moved
+
+    chosen: list[str] = []
+    rates = np.empty((len(level_set.functions), 0))
+    for name in sorted(leaving, key=preference):
+        wider = np.hstack([rates, found[name][0][:, None]])
+        if rank(wider) > rates.shape[1]:
+            chosen, rates = [*chosen, name], wider
+    return tuple(chosen)
+
+
+def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
+    """Check eq. (13): lift fields commute with the fields used on the same stratum.
+
+    Args:
+        system: System that has the fields.
+        names: Fields that are used on strata above the bottom stratum.
+
+    Raises:
+        DecouplingError: A lift field does not commute with a field; both are named.
+    """
+    fields = {name: system.fields[name] for name in names}
+    for stratum in system.strata:
+        raised = {n: system.fields[n] for n in lifts(system, stratum)}
+        here = {n: f for n, f in fields.items() if system.stratum_of[n] == stratum}
+        for lift, name in coupled(system, raised, here):
+            raise DecouplingError(lift, name)
+
+
+def coupled(
+    system: StratifiedSystem,
+    raised: Mapping[str, VectorField],
+    fields: Mapping[str, VectorField],
+) -> list[tuple[str, str]]:
+    """Pairs of a lift field and a field that do not commute, by name."""
+    pairs = [(lift, name) for lift in raised for name in fields if lift != name]
+    brackets = [
+        lie_bracket(raised[lift], fields[name], system.state) for lift, name in pairs
+    ]
+    commute = vanishing(brackets, system.state)
+    return [pair for pair, still in zip(pairs, commute, strict=True) if not still]
 
 
 def tangent_field(

@@ -27,7 +27,7 @@ from planner.planning.paths import Path, as_path
 from planner.support.stopping import tick
 from planner.systems.elements import parse
 from planner.systems.flows import Flow, contact_switches, require_flows, visits
-from planner.systems.gait_order import gait_walk, walk_switches
+from planner.systems.gait import gait_walk, walk_switches
 from planner.systems.strata import StratifiedSystem
 
 MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits

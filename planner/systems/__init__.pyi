@@ -18,8 +18,8 @@ from .formulas import (
     RESERVED as RESERVED,
     read_formula as read_formula,
 )
-from .gait import Gait as Gait
-from .gait_order import (
+from .gait import (
+    Gait as Gait,
     gait_steps as gait_steps,
     gait_walk as gait_walk,
     walk_switches as walk_switches,

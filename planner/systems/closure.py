@@ -4,6 +4,7 @@ Each degree is spanned by brackets [g, B] of generators with the fields of the d
 before. If a degree adds no new field, the algebra is complete, and its rank at any
 configuration is final. That the rank at one configuration does not grow proves nothing;
 fields are therefore compared at configurations around the given one and at itself.
+Where rounding errors could decide, `exact_rank` calculates with fractions.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ CALL_OPERATIONS = 10  # operations that a call of a Python function counts as
 INDEPENDENT = ROUNDING  # part of a new field outside the span; less may be rounding
 PROBES = 80  # configurations where fields are compared
 NEAREST = 1e-3  # half of them lie within 1 in each coordinate, the others down to this
+MOST_ENTRIES = 400  # of a matrix whose exact rank is found
 Named = tuple[str, VectorField]
 
 
@@ -164,3 +166,31 @@ def _operations(field: VectorField) -> int:
     if isinstance(field, NumericField):
         return CALL_OPERATIONS * field.calls
     return int(sp.count_ops(field))
+
+
+def exact_rank(fields: Iterable[VectorField], state: Symbols, at: Array) -> int | None:
+    """Rank of fields at a configuration in rational arithmetic.
+
+    Every number is taken as the decimal that it was written as. None where a field is a
+    function or has an irrational value there, or the matrix has too many entries.
+    """
+    columns = list(fields)
+    if any(isinstance(field, NumericField) for field in columns):
+        return None
+    if len(columns) * len(state) > MOST_ENTRIES:
+        return None
+    place = {s: _decimal(value) for s, value in zip(state, at.tolist(), strict=True)}
+    values = [[_exact(entry).subs(place) for entry in field] for field in columns]
+    if not all(entry.is_Rational for column in values for entry in column):
+        return None
+    return int(sp.Matrix(values).rank()) if values else 0
+
+
+def _exact(entry: sp.Expr) -> sp.Expr:
+    floats = {number: _decimal(float(number)) for number in entry.atoms(sp.Float)}
+    return entry.xreplace(floats)
+
+
+def _decimal(number: float) -> sp.Rational:
+    """The decimal that a float was written as: 0.1 + 0.2 is 0.3 then."""
+    return sp.Rational(f"{number:.15g}")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -18,7 +19,6 @@ import numpy as np
 from planner.errors import unknown
 from planner.numerics.arrays import Array
 from planner.numerics.collocation import follow
-from planner.systems.gait import steps
 from planner.systems.strata import StratifiedSystem
 
 
@@ -110,7 +110,7 @@ def contact_switches(
     walk = [start or system.bottom]
     walk += [run[0].stratum for run in visits(merged(flows))]
     walk += [goal or system.bottom]
-    return sum(system.switches(a, b) for a, b in steps(walk))
+    return sum(system.switches(a, b) for a, b in pairwise(walk))
 
 
 def flow_map(

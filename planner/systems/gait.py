@@ -1,11 +1,20 @@
-"""Gaits: closed walks in the graph of strata, eq. (11)."""
+"""Gaits: closed walks in the graph of strata, eq. (11), and flows in their order.
+
+Between two flows a walk follows the gait, possibly through strata on which nothing
+flows, until it reaches the stratum of the next flow. It is never worse to stay on a
+stratum until no further flow can run there. The smallest number of steps of the gait is
+therefore found by moving on only when this is necessary.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import chain, pairwise
 
 from planner.errors import StratumError, unknown
+from planner.systems.flows import Flow, Word
+from planner.systems.grouping import Grouper, run_on
 from planner.systems.strata import StratifiedSystem
 
 
@@ -39,7 +48,7 @@ class Gait:
                 f"gait {self} does not close: it starts in S{self.strata[0]} and "
                 f"ends in S{self.strata[-1]}; end it in S{self.strata[0]} (eq. 11)"
             )
-        for a, b in steps(self.strata):
+        for a, b in pairwise(self.strata):
             if b not in (a, *self.system.neighbours[a]):
                 near = ", ".join(f"S{s}" for s in self.system.neighbours[a]) or "none"
                 raise StratumError(
@@ -50,7 +59,126 @@ class Gait:
     def __str__(self) -> str:
         return " -> ".join(f"S{name}" for name in self.strata)
 
+    @property
+    def once_around(self) -> tuple[str, ...]:
+        """The strata without the last, which is the first again."""
+        return self.strata[:-1] or self.strata
 
-def steps(walk: Sequence[str]) -> Iterable[tuple[str, str]]:
-    """Pairs of consecutive strata of a walk."""
-    return zip(walk, walk[1:], strict=False)
+
+def regroup_in_gait(
+    grouper: Grouper,
+    segments: Sequence[Sequence[Word]],
+    gait: Sequence[str],
+    start: str,
+) -> list[list[Flow]]:
+    """Flows of each segment in the order of a gait, with the fewest steps of it.
+
+    Args:
+        grouper: Which flows commute.
+        segments: For each segment the words to choose from.
+        gait: Closed walk in the graph of strata.
+        start: Stratum before the first flow.
+
+    Raises:
+        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    """
+    cycle = Gait(grouper.system, tuple(gait)).once_around
+    plans = [_in_gait(grouper, segments, cycle, at) for at in _places(cycle, start)]
+    return min(plans, key=lambda plan: plan[0])[1]
+
+
+def gait_walk(
+    system: StratifiedSystem,
+    flows: Iterable[Flow],
+    gait: Sequence[str],
+    ends: tuple[str, str],
+) -> tuple[str, ...]:
+    """All strata that flows visit in turn along a gait; the arguments of `gait_steps`.
+
+    Strata on which nothing flows are included.
+    """
+    return (ends[0], *chain(*gait_steps(system, flows, gait, ends)))
+
+
+def gait_steps(
+    system: StratifiedSystem,
+    flows: Iterable[Flow],
+    gait: Sequence[str],
+    ends: tuple[str, str],
+) -> tuple[tuple[str, ...], ...]:
+    """Strata entered before each flow along a gait, and after the last flow.
+
+    Args:
+        system: System that walks.
+        flows: Flows in time order.
+        gait: Closed walk in the graph of strata.
+        ends: Strata before the first flow and after the last one.
+
+    Raises:
+        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    """
+    cycle = Gait(system, tuple(gait)).once_around
+    wanted = [*(flow.stratum for flow in flows), ends[1]]
+    walks = []
+    for at in _places(cycle, ends[0]):
+        places = [at]
+        for stratum in wanted:
+            places.append(_next(cycle, places[-1], stratum))
+        walks.append(places)
+    places = min(walks, key=lambda walk: walk[-1] - walk[0])
+    return tuple(
+        tuple(cycle[i % len(cycle)] for i in range(before + 1, after + 1))
+        for before, after in pairwise(places)
+    )
+
+
+def walk_switches(system: StratifiedSystem, walk: Sequence[str]) -> int:
+    """Number of lift-offs and touchdowns of a walk through strata."""
+    contacts = system.contacts
+    return sum(len(contacts[a] ^ contacts[b]) for a, b in pairwise(walk))
+
+
+def _places(cycle: Sequence[str], stratum: str) -> list[int]:
+    if stratum not in cycle:
+        raise StratumError(
+            f"the gait {' '.join(cycle)} does not visit S{stratum}, which is needed; "
+            "add it"
+        )
+    return [i for i, name in enumerate(cycle) if name == stratum]
+
+
+def _next(cycle: Sequence[str], place: int, stratum: str) -> int:
+    """The first place at or after another one that is on a stratum."""
+    return min(place + (at - place) % len(cycle) for at in _places(cycle, stratum))
+
+
+def _in_gait(
+    grouper: Grouper,
+    segments: Sequence[Sequence[Word]],
+    cycle: Sequence[str],
+    place: int,
+) -> tuple[int, list[list[Flow]]]:
+    """The place in the gait after all flows, from a first place, and the flows."""
+    ordered: list[list[Flow]] = []
+    for ways in segments:
+        found = [(*_ordered(grouper, way.fields, cycle, place), way) for way in ways]
+        place, order, way = min(found, key=lambda one: one[0])
+        ordered.append(grouper.flows(way, order))
+    return place, ordered
+
+
+def _ordered(
+    grouper: Grouper, pattern: tuple[str, ...], cycle: Sequence[str], place: int
+) -> tuple[int, tuple[int, ...]]:
+    """The place after the last flow of a pattern, and the order of its flows."""
+    strata = [grouper.system.stratum_of[name] for name in pattern]
+    for stratum in strata:
+        _places(cycle, stratum)  # refuses what the gait never visits
+    after = grouper.prerequisites(pattern)
+    order: tuple[int, ...] = ()
+    done = 0
+    while len(order) < len(pattern):
+        run, done = run_on(strata, after, done, cycle[place % len(cycle)])
+        order += run
+        place += len(order) < len(pattern)
+    return place, order

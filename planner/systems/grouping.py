@@ -3,7 +3,8 @@
 Two flows are interchanged only if their fields commute. Where a segment may follow one
 of several words, such as those of backward and of forward Hall coordinates, the words
 are chosen that switch contacts least over the whole plan. Durations do not matter. That
-liftings commute with flows, eqs. (13) and (14), is checked in `extension.decoupling`.
+lift fields commute with flows, eqs. (13) and (14), is checked in
+`extension.fields_on_bottom`.
 """
 
 from __future__ import annotations

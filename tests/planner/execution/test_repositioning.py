@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import lil_array
 from scipy.sparse.csgraph import dijkstra
 
-from planner.execution.repositioning import LIFT, reposition_legs
+from planner.execution.stepping import LIFT_COST, reposition_legs
 
 PLACES = [np.array([-0.5, 0.1, 0.5]), np.array([0.0, 0.4]), np.array([-0.3, 0.0, 0.2])]
 SIZES = [len(place) for place in PLACES]
@@ -14,7 +14,7 @@ SIZES = [len(place) for place in PLACES]
 def cost_of(moves, now):
     here, total = [p[i] for p, i in zip(PLACES, now, strict=True)], 0.0
     for leg, place in moves:
-        total += LIFT + abs(place - here[leg])
+        total += LIFT_COST + abs(place - here[leg])
         here[leg] = place
     return total
 
@@ -29,7 +29,7 @@ def cheapest(steady, now, goal):
             if len(moved) == 1 and steady[moved[0]][here] and steady[moved[0]][there]:
                 place = PLACES[moved[0]]
                 way = abs(place[here[moved[0]]] - place[there[moved[0]]])
-                graph[a, b] = LIFT + way
+                graph[a, b] = LIFT_COST + way
     return dijkstra(graph.tocsr(), indices=nodes.index(now))[nodes.index(goal)]
 
 

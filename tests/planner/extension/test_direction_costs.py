@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from planner.controllability.exact import exact_rank
 from planner.controllability.gaits import gait_controllability
 from planner.extension.direction_costs import stroke_costs
+from planner.systems.closure import exact_rank
 from planner.systems.strata import StratifiedSystem
 from tests.systems import LIFTED, METRES, X, Y, heisenberg, hexapod
 

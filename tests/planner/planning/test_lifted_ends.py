@@ -1,6 +1,7 @@
 """Plans in the order of a gait, and with feet lifted at their ends."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,7 +14,6 @@ from planner.planning.algorithm import plan
 from planner.planning.archive import load_plan, save_plan
 from planner.planning.lifted_ends import plan_between, stratum_at
 from planner.planning.rollouts import rollout
-from planner.systems.gait import steps
 from tests.systems import GAIT, LIFTED, hexapod
 
 REVERSED = GAIT[::-1]
@@ -33,9 +33,9 @@ def test_strata_are_visited_in_the_order_of_the_gait(walker, gait, stance):
     around = list(zip(gait, gait[1:], strict=False))
     walk = planned.walk
     assert (walk[0], walk[-1]) == ("12", "12")
-    assert set(steps(walk)) <= set(around)
+    assert set(pairwise(walk)) <= set(around)
     singles = [stratum for stratum in walk if stratum != "12"]
-    assert all(a != b for a, b in steps(singles))  # tripods alternate
+    assert all(a != b for a, b in pairwise(singles))  # tripods alternate
     assert planned.contact_switches == len(walk) - 1  # each step moves one tripod
     free = plan(walker, path, 8, execution=replace(execution, gait=()))
     assert planned.contact_switches >= free.contact_switches
@@ -59,7 +59,7 @@ def test_crawl_lifts_its_feet_in_the_order_asked_for():
     planned = plan(extended, problem.path, 4, execution=Execution(gait=gait))
     lifted = [stratum for stratum in planned.walk if stratum != "1234"]
     cycle = {a: b for a, b in zip(steps_of, steps_of[1:] + steps_of[:1], strict=True)}
-    assert all(cycle[a] == b for a, b in steps(lifted))
+    assert all(cycle[a] == b for a, b in pairwise(lifted))
 
 
 def test_gait_that_lacks_a_stratum_is_refused(walker):

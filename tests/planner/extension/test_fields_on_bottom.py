@@ -6,7 +6,7 @@ import sympy as sp
 
 from planner.controllability.gaits import gait_controllability
 from planner.extension.extended import extend
-from planner.extension.lift_fields import lifts
+from planner.extension.fields_on_bottom import lifts
 from planner.systems.strata import StratifiedSystem
 
 X, A, Z = sp.symbols("x a z")
