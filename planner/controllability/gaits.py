@@ -10,7 +10,7 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -27,6 +27,7 @@ from planner.numerics.subspaces import (
     rank,
 )
 from planner.systems.closure import LieClosure, exact_rank, involutive_closure
+from planner.systems.fields import VectorField
 from planner.systems.gait import Gait
 from planner.systems.level_sets import LevelSet
 from planner.systems.strata import StratifiedSystem
@@ -107,13 +108,15 @@ def gait_controllability(
     home = system.level_set(walk.strata[0])
     x = _configuration(system, home, at)
     dimension = system.dimension - len(home.functions)
-    algebras = _algebras(system, walk, x, max_depth)
+    algebras = {
+        stratum: _closure_to(system.strata[stratum], system, stratum, x, max_depth)
+        for stratum in dict.fromkeys(walk.strata)
+    }
     filtered = _filtration(system, walk, algebras, x)
-    union = (
-        _closure(system, walk.strata, x, max_depth)
-        if len(algebras) > 1
-        else algebras[walk.strata[0]]
-    )
+    union = algebras[walk.strata[0]]
+    if len(algebras) > 1:
+        tangent = _tangent_fields(system, walk.strata)
+        union = _closure_to(tangent, system, walk.strata[0], x, max_depth)
     closed = column_space(union.columns)
     if max(filtered.shape[1], closed.shape[1]) < dimension:
         closed = _exactly(system, walk.strata, union, x, closed)
@@ -161,22 +164,22 @@ def _configuration(
     return x
 
 
-def _algebras(
-    system: StratifiedSystem, walk: Gait, x: Array, max_depth: int
-) -> dict[str, LieClosure]:
-    """The involutive closure of the fields of each stratum."""
-
-    def closure(stratum: str) -> LieClosure:
-        size = system.dimension - len(system.level_set(stratum).functions)
-        return involutive_closure(
-            system.strata[stratum],
-            system.state,
-            x,
-            max_depth,
-            until=lambda algebra: rank(algebra.columns) == size,
-        )
-
-    return {stratum: closure(stratum) for stratum in dict.fromkeys(walk.strata)}
+def _closure_to(
+    fields: Mapping[str, VectorField],
+    system: StratifiedSystem,
+    stratum: str,
+    x: Array,
+    max_depth: int,
+) -> LieClosure:
+    """The involutive closure of fields, until it spans a stratum's tangent space."""
+    size = system.dimension - len(system.level_set(stratum).functions)
+    return involutive_closure(
+        fields,
+        system.state,
+        x,
+        max_depth,
+        until=lambda algebra: rank(algebra.columns) == size,
+    )
 
 
 def _filtration(
@@ -191,25 +194,16 @@ def _filtration(
     return space
 
 
-def _closure(
-    system: StratifiedSystem, strata: Sequence[str], x: Array, max_depth: int
-) -> LieClosure:
-    """The closure of all fields that can be made tangent to the first stratum."""
-    home = strata[0]
-    size = system.dimension - len(system.level_set(home).functions)
-    fields = {
+def _tangent_fields(
+    system: StratifiedSystem, strata: Sequence[str]
+) -> dict[str, VectorField]:
+    """Fields of strata, those that can be made tangent to the first of them."""
+    return {
         name: field
         for stratum in dict.fromkeys(strata)
         for name in system.strata[stratum]
-        if (field := tangent_field(system, name, home)) is not None
+        if (field := tangent_field(system, name, strata[0])) is not None
     }
-    return involutive_closure(
-        fields,
-        system.state,
-        x,
-        max_depth,
-        until=lambda algebra: rank(algebra.columns) == size,
-    )
 
 
 def _exactly(
@@ -219,21 +213,13 @@ def _exactly(
     x: Array,
     closed: Array,
 ) -> Array:
-    """The closure's span, larger where exact arithmetic finds what rounding hid."""
-    home = strata[0]
-    generators = [
-        field
-        for stratum in dict.fromkeys(strata)
-        for name in system.strata[stratum]
-        if (field := tangent_field(system, name, home)) is not None
-    ]
-    found = exact_rank([*generators, *union.fields], system.state, x)
-    if found is None or found <= closed.shape[1]:
+    """The closure's span, the whole tangent space where exact arithmetic says so."""
+    home = system.level_set(strata[0])
+    fields = [*_tangent_fields(system, strata).values(), *union.fields]
+    found = exact_rank(fields, system.state, x)
+    if found is None or found < system.dimension - len(home.functions):
         return closed
-    size = system.dimension - len(system.level_set(home).functions)
-    if found < size:
-        return closed
-    return null_space(system.level_set(home).gradients(x).T)
+    return null_space(home.gradients(x).T)
 
 
 def _unjudged(
@@ -284,7 +270,8 @@ def _advice(
     advice = []
     for stratum in system.strata:
         if stratum not in walk.strata:
-            wider = _closure(system, (*walk.strata, stratum), x, union.depth)
+            tangent = _tangent_fields(system, (*walk.strata, stratum))
+            wider = _closure_to(tangent, system, walk.strata[0], x, union.depth)
             if rank(wider.columns) > reached:
                 advice.append(f"visit S{stratum}")
     if not union.complete and union.depth == max_depth:

@@ -141,17 +141,11 @@ def _place(
     between: tuple[int, _Visit],
     depart: str,
 ) -> _Visit:
-    """The latest of the visits done that allows the recovery, or a new one.
+    """The latest visit that allows the recovery, or a new one.
 
-    A new visit is inserted where it adds fewest contact switches.
-
-    Args:
-        system: Whose contacts they are.
-        done: Visits in time order.
-        recoveries: Field and rate of the recovery on each stratum that allows it.
-        between: Index of the first that comes into question, and the visit that follows
-            all of them.
-        depart: Stratum before the first visit.
+    It lies between the index of the first visit that comes into question and the visit
+    that follows all of them. A new visit is inserted where it adds fewest contact
+    switches.
     """
     first, following = between
     for visit in reversed(done[first:]):

@@ -36,10 +36,8 @@ def nearest_words(
 ) -> list[Word]:
     """The word of each segment, in any order and signs, that ends nearest to its goal.
 
-    Args:
-        extended: System that the coordinates are of.
-        hall_coordinates: Backward coordinates, shape (segments, s).
-        nominal: Configurations between segments, shape (segments + 1, n).
+    Takes backward coordinates, shape (segments, s), and the configurations between
+    segments, shape (segments + 1, n).
     """
     steering = extended.steering
     every: Sequence[Array | None] = list(steering.signs)
@@ -64,16 +62,10 @@ def nearest_signs(
     nominal: Array,
     orders: Sequence[Spelled],
 ) -> Array | None:
-    """Signs of the generators with which segments end nearest to their goals.
+    """Signs of the generators with which segments end nearest to their goals, (m,).
 
-    Args:
-        extended: System that the coordinates are of.
-        hall_coordinates: Backward coordinates, shape (segments, s).
-        nominal: Configurations between segments, shape (segments + 1, n).
-        orders: Orders that the words may have.
-
-    Returns:
-        Shape (m,); None where the printed signs are as good as any.
+    None where the printed signs are as good as any. The words may have the given
+    orders.
     """
     steering, count = extended.steering, len(hall_coordinates)
     sample = np.unique(np.linspace(0, count - 1, SAMPLE).round().astype(int))

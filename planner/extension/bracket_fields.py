@@ -136,12 +136,9 @@ def renumbered(element: Element, numbers: Sequence[int]) -> Element:
 def fields_of(
     elements: Iterable[Element], generators: Sequence[VectorField], state: Symbols
 ) -> dict[Element, VectorField]:
-    """Every element as a field, and the generators they are brackets of.
+    """Elements as fields, and the generators, from the fields of the generators.
 
-    Args:
-        elements: Hall elements, those within others before them.
-        generators: Fields behind the numbers of generators.
-        state: Symbols of the state.
+    Elements within others come before them.
     """
     fields: dict[Element, VectorField] = dict(enumerate(generators, start=1))
     for element in elements:

@@ -52,12 +52,9 @@ class Rectangles:
     def scales(self, hall_coordinates: Array, at: Array) -> Array | None:
         """A scale for each generator and segment, shape (segments, m).
 
-        Args:
-            hall_coordinates: Backward coordinates, shape (segments, s).
-            at: Configuration that each segment starts from, shape (segments, n).
-
-        Returns:
-            None where the printed words are as good as any.
+        Takes backward coordinates, shape (segments, s), and the configurations that
+        segments start from, shape (segments, n). None where the printed words are as
+        good as any.
         """
         if not hall_coordinates[:, self._tops].any():
             return None
@@ -78,15 +75,10 @@ class Rectangles:
         return None if (scales == 1.0).all() else scales
 
     def _errors(self, h: Array, own: Array, beyond: Array) -> Array:
-        """Sizes of the leading errors of all ways, relative to what is meant to move.
+        """Leading errors of all ways relative to the intended motion, (ways, segments).
 
-        Args:
-            h: Hall coordinates, shape (segments, s).
-            own: Fields of the basis, shape (segments, n, s).
-            beyond: Brackets of the next degree, shape (segments, n, m).
-
-        Returns:
-            Shape (ways, segments).
+        Takes Hall coordinates, shape (segments, s), the fields of the basis, shape
+        (segments, n, s), and the brackets of the next degree, shape (segments, n, m).
         """
         amounts = h[:, self._tops]
         size = np.abs(amounts) ** (1 / DEGREE)  # (segments, tops)
@@ -103,9 +95,8 @@ class Rectangles:
     def _sides(self, beyond: Array) -> Array:
         """Scales that make the two halves of the error alike, where they are parallel.
 
-        Args:
-            beyond: Brackets of the next degree, shape (segments, n, m); of a pair X, Y
-                they are [X,[X,Y]] and [Y,[X,Y]].
+        For a pair X, Y the brackets of the next degree, shape (segments, n, m), are
+        [X,[X,Y]] and [Y,[X,Y]].
         """
         scales = np.ones((len(beyond), len(self.hall.generators)))
         if self._pair is None:
@@ -167,12 +158,7 @@ class Rectangles:
 
 
 def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles | None:
-    """What judges rectangles, compiled; None where words have others or none.
-
-    Args:
-        system: System whose fields the generators are.
-        hall: The generators and the Hall basis over them.
-    """
+    """The rectangles of the words of a basis; None if it is not of degree 2."""
     if degree(hall.elements[-1]) != DEGREE:
         return None
     generators = [system.fields[name] for name in hall.generators]
@@ -191,11 +177,9 @@ def _small_basis(hall: HallFields) -> tuple[Element, ...]:
 
 
 def weights(elements: Sequence[Element], scales: Array) -> Array:
-    """What scaling the generators multiplies their brackets with, shape (..., s).
+    """Factors by which scales of the generators multiply elements, shape (..., s).
 
-    Args:
-        elements: Hall elements, s of them.
-        scales: Scales of the generators, shape (..., m).
+    The scales have shape (..., m), and there are s elements.
     """
     columns = [
         np.prod(scales[..., [i - 1 for i in _letters(e)]], axis=-1) for e in elements

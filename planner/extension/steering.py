@@ -129,13 +129,9 @@ class Steering:
     ) -> list[Word]:
         """Words whose flows are measured in other units, or run backward.
 
-        All of them realise the same coordinates. They differ in brackets beyond.
-
-        Args:
-            hall_coordinates: Backward coordinates, shape (segments, s).
-            order: As in `words`.
-            scales: A scale for each generator and segment, shape (segments, m), or for
-                all segments, shape (m,); None takes the words as they are printed.
+        All of them realise the same coordinates; they differ in brackets beyond. The
+        scales have shape (segments, m) or (m,); None takes the words as they are
+        printed.
         """
         if scales is not None:
             scales = np.broadcast_to(scales, (len(hall_coordinates), scales.shape[-1]))

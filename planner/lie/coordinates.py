@@ -186,10 +186,7 @@ def exponential(
 ) -> Array:
     """Backward coordinates of S e^(a_1 B_1 + ... + a_s B_s), shape (..., s).
 
-    Args:
-        basis: Hall elements, s of them.
-        a: Coordinates of the first kind, shape (..., s).
-        start: Backward coordinates of S, shape (..., s); S = 1 if not given.
+    S is given by its backward coordinates `start`; S = 1 if not given.
     """
     algebra = lie_algebra(tuple(basis))
     a = algebra.vector(a)

@@ -130,14 +130,10 @@ class LieAlgebra:
         return tuple(table)
 
     def vector(self, values: ArrayLike, what: str = "coordinates") -> Array:
-        """Check values for all elements, and return them as floats, shape (..., s).
+        """Values, one for each element along the last axis, as floats, shape (..., s).
 
-        Args:
-            values: Values with one entry for each element along the last axis.
-            what: Their name, for messages.
-
-        Raises:
-            ValueError: The values are not finite or misshapen.
+        Raises `ValueError`, with the name of the values, if they are not finite or
+        misshapen.
         """
         array = np.asarray(values, dtype=float)
         if array.shape[-1:] != (len(self.basis),):

@@ -57,12 +57,7 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
 
 
 def free_dimension(generators: int, max_degree: int) -> int:
-    """The number of Hall elements up to a degree, by Witt's formula.
-
-    Args:
-        generators: Number m of generators; none have no brackets.
-        max_degree: Highest degree.
-    """
+    """The number of Hall elements up to a degree, by Witt's formula."""
     counts: list[int] = []
     for n in range(1, max_degree + 1):
         shorter = sum(d * counts[d - 1] for d in range(1, n) if n % d == 0)

@@ -63,14 +63,7 @@ def words(
     order: Order = "backward",
     vanishing: Collection[Element] = (),
 ) -> list[list[tuple[int, float]]]:
-    """Words of many segments at once, as `word` gives them.
-
-    Args:
-        basis: Hall elements, s of them.
-        hall_coordinates: Backward coordinates, shape (segments, s).
-        order: As in `word`.
-        vanishing: As in `word`.
-    """
+    """Words of many segments, from coordinates of shape (segments, s); see `word`."""
     spelled = spellings(basis, hall_coordinates, order, vanishing)
     return [list(zip(*spelling, strict=True)) for spelling in spelled]
 
@@ -86,16 +79,9 @@ def spellings(
 ) -> list[Spelling]:
     """Words of many segments, with the generators apart from the durations.
 
-    Many segments have the same generators.
-
-    Args:
-        basis: Hall elements, s of them.
-        hall_coordinates: Backward coordinates, shape (segments, s).
-        order: As in `word`.
-        vanishing: As in `word`.
-        turned: Whether the generators themselves run in the other order.
-        units: What the durations of each generator are multiplied by at the end, shape
-            (segments, generators); ones if not given.
+    Many segments share their generators. The first arguments are those of `word`, for
+    many segments. If `turned`, the generators themselves run in the other order. The
+    durations are multiplied by `units`, shape (segments, generators), at the end.
     """
     algebra = lie_algebra(tuple(basis))
     h = _shaped(2, algebra.vector(hall_coordinates))

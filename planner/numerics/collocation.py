@@ -42,14 +42,7 @@ class Collocation:
 
 @cache
 def collocation(size: int) -> Collocation:
-    """Nodes and matrices for polynomials of degree below `size`.
-
-    Args:
-        size: Number of nodes, at least 2.
-
-    Raises:
-        ValueError: There are fewer.
-    """
+    """Nodes and matrices for polynomials of degree below `size`, at least 2."""
     if size < 2:
         raise ValueError(f"collocation needs at least 2 nodes, got {size}")
     cosines = -np.cos(np.pi * np.arange(size) / (size - 1))

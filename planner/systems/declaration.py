@@ -28,9 +28,7 @@ NAME = re.compile(r"[A-Za-z_]\w*")
 def checked_state(state: Iterable[Any]) -> Symbols:
     """Symbols of a state from symbols, from names, or from one string of names.
 
-    Raises:
-        ValueError: The state is empty, a coordinate has no valid name, or a name is
-            used twice.
+    Raises `ValueError` if there are none, or a name is invalid or used twice.
     """
     if isinstance(state, str):
         state = state.replace(",", " ").split()
@@ -55,8 +53,7 @@ def checked_strata(
 ) -> dict[str, dict[str, VectorField]]:
     """Fields of each stratum as immutable columns, or as numeric fields.
 
-    Raises:
-        ValueError: A field is misshapen or misnamed, or uses symbols beside the state.
+    Raises `ValueError` if a field is misshapen, misnamed or uses other symbols.
     """
     if not strata or not any(strata.values()):
         raise ValueError(
@@ -160,9 +157,8 @@ def checked_level_sets(
 ) -> dict[str, tuple[sp.Expr, ...]]:
     """Expressions that vanish on each stratum, given as one or several or as strings.
 
-    Raises:
-        ValueError: A stratum is unknown, or its expressions use symbols beside the
-            state, have no derivative or depend on one another.
+    Raises `ValueError` if a stratum is unknown, or expressions use other symbols, have
+    no derivative or depend on one another.
     """
     checked = {}
     for stratum, functions in level_sets.items():

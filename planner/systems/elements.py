@@ -24,8 +24,7 @@ TOKEN = re.compile(r"\s*([\[\],]|\w+)")
 def parse(text: str, system: StratifiedSystem) -> Tree:
     """The tree of field names that an element's name stands for.
 
-    Raises:
-        ValueError: The text is not an element, or the system lacks one of its fields.
+    Raises `ValueError` if it is no element, or the system lacks one of its fields.
     """
     tree = parse_names(text)
     names = list(system.fields)

@@ -124,15 +124,10 @@ def central_difference(
     direction: Array,
     step: float = DIFFERENCE,
 ) -> Array:
-    """Derivative of a function along a direction, by central differences.
+    """Derivative of a function along a direction of any length, by central differences.
 
-    Differences of three step sizes are extrapolated to an error of sixth order.
-
-    Args:
-        function: Maps a configuration, shape (n,), to a vector.
-        x: Configuration, shape (n,).
-        direction: Direction of any length, shape (n,).
-        step: Largest of the step sizes.
+    Differences of three step sizes, the largest of them `step`, are extrapolated to an
+    error of sixth order.
     """
     size = float(np.linalg.norm(direction))
     if size == 0.0:
@@ -226,12 +221,9 @@ class CompiledFields:
 def compile_fields(
     fields: Sequence[VectorField], state: Symbols, names: Sequence[str] = ()
 ) -> CompiledFields:
-    """Turn fields into one numeric function that evaluates common terms once.
+    """Columns of fields as one numeric function that evaluates common terms once.
 
-    Args:
-        fields: Fields that become the columns, in order.
-        state: Symbols of the state.
-        names: Names of the fields, for messages.
+    The names of the fields serve messages.
     """
     rows = next((len(f) for f in fields if not isinstance(f, NumericField)), len(state))
     constant = np.zeros((rows, len(fields)))
@@ -262,12 +254,9 @@ def compile_fields(
 def rates_with(
     field: sp.Matrix, state: Symbols, functions: Mapping[str, Callable[..., object]]
 ) -> Callable[..., list[object]]:
-    """The rates of a field as a function that another library's numbers can enter.
+    """The rates of a field as a function of the numbers of another library.
 
-    Args:
-        field: Field by formulas.
-        state: Symbols of the state, the arguments.
-        functions: That library's functions by the names of sympy's.
+    That library's functions are given by the names of sympy's.
     """
     rates: Callable[..., list[object]] = sp.lambdify(
         state, list(field), modules=[dict(functions)]

@@ -51,12 +51,7 @@ _duration = itemgetter(2)
 
 
 def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
-    """Check that a system has the strata and fields that flows name.
-
-    Raises:
-        ValueError: A stratum or a field is unknown, a field belongs to another stratum,
-            or a duration is not finite.
-    """
+    """Raise `ValueError` unless flows are finite and name strata and fields."""
     for stratum, field in dict.fromkeys(map(_place, flows)):
         if stratum not in system.strata:
             known = unknown(stratum, system.strata)

@@ -97,9 +97,8 @@ class Grouper:
     ) -> tuple[int, tuple[int, ...], str] | None:
         """Search by A* over pairs of the set of flows done and the stratum.
 
-        Returns:
-            Contact switches, the flows in time order and the stratum to end in; None if
-            no arrangement ends there.
+        Returns the contact switches, the flows in time order and the stratum to end in;
+        None if no arrangement ends there.
         """
         queue: list[tuple[int, tuple[int, ...], int, int, str]] = [(0, (), 0, 0, start)]
         settled: set[tuple[int, str]] = set()

@@ -73,9 +73,8 @@ class LevelSet:
     def points(self) -> Array:
         """Random configurations on the set, shape (points, n), by Newton's method.
 
-        Raises:
-            ValueError: No such configuration is found, or the functions are dependent
-                (Def. 1).
+        Raises `ValueError` if none is found, or the functions are dependent there (Def.
+        1).
         """
         x = sample_configurations(len(self.state))
         steepest = np.zeros(len(self.functions))
@@ -101,14 +100,7 @@ class LevelSet:
         return x[there]
 
     def require_regular(self, x: Array) -> None:
-        """Check that the set is a regular submanifold around a configuration on it.
-
-        Args:
-            x: Configuration, shape (n,).
-
-        Raises:
-            ValueError: The differentials of its functions are dependent there (Def. 1).
-        """
+        """Raise `ValueError` unless the set is a submanifold around x (Def. 1)."""
         if self.functions and rank(self.gradients(x)) < len(self.functions):
             raise ValueError(f"{self._singular}, at {point(x)}")
 

@@ -78,11 +78,7 @@ class ShapeCoordinates:
         return np.cumsum([start, *steps])
 
     def require_limits(self, limits: ShapeLimits) -> None:
-        """Check that limits name shape coordinates and leave them room.
-
-        Raises:
-            ValueError: A limit names no shape coordinate, or its range is empty.
-        """
+        """Raise `ValueError` unless limits name shape coordinates, low before high."""
         for name, (low, high) in limits.items():
             self._index(name, low, high)
 
@@ -91,10 +87,8 @@ class ShapeCoordinates:
     ) -> None:
         """Check that flows keep every shape coordinate within its range.
 
-        Raises:
-            ValueError: A limit names no shape coordinate, or its range is empty.
-            RangeError: The flows leave a range. It suggests no number of segments,
-                since more of them may not help.
+        Raises `RangeError` if they leave a range. It suggests no number of segments,
+        since more of them may not help.
         """
         flows = tuple(flows)
         for name, (low, high) in limits.items():

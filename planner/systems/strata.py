@@ -94,11 +94,7 @@ class StratifiedSystem:
         }
 
     def compiled(self, name: str) -> CompiledFields:
-        """A field as a numeric function, compiled at the first call.
-
-        Raises:
-            ValueError: The system has no such field.
-        """
+        """A field as a numeric function, compiled at the first call."""
         if name not in self._compiled:
             if name not in self.fields:
                 raise ValueError(f"field {name} {unknown(name, self.fields)}")
