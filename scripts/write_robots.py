@@ -1,6 +1,6 @@
 """Write the MJCF files of the shipped robots from their lengths."""
 
-from models.description import FOLDER, read_card
+from models.description import FOLDER, parse_card
 from models.morphology import MORPHOLOGIES, write_mjcf
 
 
@@ -8,7 +8,8 @@ def main() -> None:
     """Write one MJCF file a shape, beside its card."""
     for morphology in MORPHOLOGIES:
         path = FOLDER / f"{morphology.name}.xml"
-        groups = read_card(path.with_suffix(".toml")).groups.values()
+        card = path.with_suffix(".toml").read_text()
+        groups = parse_card(card, str(path)).groups.values()
         path.write_text(write_mjcf(morphology, [group.legs for group in groups]))
         print(f"wrote {path.name}")
 

@@ -21,12 +21,14 @@ from .figures.style import (
     STYLE as STYLE,
     sheet_of as sheet_of,
 )
-from .filming import film as film
 from .optimisation.judging import Judge as Judge
 from .optimisation.lower_bound import least_time as least_time
 from .optimisation.planned import PlannedWalk as PlannedWalk
 from .preparation.setup import prepare as prepare
-from .run_folder import write as write
+from .run_folder import (
+    film as film,
+    write as write,
+)
 from .scenarios.file import (
     load_scenario as load_scenario,
     shipped_scenarios as shipped_scenarios,

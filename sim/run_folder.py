@@ -1,24 +1,31 @@
-"""The run folder: everything about a simulation, written as soon as it exists."""
+"""The run folder: everything about a simulation, written as soon as it exists.
+
+A walk without a folder of its own is written into a temporary one to be filmed.
+"""
 
 from __future__ import annotations
 
+import os
+import shutil
 import time
 import warnings
 from collections.abc import Callable, Collection
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from models import Robot
-from sim.errors import SimulationError, one_line
-from sim.evaluation.arrays import trajectory
-from sim.evaluation.assessment import Evaluation, Summary
-from sim.evaluation.phases import table
+from sim.errors import SimulationError, UsageError, one_line
+from sim.evaluation import flows
+from sim.evaluation.assessment import Evaluation, Summary, evaluate
 from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH
 from sim.preparation.resolve import resolved
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
+from sim.runs.in_memory import run_of
+from sim.runs.run import Run
 from sim.scenarios.file import dumps
 from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
@@ -35,6 +42,7 @@ class Writer:
 
     def __init__(self, folder: RunFolder) -> None:
         self.folder = folder
+        self.settings = ""
 
     def prepared(self, prepared: Prepared) -> None:
         """Everything that the run depends on; the folder can be run again anywhere."""
@@ -53,8 +61,8 @@ class Writer:
         card = {CARD: setup.robot.card_text.encode()}
         for name, content in (setup.world.files | card | copies).items():
             self.folder.write_bytes(name, content)
-        text = dumps(resolved(setup, scenario, robot))
-        self.folder.write_text("scenario.toml", text)
+        self.settings = dumps(resolved(setup, scenario, robot))
+        self.folder.write_text("scenario.toml", self.settings)
 
     def walked(self, walk: Walker | Walk) -> None:
         """The commands, with which even a walk that failed can be replayed."""
@@ -70,10 +78,13 @@ class Writer:
             states = [("time", ends), ("qpos", last.qpos), ("qvel", last.qvel)]
             self.folder.write_arrays("divergence.npz", states)
 
-    def evaluated(self, evaluation: Evaluation) -> None:
-        """States and predictions, row by row and phase by phase."""
-        self.folder.write_arrays("trajectory.npz", trajectory(evaluation))
-        self.folder.write_text("flows.csv", table(evaluation.walk))
+    def finished(self, evaluation: Evaluation, summary: Summary) -> Run:
+        """States, predictions and numbers; the run, which is not read back."""
+        run = run_of(evaluation, summary, self.settings, self.folder.path)
+        self.folder.write_arrays("trajectory.npz", run.arrays.items())
+        self.folder.write_text("flows.csv", flows.written(run.phases))
+        self.summarised(summary)
+        return run
 
     def summarised(self, summary: Summary) -> None:
         """The numbers."""
@@ -81,19 +92,21 @@ class Writer:
 
     def reported(
         self,
+        run: Run,
         warn: Callable[[str], object] = warnings.warn,
         progress: Progress = silent,
     ) -> None:
         """The page that explains the run; what fails here does not fail the run.
 
         Args:
-            warn: Told in a line why there is no report.
+            run: What was written.
+            warn: Called with a line that says why there is no report.
             progress: Called with the stage and the finished part of it.
         """
         try:
             from sim.reports.page import write_report
 
-            write_report(self.folder.path, progress)
+            write_report(run, progress)
         except Exception as error:  # a drawing library may raise anything
             warn(f"no report: {one_line(error)}")
 
@@ -137,10 +150,9 @@ def run(
     except SimulationError as error:
         raise _replayable(error, folder) from error
     with stage(progress, "writing"):
-        writer.evaluated(simulation.evaluation)
         summary = _rendered(simulation, 0.0)
-        writer.summarised(summary)
-    writer.reported(warn, progress)
+        finished = writer.finished(simulation.evaluation, summary)
+    writer.reported(finished, warn, progress)
     if look is not None:
         from sim.pictures.run_film import film_folder
 
@@ -179,33 +191,60 @@ def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Pa
         UsageError: If the folder exists.
         FilesError: If it cannot be made or written.
     """
-    writer = write_numbers(done, folder)
-    writer.reported()
-    return writer.folder.path
+    writer, finished = _written(done, folder)
+    writer.reported(finished)
+    return finished.folder
 
 
-def write_numbers(
-    done: Simulation | Evaluation, folder: str | Path | None = None
-) -> Writer:
-    """Write a run folder without its report, which takes as long as all the rest.
+def film(
+    walked: Walk | Evaluation | Simulation,
+    path: str | Path,
+    *,
+    look: str = "draft",
+    progress: Progress = silent,
+) -> Path:
+    """Film a walk that has no run folder.
 
     Args:
-        done: What was simulated, or a walk that was evaluated.
-        folder: Folder to make; None takes the next free number in `runs`.
+        walked: What to film.
+        path: The film's file, which must not exist and ends in `.mp4`.
+        look: `draft`, or `final` with shadows and smooth edges, several times slower.
+        progress: Called with each stage and the finished part of it.
 
     Returns:
-        What wrote it.
+        The film's path.
 
     Raises:
-        UsageError: If the folder exists.
-        FilesError: If it cannot be made or written.
+        UsageError: If there is such a file already, it is no `.mp4`, or there is no
+            such look.
+        RenderError: If pictures cannot be drawn or encoded.
+        FilesError: If the film cannot be written.
     """
+    from sim.pictures.run_film import film_folder
+
+    path = Path(path)
+    if path.suffix != ".mp4":
+        raise UsageError("not a film's name", str(path), "give a name in .mp4")
+    if os.path.lexists(path):
+        raise UsageError("already exists", str(path), "give another name")
+    done = evaluate(walked) if isinstance(walked, Walk) else walked
+    with TemporaryDirectory() as scratch:
+        _, run = _written(done, Path(scratch) / "run")
+        filmed = film_folder(
+            run.folder, look=look, progress=lambda part: progress("filming", part)
+        )
+        shutil.move(filmed, path)
+    return path
+
+
+def _written(
+    done: Simulation | Evaluation, folder: str | Path | None
+) -> tuple[Writer, Run]:
+    """Write a run folder without its report, which takes as long as all the rest."""
     evaluation = done.evaluation if isinstance(done, Simulation) else done
     setup = evaluation.walk.setup
     asked = done.prepared.scenario if isinstance(done, Simulation) else setup.scenario
     writer = Writer(claim(None if folder is None else Path(folder), asked.name))
     writer.setup(setup, asked)
     writer.walked(evaluation.walk)
-    writer.evaluated(evaluation)
-    writer.summarised(done.summary)
-    return writer
+    return writer, writer.finished(evaluation, done.summary)

@@ -1,4 +1,4 @@
-from .card_file import read_card as read_card
+from .card_file import parse_card as parse_card
 from .compiled import (
     ON_JOINT as ON_JOINT,
     actuator_of as actuator_of,

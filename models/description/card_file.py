@@ -35,15 +35,6 @@ JOINT_SERVO_KEYS = ("channel", *JOINT_SERVO_NUMBERS, "limits")
 OPTIONAL = ("pattern",)
 
 
-def read_card(path: Path) -> Card:
-    """Read the card in a TOML file.
-
-    Raises:
-        ModelError: If the file is not TOML, or says something impossible.
-    """
-    return parse_card(read_text(path), str(path))
-
-
 def read_text(path: Path) -> str:
     """Text of a card's file.
 

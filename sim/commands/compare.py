@@ -37,7 +37,7 @@ def execute(options: argparse.Namespace) -> None:
     from sim.folder import blamed_on
     from sim.progress import bar
     from sim.reports.comparison import compare, names, page
-    from sim.reports.record import read_run
+    from sim.runs.run import read_run
 
     runs = []
     with bar(quiet=options.json) as progress:

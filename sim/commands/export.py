@@ -75,7 +75,7 @@ def execute(options: argparse.Namespace) -> None:
         source = _source(options, progress)
         commands, read = _written(options, source, out)
         played = _played(source, read, progress) if options.play else None
-    if not source.rate:
+    if not source.servo.rate:
         print(f"stratawalk: notice: {COARSE.format(rate=read.rate)}", file=sys.stderr)
     if options.json:
         print(json.dumps(_facts(options, commands) | {"exported": played}))
@@ -111,9 +111,10 @@ def _source(options: argparse.Namespace, progress: Progress) -> Source:
         scenario = scenario_of(options)
         robot = robot_of(options, scenario.robot)
         source = from_scenario(scenario, robot, progress)
-    if options.rate and source.rate and options.rate != source.rate:
+    own = source.servo.rate
+    if options.rate and own and options.rate != own:
         raise UsageError(
-            f"--rate {options.rate:g} for servos that took {source.rate:g} a second",
+            f"--rate {options.rate:g} for servos that took {own:g} a second",
             options.scenario,
             "leave --rate out, or plan with --set command_rate",
         )
@@ -177,7 +178,7 @@ def _report(
 ) -> str:
     from sim.evaluation.comparison import describe_export
 
-    summary = source.summary
+    summary = source.run.summary
     lines = [
         f"{summary['scenario']}: {summary['robot']}, {len(commands.angles)} commands "
         f"of {len(commands.joints)} servos, {commands.rate:g} a second"

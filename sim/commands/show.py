@@ -23,11 +23,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Draw the report, print its path and open it."""
+    from sim.folder import blamed_on
     from sim.progress import bar
     from sim.reports.page import write_report
+    from sim.runs.run import read_run
 
-    with bar(quiet=options.json) as progress:
-        path = write_report(Path(options.run), progress).resolve()
+    folder = Path(options.run)
+    with bar(quiet=options.json) as progress, blamed_on(folder):
+        path = write_report(read_run(folder), progress)
     print(json.dumps({"report": str(path)}) if options.json else path)
     if has_display() if options.browser is None else options.browser:
         sys.stdout.flush()

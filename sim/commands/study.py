@@ -8,9 +8,9 @@ from pathlib import Path
 
 from sim.commands.options import needs_extra
 from sim.errors import ExitCode
+from sim.scenarios.predictions import LABELS, prediction_key
 
 HELP = "map where the predictions of a sweep hold, and tell which settings matter"
-PREDICTIONS = ("ideal", "quasi-static", "identified")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--prediction",
-        choices=PREDICTIONS,
+        choices=LABELS,
         default="quasi-static",
         help="prediction that the walks are compared with",
     )
@@ -41,7 +41,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.studies.results import read_results
 
     given = Path(options.table)
-    results = read_results(given, options.prediction.replace("-", "_"))
+    results = read_results(given, prediction_key(options.prediction))
     beside = (given if given.is_dir() else given.parent) / "maps"
     folder = ensure_folder(beside if options.out is None else Path(options.out))
     with bar(quiet=options.json) as progress, stage(progress, "drawing maps"):

@@ -26,7 +26,7 @@ def deviations(
             and an optimised one at least the quasi-static.
         strayed: How far each prediction strays, and what was achieved; by name.
     """
-    name = scenario.steer.replace("-", "_")
+    name = scenario.steered_on
     if name == "ideal" and scenario.optimise != "none":
         name = "quasi_static"
     asked = {"planned": name, "quasi_static": "quasi_static", "achieved": "achieved"}

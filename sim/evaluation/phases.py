@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 
 import numpy as np
 
 from planner import Array
+from sim.evaluation.flows import WalkedPhase
 from sim.motion.schedule import Phase
 from sim.walking.finished import Walk
-
-COLUMNS = (
-    "index", "segment", "start", "end", "kind", "stratum", "field", "amount", "group",
-    "slip", "as_planned",
-)  # fmt: skip
 
 
 def phase_slip(walk: Walk, phase: Phase) -> Array:
@@ -80,18 +74,21 @@ def count_changes(walk: Walk) -> int:
     return changes
 
 
-def table(walk: Walk) -> str:
-    """flows.csv: one line a phase."""
-    lines = io.StringIO()
-    writer = csv.writer(lines, lineterminator="\n")
-    writer.writerow(COLUMNS)
+def carried_out(walk: Walk) -> tuple[WalkedPhase, ...]:
+    """The phases of a walk, each with its slip and whether contacts were as planned."""
     dt, groups = walk.setup.limits.timestep, walk.setup.robot.groups
-    for index, p in enumerate(walk.phases):
-        writer.writerow(
-            (
-                index, p.segment, p.start * dt, p.stop * dt, p.kind, p.stratum, p.field,
-                p.amount, "".join(groups[i] for i in p.moving),
-                float(phase_slip(walk, p).sum()), int(as_planned(walk, p)),
-            )
-        )  # fmt: skip
-    return lines.getvalue()
+    return tuple(
+        WalkedPhase(
+            segment=p.segment,
+            start=p.start * dt,
+            end=p.stop * dt,
+            kind=p.kind,
+            stratum=p.stratum,
+            field=p.field,
+            amount=p.amount,
+            group="".join(groups[i] for i in p.moving),
+            slip=float(phase_slip(walk, p).sum()),
+            as_planned=as_planned(walk, p),
+        )
+        for p in walk.phases
+    )

@@ -41,7 +41,7 @@ def servos(
     Raises:
         UsageError: If a joint is missing in the table, or shares a channel.
     """
-    missing = [] if given is None else [j for j in source.card.joints if j not in given]
+    missing = [] if given is None else [j for j in source.joints if j not in given]
     if missing:
         raise UsageError(
             f"no servo for joint {missing[0]!r}",
@@ -49,12 +49,12 @@ def servos(
             "give each of the robot's joints a servo of its name",
         )
     table = servo_table(
-        source.card,
-        source.card.joints,
-        source.kind,
+        source.run.card,
+        source.joints,
+        source.servo.name,
         PWM[form],
         given,
-        source.rate or rate,
+        source.servo.rate or rate,
     )
     return table.in_microseconds() if microseconds else table
 
@@ -83,7 +83,7 @@ def write(
     elif form == "dynamixel":
         text = write_ticks(commands, table)
     else:
-        scenario, robot = source.summary["scenario"], source.summary["robot"]
+        scenario, robot = source.run.summary["scenario"], source.run.summary["robot"]
         title = f"{scenario} on {robot}, planned by stratawalk."
         text = write_header(commands, table, title=title, name=scenario, file=path.name)
     content = text.encode()

@@ -14,6 +14,7 @@ from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder, Recording
 from sim.progress import Progress, silent
+from sim.runs.run import START
 
 
 def play(
@@ -33,18 +34,18 @@ def play(
     Raises:
         SimulationError: If the physics diverges.
     """
-    times = source.reference["time"]
-    steps = np.round(times / source.timestep).astype(int)
-    starts = round(source.summary["walk_starts"] / source.timestep)
+    run = source.run
+    steps = np.round(run.time / source.timestep).astype(int)
+    starts = round(run.summary["walk_starts"] / source.timestep)
     recording = _recorded(source, commands, steps, starts, progress)
     moments = recording.moments
     kept = np.isin(moments.step, steps[steps >= starts])
     address = source.robot.root_address_in(source.model)
-    origin = source.reference["world_start_pose"]
+    origin = run.arrays[START]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
-    predicted = source.reference.get("quasi_static_pose")
+    predicted = run.predicted.get("quasi_static")
     slip = moments.slip[-1] - recording.slip_after(starts)
-    goal = np.array(source.summary["goal"])
+    goal = np.array(run.summary["goal"])
     return {
         "pose": poses[-1].tolist(),
         "min_margin": recording.least_margin,
@@ -60,16 +61,18 @@ def play(
 
 
 def _recorded(
-    source: Source, commands: ServoCommands, steps: Array, starts: int, told: Progress
+    source: Source,
+    commands: ServoCommands,
+    steps: Array,
+    starts: int,
+    progress: Progress,
 ) -> Recording:
     """The walk of the commands, recorded at the moments of the reference."""
     sensors = Sensors(source.model, source.robot)
     recorder = Recorder(Engine(source.model), sensors, source.steps)
     recorder.walk_starts = starts
-    order = [commands.joints.index(joint) for joint in source.card.joints]
-    ordered = ServoCommands(
-        source.card.joints, commands.rate, commands.angles[:, order]
-    )
+    order = [commands.joints.index(joint) for joint in source.joints]
+    ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
     pieces = ordered.held(
         source.model.key("start").ctrl,
         source.actuators,
@@ -77,7 +80,7 @@ def _recorded(
         source.timestep,
     )
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
-        told("playing", done / source.steps)
+        progress("playing", done / source.steps)
     return recorder.finish()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -68,7 +68,7 @@ class ServoCommands:
 
 
 def taken(
-    pieces: Iterable[Array],
+    ctrl: Array,
     joints: tuple[str, ...],
     actuators: Array,
     rate: float,
@@ -77,7 +77,7 @@ def taken(
     """The commands that are given at a rate, out of one row a physics step.
 
     Args:
-        pieces: Rows of ctrl in order, shape (n, nu) each.
+        ctrl: One row a physics step, shape (n, nu).
         joints: Names of the joints.
         actuators: Actuator of each joint, shape (J,).
         rate: Commands a second.
@@ -91,12 +91,6 @@ def taken(
         raise UsageError(
             f"{rate:g} commands a second", "--rate", f"give at most {1 / timestep:g}"
         )
-    rows, begin = [], 0
-    for ctrl in pieces:
-        number = np.arange(
-            np.ceil(begin * pace - SLACK), (begin + len(ctrl)) * pace + 1
-        )
-        step = step_of(number, pace) - begin
-        rows.append(ctrl[step[(step >= 0) & (step < len(ctrl))]][:, actuators])
-        begin += len(ctrl)
-    return ServoCommands(joints, rate, np.concatenate(rows))
+    step = step_of(np.arange(np.ceil(-SLACK), len(ctrl) * pace + 1), pace)
+    row = step[(step >= 0) & (step < len(ctrl))]
+    return ServoCommands(joints, rate, ctrl[row][:, actuators])

@@ -2,68 +2,63 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
 
-from models import Card, Robot, load
+from models import Robot, load
 from models.description import (
     actuator_of,
     compile_model,
     inspect_model,
-    read_card,
     silence_the_engine,
 )
 from planner import Array
-from planner.support import open_file, read_file
-from sim.evaluation.arrays import trajectory
 from sim.export.servo_commands import ServoCommands, taken
-from sim.finished_run import arrays_of, reading
 from sim.progress import Progress, silent
-from sim.scenarios.file import load_scenario
+from sim.runs.in_memory import run_of
+from sim.runs.run import Run, read_run, reading
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
-from sim.world.servo_settings import servo_settings
-
-UNFINISHED = "give the folder of a finished run, or the name of a scenario"
-REFERENCE = ("time", "quasi_static_pose", "world_start_pose")  # of trajectory.npz
+from sim.world.servo_settings import ServoSettings, servo_settings
 
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A finished walk, as far as exporting and playing it needs.
+    """A run with its robot and its model, which exporting and playing it needs.
 
     Attributes:
+        run: What was walked; its card may have been given other servos.
         robot: The robot that walked.
-        card: Its card; in a run folder it may have been given other servos.
         model: Robot and world, as simulated.
-        pieces: Commands in order, one row a physics step, shape (n, nu) each.
-        steps: Number of physics steps.
-        kind: Make of the servos, or `ideal`.
-        rate: Commands a second; 0 for one a physics step.
-        summary: Contents of summary.json.
-        reference: Arrays of trajectory.npz, those of `REFERENCE`.
     """
 
+    run: Run
     robot: Robot
-    card: Card
     model: mujoco.MjModel
-    pieces: Iterable[Array]
-    steps: int
-    kind: str
-    rate: float
-    summary: Mapping[str, Any]
-    reference: Mapping[str, Array]
+
+    @cached_property
+    def servo(self) -> ServoSettings:
+        """Make and command rate of the servos."""
+        return servo_settings(self.run.scenario, self.run.card)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, in the order of the legs."""
+        return self.run.card.joints
 
     @property
     def actuators(self) -> Array:
         """Actuator of each joint, shape (J,)."""
-        return np.array([actuator_of(self.model, joint) for joint in self.card.joints])
+        return np.array([actuator_of(self.model, joint) for joint in self.joints])
+
+    @property
+    def steps(self) -> int:
+        """Number of physics steps."""
+        return len(self.run.commands["time"])
 
     @property
     def timestep(self) -> float:
@@ -71,7 +66,7 @@ class Source:
         return float(self.model.opt.timestep)
 
     def commands(self, rate: float) -> ServoCommands:
-        """What servos are told at a rate.
+        """Commands of the servos at a rate.
 
         Args:
             rate: Commands a second, where the walk itself has no rate.
@@ -79,10 +74,8 @@ class Source:
         Raises:
             UsageError: If the rate is higher than that of the physics.
         """
-        asked = self.rate or rate
-        return taken(
-            self.pieces, self.card.joints, self.actuators, asked, self.timestep
-        )
+        ctrl, asked = self.run.commands["ctrl"], self.servo.rate or rate
+        return taken(ctrl, self.joints, self.actuators, asked, self.timestep)
 
 
 def from_run(folder: Path, *, allow_external: bool = False) -> Source:
@@ -96,26 +89,19 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
         UsageError: If it is not the folder of a finished run.
         ModelError: If its robot cannot be used.
     """
-    with reading(folder, "not a finished run", UNFINISHED):
-        scenario = load_scenario(str(folder / "scenario.toml"))
-        summary = json.loads(read_file(folder / "summary.json"))
-        arrays = arrays_of(folder, "trajectory.npz", REFERENCE)
-        ctrl = arrays_of(folder, "commands.npz", ("ctrl",))["ctrl"]
-        card = read_card(folder / "model.toml")
-        open_file(folder / "model.xml").close()
+    run = read_run(folder)
     silence_the_engine()
     inspect_model(folder / "model.xml")  # may refuse it as it refuses any robot's
-    with reading(folder, "not a finished run", UNFINISHED):
-        model = _model(folder / "model.xml")
-    servo = servo_settings(scenario, card)
+    with reading(folder):
+        spec = mujoco.MjSpec.from_file(str(folder / "model.xml"))
+        model = compile_model(spec, str(folder / "model.xml"))
+        model.key("start")
     robot = load(
-        scenario.robot,
+        run.scenario.robot,
         allow_external=allow_external,
-        geometry=scenario.geometry,
+        geometry=run.scenario.geometry,
     )
-    return Source(
-        robot, card, model, (ctrl,), len(ctrl), servo.name, servo.rate, summary, arrays
-    )
+    return Source(run, robot, model)
 
 
 def from_scenario(
@@ -134,21 +120,4 @@ def from_scenario(
         SimulationError: If the plan is refused, or the physics diverges.
     """
     done = simulate(scenario, robot=robot, progress=progress)
-    walk = done.walk
-    return Source(
-        robot=robot,
-        card=robot.card,
-        model=walk.setup.model,
-        pieces=list(walk.commands()),
-        steps=walk.steps,
-        kind=walk.setup.servo.name,
-        rate=walk.setup.servo.rate,
-        summary=done.summary,
-        reference={k: v for k, v in trajectory(done.evaluation) if k in REFERENCE},
-    )
-
-
-def _model(path: Path) -> mujoco.MjModel:
-    model = compile_model(mujoco.MjSpec.from_file(str(path)), str(path))
-    model.key("start")
-    return model
+    return Source(run_of(done.evaluation, done.summary), robot, done.walk.setup.model)

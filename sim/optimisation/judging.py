@@ -22,12 +22,13 @@ from sim.planning.forecast import ForeseenStretch
 from sim.planning.soundness import require_sound
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
+from sim.scenarios.predictions import IDEAL, QUASI_STATIC
 
 
 def real_prediction(setup: Setup) -> str:
     """The prediction that optimised plans follow: quasi-static, or as identified."""
-    steer = setup.scenario.steer
-    return "quasi_static" if steer == "ideal" else steer.replace("-", "_")
+    key = setup.scenario.steered_on
+    return QUASI_STATIC.key if key == IDEAL.key else key
 
 
 def real_twists(setup: Setup) -> TwistModel:

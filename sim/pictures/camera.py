@@ -15,7 +15,7 @@ from planner import Array
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.pictures.clock import FRAME_RATE, Clock
-from sim.pictures.filmed_walk import FilmedWalk
+from sim.runs.run import Run
 
 WIDTH, HEIGHT = 1280, 720  # of the picture [pixels]; even, as the codec demands
 FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
@@ -144,7 +144,7 @@ class Camera:
         return np.stack([WIDTH / 2 + x, HEIGHT / 2 - y], axis=-1)
 
 
-def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
+def camera(walk: Run, clock: Clock, view: View = ACROSS) -> Camera:
     """The camera of a whole film.
 
     Args:
@@ -167,7 +167,7 @@ def camera(walk: FilmedWalk, clock: Clock, view: View = ACROSS) -> Camera:
     )
 
 
-def _seen(walk: FilmedWalk, clock: Clock) -> Array:
+def _seen(walk: Run, clock: Clock) -> Array:
     """Points that the picture should hold: feet, knees and path, shape (N, 3)."""
     first, last = int(clock.rows[0]), int(clock.rows[-1])
     shown = slice(first, last + 1, max(1, (last - first) // ENOUGH))

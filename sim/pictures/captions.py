@@ -11,9 +11,9 @@ import numpy as np
 
 from planner import Array
 from sim import palette
+from sim.evaluation.flows import WalkedPhase
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
-from sim.pictures.filmed_walk import FilmedWalk, FlowRow
 from sim.pictures.floor import cell
 from sim.pictures.inset import inset
 from sim.pictures.legend import legend, noun
@@ -29,6 +29,7 @@ from sim.pictures.panel import (
     millimetres,
     text,
 )
+from sim.runs.run import Run
 
 GAP = 10  # between panels [pixels]
 BAR = 92  # height of the bar at the bottom [pixels]
@@ -49,7 +50,7 @@ LANDS: Verb = ("lands", "land")
 class Captions:
     """Writes on the pictures of one film."""
 
-    def __init__(self, walk: FilmedWalk, clock: Clock, view: Camera) -> None:
+    def __init__(self, walk: Run, clock: Clock, view: Camera) -> None:
         bottom = HEIGHT - EDGE - BAR - GAP
         key, scale = legend(walk), scale_bar(view, walk.reach, bottom)
         error = inset(walk, view, key.bottom, bottom, clear=scale.top - GAP)
@@ -62,7 +63,7 @@ class Captions:
             panel.put(picture, row)
 
 
-def _clock(walk: FilmedWalk, playback: float) -> Panel:
+def _clock(walk: Run, playback: float) -> Panel:
     """Top right: the time, and how much faster it passes."""
     still, draw = empty(150, 82)
     speed = "real time" if playback == 1 else f"{playback:g}x real time"
@@ -74,11 +75,11 @@ def _clock(walk: FilmedWalk, playback: float) -> Panel:
     return Panel(WIDTH - EDGE - 150, EDGE, still, write)
 
 
-def _bar(walk: FilmedWalk) -> Panel:
+def _bar(walk: Run) -> Panel:
     """At the bottom: stratum, feet in contact, and present measurements."""
     width, height = WIDTH - 2 * EDGE, BAR
     still, draw = empty(width, height)
-    off = np.hypot(*(walk.achieved - walk.ideal)[:, :2].T)
+    off = np.hypot(*(walk.achieved - walk.predicted["ideal"])[:, :2].T)
     numbers = {"stability margin": walk.margin, "off the ideal prediction": off}
     if walk.clearance is not None:
         numbers["clear of obstacles"] = walk.clearance
@@ -87,7 +88,7 @@ def _bar(walk: FilmedWalk) -> Panel:
         text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
     def write(draw: Draw, row: int) -> None:
-        flow = walk.flows[walk.phase[row]]
+        flow = walk.phases[walk.phase[row]]
         words = describe(flow, walk.groups, walk.legs_per_group)
         text(draw, (PAD, 12), words, MIDDLE)
         for foot in range(len(walk.group_of_foot)):
@@ -98,7 +99,7 @@ def _bar(walk: FilmedWalk) -> Panel:
     return Panel(EDGE, HEIGHT - EDGE - height, still, write)
 
 
-def _lamp(draw: Draw, walk: FilmedWalk, row: int, foot: int, y: int) -> None:
+def _lamp(draw: Draw, walk: Run, row: int, foot: int, y: int) -> None:
     """A numbered disc, filled while the foot touches the floor."""
     x = PAD + LAMP + 3 * LAMP * foot
     colour = palette.group(walk.group_of_foot[foot])
@@ -109,7 +110,7 @@ def _lamp(draw: Draw, walk: FilmedWalk, row: int, foot: int, y: int) -> None:
     text(draw, (x, y), number, 14, "mm", colour.ink if touches else colour)
 
 
-def describe(flow: FlowRow, groups: Sequence[str], legs_per_group: int) -> str:
+def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:
     """One clause for each group, those that do the same named together.
 
     Args:
@@ -128,7 +129,7 @@ def describe(flow: FlowRow, groups: Sequence[str], legs_per_group: int) -> str:
     )
 
 
-def _verb(flow: FlowRow, group: str) -> Verb:
+def _verb(flow: WalkedPhase, group: str) -> Verb:
     stands = group in flow.stratum
     if group not in flow.group or flow.kind == "hold":
         return STANDS if stands else WAITS

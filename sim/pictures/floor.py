@@ -14,8 +14,8 @@ import numpy as np
 from planner import Array
 from sim import palette
 from sim.pictures.camera import Camera
-from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor_drawing import Drawing, Mark, join, polygons, ribbon
+from sim.runs.run import Run
 
 CELLS = 0.5  # of the grid, about [reach of the robot]
 LINE_WIDTH = 1.8  # of the grid [pixels]
@@ -78,7 +78,7 @@ def _line(
     return polygons(corners, [0] * PIECES)
 
 
-def contours(walk: FilmedWalk) -> Drawing:
+def contours(walk: Run) -> Drawing:
     """Lines of equal height on all height fields of a walk's world, or nothing.
 
     Marks lie at the height of the floor's tops; bumps of millimetres are too flat for
@@ -89,13 +89,13 @@ def contours(walk: FilmedWalk) -> Drawing:
     """
     if not walk.scenario.bumps:
         return join([])
-    model = mujoco.MjModel.from_xml_path(str(walk.model))
+    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
     lines = [line for geom in _fields(model) for line in _contours_of(model, geom)]
     width = CONTOUR_WIDTH * walk.reach
     return join(ribbon(line, np.zeros(len(line), int), width) for line in lines)
 
 
-def contour_step(walk: FilmedWalk) -> float:
+def contour_step(walk: Run) -> float:
     """Height from one contour to the next [m].
 
     Args:

@@ -15,8 +15,8 @@ from sim import palette
 from sim.motion.polylines import spaced_rows
 from sim.palette import Colour
 from sim.pictures.camera import WIDTH, Camera
-from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.panel import EDGE, PAD, SMALL, Draw, Panel, empty, millimetres, text
+from sim.runs.run import Run
 
 TOP, BOX, WORDS = 38, 128, 116  # title, plot, and words beside it [pixels]
 SIZE = (2 * PAD + BOX + 12 + WORDS, TOP + BOX + 12)
@@ -63,7 +63,7 @@ class Trail:
         text(draw, (SIZE[0] - PAD, line + 18), size, SMALL, "ra")
 
 
-def inset(walk: FilmedWalk, view: Camera, top: int, bottom: int, clear: int) -> Panel:
+def inset(walk: Run, view: Camera, top: int, bottom: int, clear: int) -> Panel:
     """The panel under the key, or at the right where the key is too long.
 
     Args:
@@ -73,7 +73,7 @@ def inset(walk: FilmedWalk, view: Camera, top: int, bottom: int, clear: int) -> 
         bottom: Where the bar at the bottom begins [pixels].
         clear: Where something else begins at the right [pixels].
     """
-    errors = {n: _turned(walk, view, poses) for n, poses in walk.predicted.items()}
+    errors = {n: _turned(walk, view, poses) for n, poses in walk.drawn.items()}
     largest = max(float(np.hypot(*error.T).max()) for error in errors.values())
     floor = 1 / (view.pixel * view.distance)  # pixels to a metre, about
     factor = magnification(largest, BOX / 2 * FILL / floor)
@@ -116,7 +116,7 @@ def _round(most: float) -> float:
     return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())
 
 
-def _turned(walk: FilmedWalk, view: Camera, poses: Array) -> Array:
+def _turned(walk: Run, view: Camera, poses: Array) -> Array:
     """Departure of the body, to the right and away in the picture, (T, 2) [m]."""
     angle = np.radians(view.azimuth.mean())
     right, away = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))

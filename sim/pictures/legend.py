@@ -8,20 +8,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+import mujoco
+
 from sim import palette
 from sim.palette import Colour
-from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor import cell, contour_step
 from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, length, text
+from sim.runs.run import Run
 
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
+NOSE = "nose"  # geom on the front of the shipped robots
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
 Sample = Callable[[Draw, int, Colour], None]
 
 
-def legend(walk: FilmedWalk) -> Panel:
+def legend(walk: Run) -> Panel:
     """The panel at the top left: the walk, and the meaning of the colours."""
     scenario, lines = walk.scenario, _lines(walk)
     robot = Path(scenario.robot).stem  # of a user's own, the file
@@ -40,12 +43,12 @@ def legend(walk: FilmedWalk) -> Panel:
     return Panel(EDGE, EDGE, still, lambda draw, row: None)
 
 
-def entries(walk: FilmedWalk) -> list[tuple[str, Colour]]:
+def entries(walk: Run) -> list[tuple[str, Colour]]:
     """Labels and colours of what viewer and replay show."""
-    paths = [palette.NOMINAL, *(palette.PREDICTED[name] for name in walk.predicted)]
-    groups = noun(walk.legs_per_group)
+    paths = [palette.NOMINAL, *(palette.PREDICTED[name] for name in walk.drawn)]
+    groups, front = noun(walk.legs_per_group), nose(walk)
     return [
-        *([("nose, the front", walk.nose)] if walk.nose else []),
+        *([("nose, the front", front)] if front else []),
         *((mark.label, mark.colour) for mark in (*paths, palette.ACHIEVED)),
         ("goal", palette.NOMINAL.colour),
         ("support polygon", palette.STABLE),
@@ -62,21 +65,30 @@ def noun(legs_per_group: int) -> str:
     return NOUNS.get(legs_per_group, "group")
 
 
-def _lines(walk: FilmedWalk) -> list[tuple[str, Colour, Sample]]:
+def nose(walk: Run) -> Colour | None:
+    """Colour of the part that shows which side of the robot is the front, if any."""
+    geoms = mujoco.MjSpec.from_file(str(walk.model_file)).geoms
+    for rgba in (geom.rgba for geom in geoms if geom.name == NOSE):
+        return Colour(*(round(255 * part) for part in rgba[:3]))
+    return None
+
+
+def _lines(walk: Run) -> list[tuple[str, Colour, Sample]]:
     """Label, colour and sample of every line of a film's legend."""
     groups, nominal = noun(walk.legs_per_group), palette.NOMINAL
+    front = nose(walk)
     around: list[tuple[str, Colour, Sample]] = [
         ("obstacles", palette.OBSTACLE, _block),
         ("floor swept over", palette.SWEPT, _block),
     ]
-    predicted = [palette.PREDICTED[name] for name in walk.predicted]
+    predicted = [palette.PREDICTED[name] for name in walk.drawn]
     squares = f"grid, {1000 * cell(walk.reach):g} mm"
     if walk.scenario.bumps:
         squares += f", contours {1000 * contour_step(walk):.3g} mm"
     return [
         *(around if walk.scenario.obstacles else []),
         ("outline of the robot", palette.OUTLINE, _line),
-        *([("nose, the front", walk.nose, _block)] if walk.nose else []),
+        *([("nose, the front", front, _block)] if front else []),
         (nominal.label, nominal.colour, _dashes),
         ("goal", nominal.colour, _ring),
         *((mark.label, mark.colour, _line) for mark in (*predicted, palette.ACHIEVED)),

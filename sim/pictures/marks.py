@@ -19,7 +19,6 @@ from sim.motion.stability import support_polygons
 from sim.obstacles.solids import Solids
 from sim.palette import ACHIEVED, EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, PathMark
 from sim.pictures.clock import Clock
-from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor import contours
 from sim.pictures.floor_drawing import (
     Drawing,
@@ -30,6 +29,7 @@ from sim.pictures.floor_drawing import (
     polygons,
     ribbon,
 )
+from sim.runs.run import Run
 
 # In units of the robot's reach.
 SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
@@ -41,7 +41,7 @@ FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
 FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 
 
-def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
+def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     """Everything that is drawn on the floor, the lowest first.
 
     Args:
@@ -63,7 +63,7 @@ def marks(walk: FilmedWalk, clock: Clock, frames: range) -> tuple[Mark, ...]:
     return tuple(mark for mark in drawn if len(mark.drawing))
 
 
-def _covered(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
+def _covered(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
     """The robot's outline; beside obstacles also the floor that it swept over."""
     robot = _solids(walk)
     if walk.scenario.obstacles:
@@ -72,11 +72,11 @@ def _covered(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
     yield Mark("outline of the robot", edge, palette.OUTLINE)
 
 
-def _nominal(walk: FilmedWalk) -> Drawing:
+def _nominal(walk: Run) -> Drawing:
     return dashes(walk.nominal[:, :2], DASH * walk.reach, NOMINAL.width * walk.reach)
 
 
-def _goal(walk: FilmedWalk) -> Iterator[Mark]:
+def _goal(walk: Run) -> Iterator[Mark]:
     """A ring where the nominal path ends."""
     end, first = walk.nominal[-1:, :2], np.zeros(1, int)
     for name, share, colour in (
@@ -86,13 +86,13 @@ def _goal(walk: FilmedWalk) -> Iterator[Mark]:
         yield Mark(name, discs(end, first, share * GOAL * walk.reach), colour)
 
 
-def _predicted(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
+def _predicted(walk: Run, clock: Clock) -> Iterator[Mark]:
     """The predicted path of the body, wider than the actual one and below it."""
-    for name, poses in walk.predicted.items():
+    for name, poses in walk.drawn.items():
         yield _path(walk, clock, poses, palette.PREDICTED[name])
 
 
-def _path(walk: FilmedWalk, clock: Clock, poses: Array, style: PathMark) -> Mark:
+def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
     """The path of the body's centre so far."""
     rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
@@ -111,7 +111,7 @@ def _telling(line: Array, frames: Array) -> Array:
     return np.unique(np.concatenate([corners, beats, [len(line) - 1]]).astype(int))
 
 
-def _footprints(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
+def _footprints(walk: Run, clock: Clock) -> Iterator[Mark]:
     """Where the feet of each group stood, and how they slipped while they did."""
     for group, name in enumerate(walk.groups):
         feet = [i for i, owner in enumerate(walk.group_of_foot) if owner == group]
@@ -121,7 +121,7 @@ def _footprints(walk: FilmedWalk, clock: Clock) -> Iterator[Mark]:
         yield Mark(f"footprints of {name}", drawing, palette.footprint(group))
 
 
-def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Drawing]:
+def _stands(walk: Run, clock: Clock, foot: int) -> Iterator[Drawing]:
     """A spot where a foot came down, and its trail until it was raised."""
     place = walk.contact_point[:, foot]
     touched = np.concatenate([[False], walk.contact[:, foot], [False]])
@@ -134,7 +134,7 @@ def _stands(walk: FilmedWalk, clock: Clock, foot: int) -> Iterator[Drawing]:
         yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)
 
 
-def _support(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
+def _support(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
     """The convex hull of the feet in contact, red where the weight has left it."""
     rows = clock.rows[frames.start : frames.stop]
     hulls = support_polygons(walk.contact_point[rows], walk.contact[rows])
@@ -160,7 +160,7 @@ def _corners(hull: shapely.Geometry) -> Array:
     return shapely.get_coordinates(hull)
 
 
-def _weight(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
+def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
     """The centre of mass, projected on the floor."""
     rows = clock.rows[frames.start : frames.stop]
     centres = walk.center_of_mass[rows]
@@ -172,14 +172,14 @@ def _weight(walk: FilmedWalk, clock: Clock, frames: range) -> Iterator[Mark]:
         yield Mark(name, join([spots], fleeting=True), colour)
 
 
-def _solids(walk: FilmedWalk) -> Solids:
+def _solids(walk: Run) -> Solids:
     """The solid parts of a walk's robot."""
-    model = mujoco.MjModel.from_xml_path(str(walk.model))
-    return Solids(model, root_body(model, walk.model))
+    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+    return Solids(model, root_body(model, walk.model_file))
 
 
 def outline(
-    robot: Solids, walk: FilmedWalk, clock: Clock, frames: range, width: float
+    robot: Solids, walk: Run, clock: Clock, frames: range, width: float
 ) -> Drawing:
     """The outline in each of some frames, gone in the next.
 
@@ -199,7 +199,7 @@ def outline(
     return join(lines, fleeting=True)
 
 
-def swept(robot: Solids, walk: FilmedWalk, clock: Clock) -> Drawing:
+def swept(robot: Solids, walk: Run, clock: Clock) -> Drawing:
     """All that the robot has stood over, growing with the frames."""
     shapes = _outlines(robot, walk, clock.rows)
     done, pieces = shapely.Polygon(), []
@@ -210,7 +210,7 @@ def swept(robot: Solids, walk: FilmedWalk, clock: Clock) -> Drawing:
     return join(pieces)
 
 
-def _outlines(robot: Solids, walk: FilmedWalk, rows: Array) -> Array:
+def _outlines(robot: Solids, walk: Run, rows: Array) -> Array:
     """The floor covered at each row, shapely geometries, shape (rows,)."""
     parts = robot.covered(walk.qpos[rows])
     return shapely.simplify(shapely.union_all(parts, axis=0), FINENESS * walk.reach)

@@ -18,10 +18,10 @@ from planner import Array
 from sim import palette
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
-from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor_drawing import Drawing, Mark
 from sim.pictures.panel import text
 from sim.pictures.scene import SUN, Look, build, has_endless_floor, mesh_name
+from sim.runs.run import Run
 
 SUN_DISTANCE = 5.0  # [reach of the robot]
 RADIUS = 9  # of the disc under the number of a leg [pixels]
@@ -33,7 +33,7 @@ class OffscreenRenderer:
     """Draws one walk; holds a GL context until it is closed."""
 
     def __init__(
-        self, walk: FilmedWalk, marks: Sequence[Mark], camera: Camera, look: Look
+        self, walk: Run, marks: Sequence[Mark], camera: Camera, look: Look
     ) -> None:
         self._walk, self._camera = walk, camera
         self._model = build(walk, marks, look)
@@ -139,7 +139,7 @@ class OffscreenRenderer:
 class LegNumbers:
     """Writes the number of each leg halfway between its lift joint and its foot."""
 
-    def __init__(self, walk: FilmedWalk, model: mujoco.MjModel) -> None:
+    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
         legs = sorted(walk.card.legs)
         self._joints = [model.joint(walk.card.legs[leg].lift).id for leg in legs]
         self._feet = [model.geom(walk.card.legs[leg].foot[0]).id for leg in legs]

@@ -19,9 +19,9 @@ from sim.pictures import gl
 from sim.pictures.camera import view_of
 from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
 from sim.pictures.file import animate, check_encoder, count_pictures, join
-from sim.pictures.filmed_walk import read_walk
 from sim.pictures.processes import KEPT, Piece, draw
 from sim.pictures.scene import LOOKS
+from sim.runs.run import read_run
 
 NAME = "video.mp4"
 ANIMATED = ".webp"  # of files that are small animated pictures instead
@@ -79,7 +79,7 @@ def film_folder(
     view_of(camera)
     folder = folder.resolve()
     with blamed_on(folder):
-        walk = read_walk(folder)
+        walk = read_run(folder).in_world()
         _require_time(walk.time, stretch)
         pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)
     driver = check()

@@ -14,8 +14,8 @@ import numpy as np
 from models.description import root_body
 from sim import palette
 from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH
-from sim.pictures.filmed_walk import FilmedWalk
 from sim.pictures.floor_drawing import Mark
+from sim.runs.run import Run
 
 AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
@@ -44,7 +44,7 @@ LOOKS = {
 }
 
 
-def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
+def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     """The model of a walk with its marks on the floor, one mesh each.
 
     Args:
@@ -52,7 +52,7 @@ def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel
         marks: What to draw on the floor, the lowest first.
         look: Quality of the pictures.
     """
-    spec = mujoco.MjSpec.from_file(str(walk.model))
+    spec = mujoco.MjSpec.from_file(str(walk.model_file))
     _light(spec)
     floor = _lay_floor(spec)
     for layer, mark in enumerate(marks, start=1):
@@ -65,7 +65,7 @@ def build(walk: FilmedWalk, marks: Sequence[Mark], look: Look) -> mujoco.MjModel
     visual.map.znear = NEAREST
     spec.stat.extent = EXTENT * walk.reach
     model = spec.compile()
-    _see_through(model, root_body(model, walk.model))
+    _see_through(model, root_body(model, walk.model_file))
     return model
 
 

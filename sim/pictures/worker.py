@@ -16,17 +16,17 @@ from sim.pictures.camera import Camera, camera, view_of
 from sim.pictures.captions import Captions
 from sim.pictures.clock import Clock, clock
 from sim.pictures.file import encoding
-from sim.pictures.filmed_walk import read_walk
 from sim.pictures.floor import grid
 from sim.pictures.marks import marks
 from sim.pictures.offscreen import OffscreenRenderer
 from sim.pictures.processes import Piece
 from sim.pictures.scene import LOOKS
+from sim.runs.run import read_run
 
 
 def draw(piece: Piece) -> None:
     """Draw frames of the film of a run folder."""
-    walk, frames = read_walk(piece.folder), piece.frames
+    walk, frames = read_run(piece.folder).in_world(), piece.frames
     film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
     view = camera(walk, film_clock, view_of(piece.camera))
     captions = Captions(walk, film_clock, view)

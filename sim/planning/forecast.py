@@ -66,7 +66,7 @@ def foresee(setup: Setup) -> list[ForeseenStretch]:
     Raises:
         PlannerError: If there is no plan.
     """
-    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    twists = twist_model(setup, setup.scenario.steered_on)
     stages = _replanned if setup.scenario.replan else _open_loop
     return list(stages(setup, twists))
 

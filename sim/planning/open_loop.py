@@ -59,7 +59,7 @@ def plan_segment(
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
     if missing is not None:
         target = compose(here, relative(here, target) - missing)
-    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    twists = twist_model(setup, setup.scenario.steered_on)
     step = steer_towards(setup, twists, segment, target, here, swing)
     return on_counts(setup, step, swing)
 
@@ -105,4 +105,4 @@ def _steered_on(setup: Setup) -> TwistModel | None:
     scenario = setup.scenario
     if scenario.steer == "ideal" and scenario.words == "printed":
         return None
-    return twist_model(setup, scenario.steer.replace("-", "_"))
+    return twist_model(setup, scenario.steered_on)

@@ -9,9 +9,10 @@ from typing import Any
 from sim.progress import Progress, silent
 from sim.reports import verdict
 from sim.reports.maps import magnified, plan_view
-from sim.reports.record import PREDICTIONS, Record
 from sim.reports.tables import NONE, Table, flat, number
 from sim.reports.templates import render
+from sim.runs.run import Run
+from sim.scenarios.predictions import PREDICTIONS
 
 MM = 1e3
 Summary = Mapping[str, Any]
@@ -29,13 +30,13 @@ class Comparison:
         same: Settings that are the same in all.
     """
 
-    runs: Sequence[Record]
+    runs: Sequence[Run]
     differences: Table
     results: Table
     same: Table
 
 
-def compare(runs: Sequence[Record]) -> Comparison:
+def compare(runs: Sequence[Run]) -> Comparison:
     """Compare the runs of several folders."""
     settings = [dict(flat(run.settings)) for run in runs]
     keys = [
@@ -81,7 +82,7 @@ def page(compared: Comparison, progress: Progress = silent) -> str:
     )
 
 
-def names(runs: Sequence[Record]) -> list[str]:
+def names(runs: Sequence[Run]) -> list[str]:
     """Names of the runs: their folders, with more of the path where two are alike."""
     short = [run.title for run in runs]
     if len(set(short)) == len(short):
@@ -113,7 +114,7 @@ RESULTS: Mapping[str, Callable[[Summary], object]] = {
     "off the goal in yaw [mrad]": _off("goal", "yaw"),
     **{
         f"off {said}, {what} [mm]": _off(name, key)
-        for name, said in PREDICTIONS.items()
+        for name, (_, said, _) in PREDICTIONS.items()
         for what, key in (("at the end", "position"), ("at most", "farthest"))
     },
     "least margin [mm]": lambda s: number(MM * s["achieved"]["min_margin"], 1),

@@ -9,7 +9,8 @@ import numpy as np
 from planner import Array
 from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED
 from sim.reports.drawing import Drawing, Key, along, finish, round_factor, sheet
-from sim.reports.record import PREDICTIONS, Record
+from sim.runs.run import Run
+from sim.scenarios.predictions import PREDICTIONS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +22,7 @@ FEWEST_ENDS = 8  # points at which the error is drawn
 HEIGHTS = (1.8, 4.2)  # [in]
 
 
-def plan_view(run: Record) -> Drawing:
+def plan_view(run: Run) -> Drawing:
     """Nominal path, every prediction and the achieved path of the body's centre."""
     with sheet(_height(_points(run)), MAP_WIDTH) as (figure, axes):
         _draw_obstacles(axes, run)
@@ -32,7 +33,9 @@ def plan_view(run: Record) -> Drawing:
         for name, poses in run.predicted.items():
             line = _thin(poses[run.walking, :2])
             axes.plot(*line.T, **PREDICTED[name].line())
-            keys.append(Key.of(PREDICTED[name], f"predicted, {PREDICTIONS[name]}"))
+            keys.append(
+                Key.of(PREDICTED[name], f"predicted, {PREDICTIONS[name].label}")
+            )
         _draw_goal(axes, run)
         axes.set_aspect("equal", adjustable="datalim")
         note = (
@@ -42,7 +45,7 @@ def plan_view(run: Record) -> Drawing:
         return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
 
 
-def magnified(run: Record) -> Drawing:
+def magnified(run: Run) -> Drawing:
     """The nominal path with the errors at the ends of segments, magnified."""
     rows, places = _ends(run)
     errors = {name: run.error(name)[rows, :2] for name in run.predicted}
@@ -60,7 +63,7 @@ def magnified(run: Record) -> Drawing:
             axes.plot(*moved.T, "o-", color=colour, markersize=2.5, lw=0.9)
             for start, end in zip(MM * places, moved, strict=True):
                 axes.plot(*np.transpose([start, end]), color=colour, lw=0.4)
-            keys.append(Key(f"off the {PREDICTIONS[name]} prediction", colour))
+            keys.append(Key(f"off the {PREDICTIONS[name].label} prediction", colour))
         axes.set_aspect("equal", adjustable="datalim")
         note = (
             "Along the nominal path, the departure of the physics from each "
@@ -72,7 +75,7 @@ def magnified(run: Record) -> Drawing:
         return finish(figure, heading, keys, note)
 
 
-def _ends(run: Record) -> tuple[Array, Array]:
+def _ends(run: Run) -> tuple[Array, Array]:
     """Rows at the ends of segments, and the points of the nominal path there.
 
     Where segments are few these are the ends of phases.
@@ -91,7 +94,7 @@ def _ends(run: Record) -> tuple[Array, Array]:
     return rows, np.stack(places, axis=-1)
 
 
-def _points(run: Record) -> Array:
+def _points(run: Run) -> Array:
     paths = [
         poses[run.walking, :2] for poses in (run.achieved, *run.predicted.values())
     ]
@@ -108,12 +111,12 @@ def _thin(points: Array) -> Array:
     return MM * points[along(points)]
 
 
-def _draw_goal(axes: Axes, run: Record) -> None:
+def _draw_goal(axes: Axes, run: Run) -> None:
     x, y, _ = run.summary["goal"]
     ring: dict[str, Any] = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
     axes.plot(MM * x, MM * y, "o", markersize=8, **ring)
 
 
-def _draw_obstacles(axes: Axes, run: Record) -> None:
+def _draw_obstacles(axes: Axes, run: Run) -> None:
     for outline in run.obstacles:
         axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)

@@ -13,13 +13,14 @@ from itertools import groupby
 
 from markupsafe import Markup
 
-from sim.reports.record import Phase, Record
+from sim.evaluation.flows import WalkedPhase
+from sim.runs.run import Run
 
 FIELD = re.compile(r"g(\w+)_(\w+)")
 MINUS = "\N{MINUS SIGN}"
 
 
-def sequence(run: Record) -> Iterator[tuple[int, Markup]]:
+def sequence(run: Run) -> Iterator[tuple[int, Markup]]:
     """Number of each segment, from 1, and its flows."""
     last = ""
     for segment, phases in groupby(run.phases, key=lambda phase: phase.segment):
@@ -35,7 +36,7 @@ def sequence(run: Record) -> Iterator[tuple[int, Markup]]:
         yield segment + 1, Markup("").join(parts)
 
 
-def flow(phase: Phase) -> Markup:
+def flow(phase: WalkedPhase) -> Markup:
     """A flow, as in eq. (14)."""
     said = f"{phase.amount:.4g}".replace("-", MINUS)
     text = "<span class=flow>&phi;<span><sup>{}</sup><sub>{}</sub></span></span>"
@@ -48,7 +49,7 @@ def field(name: str) -> Markup:
     return _subscript("g", f"{found[1]},{found[2]}") if found else Markup.escape(name)
 
 
-def _stratum(phase: Phase, groups: Sequence[str]) -> str:
+def _stratum(phase: WalkedPhase, groups: Sequence[str]) -> str:
     """The stratum that the robot is on once the phase is over."""
     if phase.kind != "land":
         return phase.stratum

@@ -13,7 +13,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from sim.folder import RunFolder, blamed_on
+from sim.folder import RunFolder
 from sim.progress import Progress, silent
 from sim.reports import tables, verdict
 from sim.reports.drawing import Drawing
@@ -21,34 +21,31 @@ from sim.reports.maps import magnified, plan_view
 from sim.reports.notation import sequence
 from sim.reports.panels import panels
 from sim.reports.present import moments
-from sim.reports.record import Record, read_run
 from sim.reports.templates import render
+from sim.runs.run import Run
 
 NAME = "report.html"
 DRAWINGS = 9  # at most, those of a walk among obstacles
 
 
-def write_report(folder: Path, progress: Progress = silent) -> Path:
+def write_report(run: Run, progress: Progress = silent) -> Path:
     """Draw the report of a run into its folder.
 
     Args:
-        folder: Of a run that came to its end.
+        run: A run that came to its end.
         progress: Called with the stage and the finished part of it.
 
     Returns:
         The report's path.
 
     Raises:
-        UsageError: If it is not the folder of a finished run.
         FilesError: If the folder cannot be written.
     """
-    with blamed_on(folder):
-        text = page(read_run(folder), progress)
-    RunFolder(folder).write_text(NAME, text)
-    return folder / NAME
+    RunFolder(run.folder).write_text(NAME, page(run, progress))
+    return run.folder / NAME
 
 
-def page(run: Record, progress: Progress = silent) -> str:
+def page(run: Run, progress: Progress = silent) -> str:
     """The page as HTML.
 
     Args:
@@ -75,7 +72,7 @@ def page(run: Record, progress: Progress = silent) -> str:
     )
 
 
-def _drawn(run: Record, progress: Progress) -> Iterator[Drawing]:
+def _drawn(run: Run, progress: Progress) -> Iterator[Drawing]:
     """All drawings of the page, in its order."""
     progress("report", 0.0)
     drawings = chain((draw(run) for draw in (plan_view, magnified)), panels(run))

@@ -11,8 +11,9 @@ from planner import Array
 from sim import palette
 from sim.palette import ACHIEVED, PREDICTED
 from sim.reports.drawing import Drawing, Key, extremes, finish, sheet
-from sim.reports.record import PREDICTIONS, Record, key_of
 from sim.reports.tables import number
+from sim.runs.run import Run
+from sim.scenarios.predictions import PREDICTIONS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,40 +25,41 @@ PANEL_HEIGHT = 1.55  # [in]
 ROW = 0.17  # [in] of a foot
 
 
-def panels(run: Record) -> Iterator[Drawing]:
+def panels(run: Run) -> Iterator[Drawing]:
     """All drawings over time, one by one, in the order of the page."""
-    best = PREDICTIONS[run.best]
+    best = PREDICTIONS[run.best].label
     off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.predicted}
     turned = {name: MRAD * run.error(name)[:, 2] for name in run.predicted}
     yield _errors(run, off, "Distance from each prediction [mm]")
     yield _components(run, f"Error in x and y, off the {best} prediction [mm]")
     yield _errors(run, turned, "Error in yaw, off each prediction [mrad]")
     yield _margin(run)
-    if "achieved_clearance" in run.arrays:
-        yield _clearance(run)
+    if run.clearance is not None:
+        yield _clearance(run, run.clearance)
     yield _slip(run)
     yield _contacts(run)
 
 
-def _line(axes: Axes, run: Record, values: Array, **style: Any) -> None:
+def _line(axes: Axes, run: Run, values: Array, **style: Any) -> None:
     rows = extremes(values)
     axes.plot(run.time[rows], values[rows], **style)
 
 
-def _over_time(axes: Axes, run: Record) -> None:
+def _over_time(axes: Axes, run: Run) -> None:
     axes.set_xlim(run.time[0], run.time[-1])
 
 
-def _errors(run: Record, values: Mapping[str, Array], heading: str) -> Drawing:
+def _errors(run: Run, values: Mapping[str, Array], heading: str) -> Drawing:
     with sheet(PANEL_HEIGHT) as (figure, axes):
         for name, curve in values.items():
             _line(axes, run, curve, **PREDICTED[name].line(linewidth=1.1))
         _over_time(axes, run)
-        keys = [Key.of(PREDICTED[name], f"off {PREDICTIONS[name]}") for name in values]
+        labels = {name: f"off {PREDICTIONS[name].label}" for name in values}
+        keys = [Key.of(PREDICTED[name], label) for name, label in labels.items()]
         return finish(figure, heading, keys)
 
 
-def _components(run: Record, heading: str) -> Drawing:
+def _components(run: Run, heading: str) -> Drawing:
     error = MM * run.error(run.best)
     with sheet(PANEL_HEIGHT) as (figure, axes):
         colour = PREDICTED[run.best].colour
@@ -68,12 +70,12 @@ def _components(run: Record, heading: str) -> Drawing:
         return finish(figure, heading, keys)
 
 
-def _margin(run: Record) -> Drawing:
-    margin = MM * run.arrays["achieved_margin"]
-    foreseen = MM * run.arrays[key_of(run.best, "margin")]
+def _margin(run: Run) -> Drawing:
+    margin = MM * run.margin
+    foreseen = MM * run.arrays[PREDICTIONS[run.best].array("margin")]
     keys = [
         Key.of(ACHIEVED, "achieved"),
-        Key.of(PREDICTED[run.best], f"predicted, {PREDICTIONS[run.best]}"),
+        Key.of(PREDICTED[run.best], f"predicted, {PREDICTIONS[run.best].label}"),
         Key("limit: below 0 it tips over", LIMIT, dashed=True),
     ]
     with sheet(PANEL_HEIGHT) as (figure, axes):
@@ -91,9 +93,9 @@ def _margin(run: Record) -> Drawing:
         return finish(figure, "Static stability margin [mm]", keys, note)
 
 
-def _clearance(run: Record) -> Drawing:
+def _clearance(run: Run, clearance: Array) -> Drawing:
     with sheet(PANEL_HEIGHT) as (figure, axes):
-        achieved = MM * run.arrays["achieved_clearance"]
+        achieved = MM * clearance
         _line(axes, run, achieved, color=ACHIEVED.colour.hex)
         axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
         _over_time(axes, run)
@@ -102,9 +104,9 @@ def _clearance(run: Record) -> Drawing:
         return finish(figure, "Clearance from obstacles [mm]", keys)
 
 
-def _slip(run: Record) -> Drawing:
+def _slip(run: Run) -> Drawing:
     achieved = MM * run.arrays["slip"]
-    foreseen = MM * run.arrays[key_of(run.best, "slip")]
+    foreseen = MM * run.arrays[PREDICTIONS[run.best].array("slip")]
     with sheet(1.25 * PANEL_HEIGHT) as (figure, axes):
         colours = _legs(run)
         for i, colour in enumerate(colours):
@@ -116,7 +118,7 @@ def _slip(run: Record) -> Drawing:
             Key(f"leg {leg}", colour.hex)
             for leg, colour in zip(run.legs, colours, strict=True)
         ]
-        note = f"Dotted lines are the {PREDICTIONS[run.best]} prediction."
+        note = f"Dotted lines are the {PREDICTIONS[run.best].label} prediction."
         if (floor := run.summary["achieved"]["creep_floor"]) is not None:
             note += (
                 f" Standing still for as long, all feet together creep by "
@@ -125,10 +127,10 @@ def _slip(run: Record) -> Drawing:
         return finish(figure, "Slip of each foot since the start [mm]", keys, note)
 
 
-def _contacts(run: Record) -> Drawing:
+def _contacts(run: Run) -> Drawing:
     """A row a foot, filled while it touches; below them the stratum."""
     feet = len(run.legs)
-    contact, planned = run.arrays["contact"], run.arrays["planned_contact"]
+    contact, planned = run.contact, run.arrays["planned_contact"]
     with sheet(ROW * (feet + 1.6) + 0.34) as (figure, axes):
         for i, leg in enumerate(run.legs):
             y = feet - i
@@ -179,12 +181,12 @@ def _bars(
     axes.add_patch(PathPatch(shape, facecolor=colour, lw=0))
 
 
-def _strata(run: Record) -> list[str]:
+def _strata(run: Run) -> list[str]:
     """Strata that the walk visits, the one with all feet down first."""
     return sorted({p.stratum for p in run.phases}, key=lambda s: (-len(s), s))
 
 
-def _of_stratum(run: Record, stratum: str, index: int) -> str:
+def _of_stratum(run: Run, stratum: str, index: int) -> str:
     """Colour of the only group that stands, else a grey."""
     standing = [i for i, name in enumerate(run.groups) if name in stratum]
     if len(standing) == 1:
@@ -192,7 +194,7 @@ def _of_stratum(run: Record, stratum: str, index: int) -> str:
     return STRATA[index % len(STRATA)]
 
 
-def _legs(run: Record) -> list[palette.Colour]:
+def _legs(run: Run) -> list[palette.Colour]:
     """Colour of each leg's curve, shades of its group's."""
     owners = [run.card.group_of_leg[leg] for leg in run.legs]
     return [
@@ -201,7 +203,7 @@ def _legs(run: Record) -> list[palette.Colour]:
     ]
 
 
-def _spells(run: Record, flag: Array) -> list[tuple[float, float]]:
+def _spells(run: Run, flag: Array) -> list[tuple[float, float]]:
     """Start and length of every time for which a flag holds [s]."""
     edges = np.diff(np.concatenate([[False], flag, [False]]).astype(int))
     starts, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)

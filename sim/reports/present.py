@@ -8,18 +8,20 @@ from typing import Any
 import numpy as np
 
 from planner import Array
-from sim.reports.record import PREDICTIONS, Record
+from sim.pictures.clock import clock
+from sim.runs.run import Run
+from sim.scenarios.predictions import PREDICTIONS
 
 ROWS = 1500  # at most
 
 
-def moments(run: Record) -> Mapping[str, Any]:
+def moments(run: Run) -> Mapping[str, Any]:
     """Poses, distances and margins at moments evenly spread, for the script."""
     last = len(run.time) - 1
     rows = np.unique(np.linspace(0, last, min(ROWS, last + 1)).astype(int))
     off = 1e3 * np.hypot(*run.error(run.best)[rows, :2].T)
-    phase = np.clip(run.arrays["phase"][rows], 0, len(run.phases) - 1)
-    margin = 1e3 * run.arrays["achieved_margin"][rows]
+    phase = np.clip(run.phase[rows], 0, len(run.phases) - 1)
+    margin = 1e3 * run.margin[rows]
     return {
         "time": np.round(run.time[rows], 3).tolist(),
         "x": _finite(1e3 * run.achieved[rows, 0], 2),
@@ -28,8 +30,8 @@ def moments(run: Record) -> Mapping[str, Any]:
         "margin": _finite(margin, 1),
         "phase": phase.tolist(),
         "phases": [_said(p.kind, p.stratum, p.group) for p in run.phases],
-        "best": PREDICTIONS[run.best],
-        "playback": run.playback,
+        "best": PREDICTIONS[run.best].label,
+        "playback": clock(run.time, run.settings.get("playback")).playback,
         "begins": float(run.time[0]),
     }
 

@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sim.reports.record import PREDICTIONS, Phase, Record
+from sim.evaluation.flows import WalkedPhase
+from sim.runs.run import Run
 from sim.scenarios.file import toml_value
+from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import SETTINGS
 
 MM = 1e3
@@ -38,13 +40,13 @@ def number(value: float | None, digits: int = 2) -> str:
     return said.replace("-", MINUS)
 
 
-def ends(run: Record) -> Table:
+def ends(run: Run) -> Table:
     """Where the walk ends, as predicted and achieved, and how much they differ."""
     summary = run.summary
     rows = [
         ["goal", *_pose(summary["goal"]), *_off(summary["error"]["goal"]), NONE, NONE]
     ]
-    for name, said in PREDICTIONS.items():
+    for name, (_, said, _) in PREDICTIONS.items():
         if found := summary["predicted"].get(name):
             off = _off(summary["error"][name])
             rows.append(
@@ -75,7 +77,7 @@ def _way(along: Mapping[str, float]) -> list[str]:
     return [number(MM * along["min_margin"], 1), number(MM * along["slip"], 1)]
 
 
-def sources(run: Record) -> Table | None:
+def sources(run: Run) -> Table | None:
     """What each kind of phase adds to the final error; None for a replanned walk."""
     found: Mapping[str, Any] | None = run.summary.get("error_sources")
     if not found:
@@ -83,7 +85,7 @@ def sources(run: Record) -> Table | None:
     names = [name for name in PREDICTIONS if found.get(name)]
     header = ["", "phases", "slip [mm]", "not as planned"]
     for name in names:
-        said = PREDICTIONS[name]
+        said = PREDICTIONS[name].label
         header += [f"{said}: x [mm]", "y [mm]", "yaw [mrad]"]
     rows = []
     for label in found[names[0]]:
@@ -105,7 +107,7 @@ def _said(label: str) -> str:
     return SHIFTED.get(kind, f"{kind} S{{}}").format(stratum)
 
 
-def _carried_out(phases: Sequence[Phase], label: str | None) -> list[str]:
+def _carried_out(phases: Sequence[WalkedPhase], label: str | None) -> list[str]:
     """Number of the phases of a kind, their slip, and how many had other contacts."""
     found = [p for p in phases if label in (None, f"{p.kind} S{p.stratum}")]
     slip = sum(phase.slip for phase in found)
@@ -113,7 +115,7 @@ def _carried_out(phases: Sequence[Phase], label: str | None) -> list[str]:
     return [str(len(found)), number(MM * slip, 1), str(wrong)]
 
 
-def counts(run: Record) -> Table:
+def counts(run: Run) -> Table:
     """Counts and lengths of the walk."""
     summary = run.summary
     kinds = Counter(phase.kind for phase in run.phases)
@@ -132,7 +134,7 @@ def counts(run: Record) -> Table:
     return Table(("", ""), rows)
 
 
-def settings(run: Record) -> Table:
+def settings(run: Run) -> Table:
     """Every setting with its value and its meaning, as scenario.toml has them."""
     given = dict(run.settings)
     rows = [
@@ -161,7 +163,7 @@ def flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, object
             yield head + key, value
 
 
-def versions(run: Record) -> Table:
+def versions(run: Run) -> Table:
     """Versions of what computed the run; of older runs, of what draws this page."""
     from sim.versions import versions as present
 

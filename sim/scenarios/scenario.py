@@ -13,6 +13,7 @@ from typing import Any, Self
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect
 from sim.scenarios.obstacles import Obstacle
+from sim.scenarios.predictions import prediction_key
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 
@@ -28,6 +29,11 @@ class Scenario(Settings):
         default=(), metadata={"affects": frozenset({"plan", "world"})}
     )
     path: NominalPath = field(metadata={"affects": frozenset({"plan"})})
+
+    @property
+    def steered_on(self) -> str:
+        """Key of the prediction that is to reach the goal."""
+        return prediction_key(self.steer)
 
     @property
     def is_imperfect(self) -> bool:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from planner import Array
+from sim.scenarios.predictions import PREDICTIONS
 from sim.studies.results import CLASSES, FELL, NO_WALK, Results
 from sim.studies.sensitivity import explained
 
@@ -50,7 +51,7 @@ def describe(found: dict[str, Any]) -> Iterator[str]:
     Args:
         found: What `findings` gives.
     """
-    name = found["prediction"].replace("_", "-")
+    name = PREDICTIONS[found["prediction"]].label
     yield f"{found['points']} points, farthest off the {name} prediction on the way"
     for word, count in found["classes"].items():
         share = count / max(found["points"], 1)

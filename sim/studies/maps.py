@@ -13,6 +13,7 @@ import numpy as np
 from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
+from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
 
@@ -177,4 +178,4 @@ def _legend(axes: Axes, results: Results) -> None:
 
 
 def _words(results: Results) -> str:
-    return results.prediction.replace("_", "-")
+    return PREDICTIONS[results.prediction].label

@@ -23,7 +23,7 @@ from sim.palette import (
     SPOT,
     Colour,
 )
-from sim.pictures.filmed_walk import FilmedWalk
+from sim.runs.run import Run
 
 PATH_POINTS = 120  # of a path
 PRINTS = 240  # footprints, the latest ones; the viewer draws 1024 geoms in all
@@ -36,10 +36,10 @@ FLAT = np.eye(3).ravel()
 class Marks:
     """The marks of one walk, row by row."""
 
-    def __init__(self, walk: FilmedWalk, model: mujoco.MjModel) -> None:
+    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
         self._walk, self._model = walk, model
         self._ghost = mujoco.MjData(model)
-        root = root_body(model, walk.model)
+        root = root_body(model, walk.model_file)
         self._address = int(model.jnt_qposadr[model.body_jntadr[root]])
         self._body = self._of_robot(root)
         self._torso = np.flatnonzero(model.geom_bodyid == root)
@@ -78,7 +78,7 @@ class Marks:
             level=0,
             dashed=True,
         )
-        for level, (name, poses) in enumerate(walk.predicted.items(), start=1):
+        for level, (name, poses) in enumerate(walk.drawn.items(), start=1):
             colour = palette.PREDICTED[name].colour
             yield from self._line(thinned(poses[:, :2]), colour, THICK, level)
 
@@ -137,7 +137,7 @@ class Marks:
     def _shadow(self, row: int) -> Iterator[mujoco.MjvGeom]:
         """The robot where the last of the predictions, the quasi-static, sees it."""
         walk, model = self._walk, self._model
-        *_, (name, poses) = walk.predicted.items()
+        *_, (name, poses) = walk.drawn.items()
         colour = palette.PREDICTED[name].colour
         self._ghost.qpos[:] = _moved(
             walk.qpos[row], self._address, walk.achieved[row], poses[row]
@@ -170,7 +170,7 @@ def _moved(qpos: Array, address: int, pose: Array, to: Array) -> Array:
     return moved
 
 
-def support(walk: FilmedWalk, row: int) -> tuple[Array, Colour]:
+def support(walk: Run, row: int) -> tuple[Array, Colour]:
     """Edge of the support polygon, closed, shape (n, 2) [m], and its colour."""
     here = slice(row, row + 1)
     (hull,) = support_polygons(walk.contact_point[here], walk.contact[here])
@@ -179,7 +179,7 @@ def support(walk: FilmedWalk, row: int) -> tuple[Array, Colour]:
     return shapely.get_coordinates(ring), colour
 
 
-def landings(walk: FilmedWalk) -> tuple[Array, Array]:
+def landings(walk: Run) -> tuple[Array, Array]:
     """Rows in which a foot comes down, ascending, and which foot it is."""
     before = np.zeros((1, walk.contact.shape[1]), bool)
     landed = walk.contact & ~np.concatenate([before, walk.contact[:-1]])

@@ -15,8 +15,9 @@ from mujoco.studio.dear_imgui import dear_imgui as imgui
 
 from sim import palette
 from sim.pictures.legend import entries
+from sim.runs.run import Run
 from sim.viewing.marks import Marks
-from sim.viewing.playback import Playback, RecordedWalk
+from sim.viewing.playback import Playback
 
 REST = 0.008  # [s] between states that are sent
 PERCENT = 100.0
@@ -33,7 +34,7 @@ class Player(plugin.SimPlugin):
     walk.
     """
 
-    def __init__(self, walk: RecordedWalk, playback: Playback) -> None:
+    def __init__(self, walk: Run, playback: Playback) -> None:
         self._walk, self._playback = walk, playback
         self._clock = time.perf_counter()
         self._told: tuple[bool, float] | None = None
@@ -47,8 +48,8 @@ class Player(plugin.SimPlugin):
         self._clock = now
         walk, data = self._walk, event.data
         row = row_at(walk, self._playback.time)
-        data.time = walk.shown.time[row]
-        data.qpos[:], data.qvel[:] = walk.shown.qpos[row], walk.qvel[row]
+        data.time = walk.time[row]
+        data.qpos[:], data.qvel[:] = walk.qpos[row], walk.qvel[row]
         data.ctrl[:] = walk.ctrl[row]
         self._tell()
         time.sleep(REST)
@@ -70,7 +71,7 @@ class Player(plugin.SimPlugin):
     @messages.handler
     def on_single_step(self, event: messages.SingleStepEvent) -> bool:
         """Go to the next recorded moment."""
-        times = self._walk.shown.time
+        times = self._walk.time
         row = min(row_at(self._walk, self._playback.time) + 1, len(times) - 1)
         self._playback.go_to(float(times[row]))
         return True
@@ -98,7 +99,7 @@ class Player(plugin.SimPlugin):
 class Scene(plugin.ViewerPlugin):
     """Draws the marks of the moment that the viewer shows."""
 
-    def __init__(self, walk: RecordedWalk, marks: Marks) -> None:
+    def __init__(self, walk: Run, marks: Marks) -> None:
         self._walk, self._marks = walk, marks
 
     @messages.handler
@@ -106,11 +107,11 @@ class Scene(plugin.ViewerPlugin):
         """Turn contact forces on and look at the whole walk."""
         for flag in FLAGS:
             self.viewer.vis_options.flags[flag] = 1
-        shown, camera = self._walk.shown, self.viewer.camera
-        middle = shown.nominal[:, :2].mean(axis=0)
-        extent = np.ptp(shown.nominal[:, :2], axis=0).max()
+        walk, camera = self._walk, self.viewer.camera
+        middle = walk.nominal[:, :2].mean(axis=0)
+        extent = np.ptp(walk.nominal[:, :2], axis=0).max()
         camera.lookat[:] = (*middle, 0.0)
-        camera.distance = 4.0 * shown.reach + extent
+        camera.distance = 4.0 * walk.reach + extent
         camera.azimuth, camera.elevation = 120.0, -40.0
 
     @messages.handler
@@ -123,11 +124,11 @@ class Scene(plugin.ViewerPlugin):
 class Panel(plugin.ViewerPlugin):
     """A window with the time of the walk, play, pause, speed, and a key of colours."""
 
-    def __init__(self, walk: RecordedWalk, playback: Playback) -> None:
+    def __init__(self, walk: Run, playback: Playback) -> None:
         self._playback = playback
-        *_, last = walk.shown.predicted
+        *_, last = walk.drawn
         ghost = palette.PREDICTED[last].colour
-        self._key = [*entries(walk.shown), ("robot where it is predicted", ghost)]
+        self._key = [*entries(walk), ("robot where it is predicted", ghost)]
 
     @messages.handler
     def on_gui(self, event: messages.BuildGuiEvent) -> None:
@@ -152,7 +153,7 @@ class Panel(plugin.ViewerPlugin):
         imgui.End()
 
 
-def row_at(walk: RecordedWalk, moment: float) -> int:
+def row_at(walk: Run, moment: float) -> int:
     """Row of the trajectory that shows a moment [s]."""
-    times: Any = walk.shown.time
+    times: Any = walk.time
     return min(int(np.searchsorted(times, moment - 1e-9)), len(times) - 1)

@@ -22,9 +22,9 @@ from sim.errors import UsageError
 from sim.folder import blamed_on, whole
 from sim.palette import ACHIEVED, FOOTPRINT, GOAL, NOMINAL, Colour
 from sim.pictures.clock import FRAME_RATE, clock
-from sim.pictures.filmed_walk import FilmedWalk, read_walk
 from sim.pictures.floor_drawing import CORNERS
 from sim.pictures.legend import entries
+from sim.runs.run import Run, read_run
 from sim.viewing.marks import landings, support, thinned
 
 NAME = "replay.html"
@@ -63,14 +63,14 @@ def write_replay(
         FilesError: If the page cannot be written.
     """
     with blamed_on(folder):
-        page = _page(read_walk(folder), progress).encode()
+        page = _page(read_run(folder).in_world(), progress).encode()
     path = folder / NAME
     with whole(path, len(page)) as part:
         part.write_bytes(page)
     return path
 
 
-def _page(walk: FilmedWalk, progress: Callable[[float], None]) -> str:
+def _page(walk: Run, progress: Callable[[float], None]) -> str:
     try:
         import viser
     except ImportError as error:
@@ -83,7 +83,7 @@ def _page(walk: FilmedWalk, progress: Callable[[float], None]) -> str:
             server.stop()
 
 
-def _recorded(server: Any, walk: FilmedWalk, progress: Callable[[float], None]) -> str:
+def _recorded(server: Any, walk: Run, progress: Callable[[float], None]) -> str:
     film = clock(walk.time, walk.scenario.playback)
     recorder = server.get_scene_serializer()
     scene = server.scene
@@ -99,7 +99,7 @@ def _recorded(server: Any, walk: FilmedWalk, progress: Callable[[float], None]) 
     return _explained(recorder.as_html(), walk, film.playback)
 
 
-def _explained(page: str, walk: FilmedWalk, playback: float) -> str:
+def _explained(page: str, walk: Run, playback: float) -> str:
     """The page under a title of its own, and with a key of its colours."""
     before, _, rest = page.partition("<title>")
     body, end, after = rest.partition("</title>")[2].rpartition("</body>")
@@ -108,7 +108,7 @@ def _explained(page: str, walk: FilmedWalk, playback: float) -> str:
     return f"{before}<title>{name}</title>{body}{explained}"
 
 
-def _key(walk: FilmedWalk, playback: float) -> str:
+def _key(walk: Run, playback: float) -> str:
     """The meaning of the colours as an element of the page; it can be folded up."""
     lines = "".join(
         f'<div><span style="{SWATCH.format(colour.hex)}"></span>{escape(label)}</div>'
@@ -120,7 +120,7 @@ def _key(walk: FilmedWalk, playback: float) -> str:
     return f'<details open style="{BOX}"><summary>{title}</summary>{lines}</details>'
 
 
-def _eye(walk: FilmedWalk) -> tuple[float, float, float]:
+def _eye(walk: Run) -> tuple[float, float, float]:
     """Where the camera is at first: behind and above the walk."""
     x, y = walk.nominal[:, :2].mean(axis=0)
     away = 1.4 * walk.reach + 0.6 * float(np.ptp(walk.nominal[:, :2], axis=0).max())
@@ -130,11 +130,11 @@ def _eye(walk: FilmedWalk) -> tuple[float, float, float]:
 class _Robot:
     """The bodies of the robot, which move, and the polygon that it stands on."""
 
-    def __init__(self, scene: Any, walk: FilmedWalk) -> None:
+    def __init__(self, scene: Any, walk: Run) -> None:
         self._scene, self._walk = scene, walk
-        self._model = mujoco.MjModel.from_xml_path(str(walk.model))
+        self._model = mujoco.MjModel.from_xml_path(str(walk.model_file))
         self._data = mujoco.MjData(self._model)
-        root = root_body(self._model, walk.model)
+        root = root_body(self._model, walk.model_file)
         bodies = np.flatnonzero(self._model.body_rootid == root)
         self._root = root
         self._bodies = [(int(body), self._add(int(body))) for body in bodies]
@@ -172,7 +172,7 @@ class _Robot:
         _line(self._scene, "/support", ring, colour, self._walk.reach, WIDE)
 
 
-def _draw_still(scene: Any, walk: FilmedWalk) -> None:
+def _draw_still(scene: Any, walk: Run) -> None:
     """Floor, paths, goal and footprints, which do not move."""
     reach = walk.reach
     scene.set_up_direction("+z")
@@ -187,7 +187,7 @@ def _draw_still(scene: Any, walk: FilmedWalk) -> None:
         position=(*middle, 0.0),
     )
     _line(scene, "/nominal", walk.nominal[:, :2], NOMINAL.colour, reach, WIDE)
-    for name, poses in walk.predicted.items():
+    for name, poses in walk.drawn.items():
         mark = palette.PREDICTED[name]
         _line(scene, f"/{mark.label}", thinned(poses[:, :2]), mark.colour, reach, THICK)
     _line(

@@ -18,9 +18,9 @@ import mujoco
 from models.description import root_body
 from sim.errors import UsageError
 from sim.folder import blamed_on
-from sim.pictures.filmed_walk import FilmedWalk
+from sim.runs.run import Run, read_run
 from sim.viewing.marks import Marks
-from sim.viewing.playback import Playback, RecordedWalk, read_recorded
+from sim.viewing.playback import Playback
 
 TORSO = 0.35  # opacity of the body
 DISC, ARROW = 0.1, 0.04  # of a contact and its force, in units of the model's size
@@ -65,9 +65,10 @@ def serve(
         UsageError: If the folder holds no finished run, or the port is taken.
     """
     with blamed_on(folder):
-        walk = read_recorded(folder)
-        model = looked_through(walk.shown)
-        playback = Playback(end=float(walk.shown.time[-1]), speed=speed)
+        walk = read_run(folder).in_world()
+        _ = walk.ctrl  # from which contact forces follow
+        model = looked_through(walk)
+        playback = Playback(end=float(walk.time[-1]), speed=speed)
     handle = _launch(walk, model, playback, (host, port), started)
     with handle:
         handle.set_model(model)
@@ -75,7 +76,7 @@ def serve(
             handle.sync()
 
 
-def looked_through(walk: FilmedWalk) -> mujoco.MjModel:
+def looked_through(walk: Run) -> mujoco.MjModel:
     """The model of a walk, its body transparent and its contact forces slender.
 
     Paths and support polygon lie under the body, and discs as wide as MuJoCo's own
@@ -84,8 +85,8 @@ def looked_through(walk: FilmedWalk) -> mujoco.MjModel:
     Args:
         walk: What is shown.
     """
-    model = mujoco.MjModel.from_xml_path(str(walk.model))
-    torso = model.geom_bodyid == root_body(model, walk.model)
+    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+    torso = model.geom_bodyid == root_body(model, walk.model_file)
     model.geom_rgba[torso, 3] *= TORSO
     scale = model.vis.scale
     scale.contactwidth, scale.contactheight, scale.forcewidth = DISC, DISC / 4, ARROW
@@ -93,7 +94,7 @@ def looked_through(walk: FilmedWalk) -> mujoco.MjModel:
 
 
 def _launch(
-    walk: RecordedWalk,
+    walk: Run,
     model: mujoco.MjModel,
     playback: Playback,
     address: tuple[str, int],
@@ -108,8 +109,8 @@ def _launch(
     host, port = address
     socket = _bound(host, port)
     logging.getLogger("WebServer").addFilter(lambda told: told.levelno > logging.INFO)
-    config = viewer_protocol.ViewerConfig(title=walk.shown.scenario.name, gfx="web")
-    plugins = [App(), Scene(walk, Marks(walk.shown, model)), Panel(walk, playback)]
+    config = viewer_protocol.ViewerConfig(title=walk.scenario.name, gfx="web")
+    plugins = [App(), Scene(walk, Marks(walk, model)), Panel(walk, playback)]
 
     def show(endpoint: Any) -> None:
         with _viewer_on(socket) as viewer:

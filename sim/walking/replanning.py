@@ -61,6 +61,6 @@ def replanned(walker: Walker) -> int:
 
 def _missed(setup: Setup, step: Step, swing: tuple[float, ...], walked: Array) -> Array:
     """Where a segment ended, less where it was predicted to, shape (3,)."""
-    twists = twist_model(setup, setup.scenario.steer.replace("-", "_"))
+    twists = twist_model(setup, setup.scenario.steered_on)
     missed: Array = walked - segment_ends(setup, step.plan, twists, swing)[-1]
     return missed

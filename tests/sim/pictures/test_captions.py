@@ -7,11 +7,12 @@ from sim import palette
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
 from sim.pictures.captions import SCALE, scale_bar
 from sim.pictures.clock import clock
-from sim.pictures.filmed_walk import read_walk
 from sim.pictures.floor import cell, grid
 from sim.pictures.inset import BOX, FILL, MIDDLE, SIZE, inset, magnification
-from sim.pictures.legend import _lines
+from sim.pictures.legend import _lines, nose
 from sim.pictures.worker import _is_held
+from sim.runs.run import read_run
+from tests.finished_runs import predicted_elsewhere
 from tests.screen import on_screen
 
 PAPER = np.array(palette.PAPER)
@@ -19,7 +20,7 @@ PAPER = np.array(palette.PAPER)
 
 @pytest.fixture(scope="module")
 def walk(walked):
-    return read_walk(walked)
+    return read_run(walked).in_world()
 
 
 @pytest.fixture(scope="module")
@@ -88,7 +89,7 @@ def test_the_key_explains_nose_goal_and_grid(walk):
     labels = [label for label, _, _ in _lines(walk)]
     assert "goal" in labels
     assert "nose, the front" in labels
-    assert walk.nose == (242, 140, 38)  # of the file, 0.95 0.55 0.15
+    assert nose(walk) == (242, 140, 38)  # of the file, 0.95 0.55 0.15
     assert f"grid, {1000 * cell(walk.reach):g} mm" in labels
 
 
@@ -103,15 +104,13 @@ def test_the_error_is_magnified_by_the_greatest_round_factor_that_fits(
 
 
 def test_the_inset_shows_the_error_turned_and_scaled_as_the_picture_is(walk, view):
-    from dataclasses import replace
-
     angle = np.radians(view.azimuth.mean())
     right = np.array([np.sin(angle), -np.cos(angle)])  # on the floor
     off = 0.001 * right
     moved = walk.achieved.copy()
     moved[:, :2] -= off
-    predicted = {name: moved for name in walk.predicted}
-    panel = inset(replace(walk, predicted=predicted), view, 300, 600, 550)
+    shown = predicted_elsewhere(walk, lambda poses: moved)
+    panel = inset(shown, view, 300, 600, 550)
     scale = 1 / (view.pixel * view.distance)
     factor = magnification(0.001, BOX / 2 * FILL / scale)
     place = MIDDLE + (0.001 * factor * scale, 0)
@@ -130,9 +129,7 @@ def test_an_inset_that_finds_no_room_under_the_key_goes_to_the_right(walk, view)
 
 
 def test_a_walk_without_error_has_an_inset(walk, view):
-    from dataclasses import replace
-
-    same = replace(walk, predicted={name: walk.achieved for name in walk.predicted})
+    same = predicted_elsewhere(walk, lambda poses: walk.achieved)
     picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
     inset(same, view, 300, 600, 550).put(picture, 3)
     assert picture.any()

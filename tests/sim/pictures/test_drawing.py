@@ -8,8 +8,8 @@ import pytest
 from sim.pictures.camera import HEIGHT, VIEW_DISTANCE, WIDTH, camera
 from sim.pictures.captions import describe
 from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, TAIL, clock
-from sim.pictures.filmed_walk import FlowRow
 from sim.pictures.floor_drawing import CORNERS, dashes, discs, join, polygons, ribbon
+from tests.finished_runs import phase
 from tests.screen import on_screen
 
 AIR = "tripod 1 waits in the air"
@@ -163,13 +163,13 @@ def test_the_camera_moves_calmly():
 @pytest.mark.parametrize(
     ("flow", "words"),
     [
-        (FlowRow("hold", "12", ""), "tripods 1 and 2 stand"),
-        (FlowRow("lift", "1", "2"), "tripod 1 stands, tripod 2 lifts"),
-        (FlowRow("swing", "1", "2"), "tripod 1 stands, tripod 2 swings in the air"),
-        (FlowRow("swing", "2", "2"), f"{AIR}, tripod 2 swings the body"),
-        (FlowRow("land", "1", "2"), "tripod 1 stands, tripod 2 lands"),
-        (FlowRow("swing", "12", "2"), "tripod 1 stands, tripod 2 swings the body"),
-        (FlowRow("lift", "", "1"), "tripod 1 lifts, tripod 2 waits in the air"),
+        (phase("hold", "12", ""), "tripods 1 and 2 stand"),
+        (phase("lift", "1", "2"), "tripod 1 stands, tripod 2 lifts"),
+        (phase("swing", "1", "2"), "tripod 1 stands, tripod 2 swings in the air"),
+        (phase("swing", "2", "2"), f"{AIR}, tripod 2 swings the body"),
+        (phase("land", "1", "2"), "tripod 1 stands, tripod 2 lands"),
+        (phase("swing", "12", "2"), "tripod 1 stands, tripod 2 swings the body"),
+        (phase("lift", "", "1"), "tripod 1 lifts, tripod 2 waits in the air"),
     ],
 )
 def test_a_stratum_is_put_into_words(flow, words):
@@ -177,12 +177,12 @@ def test_a_stratum_is_put_into_words(flow, words):
 
 
 def test_groups_that_swing_together_are_named_together():
-    words = describe(FlowRow("swing", "12", "12"), "12", legs_per_group=3)
+    words = describe(phase("swing", "12", "12"), "12", legs_per_group=3)
     assert words == "tripods 1 and 2 swing the body"
 
 
 def test_legs_that_do_the_same_are_named_together():
-    words = describe(FlowRow("swing", "134", "2"), "1234", legs_per_group=1)
+    words = describe(phase("swing", "134", "2"), "1234", legs_per_group=1)
     assert words == "legs 1, 3 and 4 stand, leg 2 swings in the air"
 
 
@@ -190,5 +190,5 @@ def test_legs_that_do_the_same_are_named_together():
     ("legs", "noun"), [(1, "leg"), (2, "pair"), (4, "tetrapod"), (0, "group")]
 )
 def test_a_group_is_called_after_its_number_of_legs(legs, noun):
-    words = describe(FlowRow("lift", "1", "2"), "12", legs)
+    words = describe(phase("lift", "1", "2"), "12", legs)
     assert words == f"{noun} 1 stands, {noun} 2 lifts"

@@ -9,9 +9,9 @@ import pytest
 from sim.errors import ExitCode, FilesError, RenderError, UsageError
 from sim.pictures import processes
 from sim.pictures.file import check_encoder, count_pictures, encoding, join
-from sim.pictures.filmed_walk import read_walk
 from sim.pictures.processes import Piece
 from sim.pictures.run_film import film_folder
+from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode
 
 
@@ -109,13 +109,13 @@ def test_an_unknown_look_is_refused(walked):
 def test_an_unfinished_run_is_refused(folder, name):
     (folder / name).unlink()
     with pytest.raises(UsageError, match=name):
-        read_walk(folder)
+        read_run(folder).in_world()
 
 
 def test_a_folder_without_a_scenario_is_no_run(folder):
     (folder / "scenario.toml").unlink()
-    with pytest.raises(UsageError, match="unfinished run, it lacks scenario.toml"):
-        read_walk(folder)
+    with pytest.raises(UsageError, match="not a finished run, it lacks scenario.toml"):
+        read_run(folder).in_world()
 
 
 def test_phases_that_are_cut_or_endless_are_refused(folder):
@@ -123,10 +123,10 @@ def test_phases_that_are_cut_or_endless_are_refused(folder):
     whole = path.read_text()
     path.write_text(whole[:900])
     with pytest.raises(UsageError, match="flows.csv is incomplete"):
-        read_walk(folder)
+        read_run(folder).in_world()
     path.write_text(whole + "1" * 200_000)
     with pytest.raises(UsageError, match="field larger than field limit"):
-        read_walk(folder)
+        read_run(folder).in_world()
 
 
 def test_arrays_that_are_no_longer_compressed_are_refused(folder):
@@ -136,20 +136,20 @@ def test_arrays_that_are_no_longer_compressed_are_refused(folder):
         content[start + 20 : start + 60] = b"\xff" * 40
     path.write_bytes(content)
     with pytest.raises(UsageError, match="while decompressing data"):
-        read_walk(folder)
+        read_run(folder).in_world()
 
 
 def test_a_truncated_trajectory_is_refused(folder):
     path = folder / "trajectory.npz"
     path.write_bytes(path.read_bytes()[:5000])
-    with pytest.raises(UsageError, match="no film of an unfinished run"):
-        read_walk(folder)
+    with pytest.raises(UsageError, match="not a finished run"):
+        read_run(folder).in_world()
 
 
 def test_a_missing_array_is_named(folder):
     np.savez(folder / "trajectory.npz", time=np.zeros(3))
     with pytest.raises(UsageError, match="world_start_pose"):
-        read_walk(folder)
+        read_run(folder).in_world()
 
 
 @pytest.mark.parametrize(

@@ -12,9 +12,9 @@ from sim.pictures import gl, processes
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
 from sim.pictures.file import count_pictures
-from sim.pictures.filmed_walk import read_walk
 from sim.pictures.processes import Piece
 from sim.pictures.run_film import film_folder
+from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode, on_screen
 
 CLOCK = np.s_[20:60, 1110:1260]  # where the time stands
@@ -42,7 +42,7 @@ def draw(folder, frames, driver, look="draft"):
 
 
 def view_of(folder):
-    walk = read_walk(folder)
+    walk = read_run(folder).in_world()
     film_clock = clock(walk.time, walk.scenario.playback)
     return walk, film_clock, camera(walk, film_clock)
 
@@ -125,7 +125,7 @@ def test_paths_are_drawn_where_they_were_recorded(driver, folder):
     (picture,) = draw(folder, range(frame, frame + 1), driver)
     expected = (
         (walk.achieved, palette.ACHIEVED.colour),
-        *((p, palette.PREDICTED[name].colour) for name, p in walk.predicted.items()),
+        *((p, palette.PREDICTED[name].colour) for name, p in walk.drawn.items()),
     )
     for poses, colour in expected:
         seen = colours_at(picture, view, frame, poses[len(poses) // 3, :2])

@@ -11,13 +11,13 @@ from sim.errors import UsageError
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
 from sim.pictures.clock import FRAME_RATE, TAIL, clock, rows_of
 from sim.pictures.file import count_pictures
-from sim.pictures.filmed_walk import read_walk
+from sim.runs.run import read_run
 from tests.screen import decode, on_screen
 
 
 @pytest.mark.parametrize("name", [*VIEWS, "30,-40", "200,-90"])
 def test_the_whole_walk_is_seen_from_every_side(walked, name):
-    walk = read_walk(walked)
+    walk = read_run(walked).in_world()
     film = clock(walk.time, walk.scenario.playback)
     view = camera(walk, film, view_of(name))
     feet = np.insert(walk.contact_point[-1], 2, 0.0, axis=1)
@@ -27,7 +27,7 @@ def test_the_whole_walk_is_seen_from_every_side(walked, name):
 
 
 def test_left_and_right_are_those_of_the_robot(walked):
-    walk = read_walk(walked)
+    walk = read_run(walked).in_world()
     film = clock(walk.time, walk.scenario.playback)
     ahead = np.array([[0.0, 0.0, 0.0], [0.05, 0.0, 0.0]])  # the robot walks along x
     for name, sign in (("right", 1), ("left", -1)):
@@ -55,7 +55,7 @@ def test_the_command_films_a_stretch_from_above(driver, folder, capsys):
     assert main([*words, "--json"]) == 0
     film = folder.resolve() / "video-2.00-8.00.mp4"
     assert json.loads(capsys.readouterr().out) == {"film": str(film)}
-    walk = read_walk(folder)
+    walk = read_run(folder).in_world()
     shown = clock(walk.time, walk.scenario.playback, (2.0, 8.0))
     assert count_pictures(film) == len(shown.rows)
     view = camera(walk, shown, view_of("top"))
@@ -70,7 +70,7 @@ def test_a_name_in_webp_makes_a_small_animated_picture(driver, folder, capsys):
     words = ["film", str(folder), "--from", "2", "--to", "8", "--out", str(out)]
     assert main([*words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {"film": str(out.resolve())}
-    walk = read_walk(folder)
+    walk = read_run(folder).in_world()
     shown = clock(walk.time, walk.scenario.playback, (2.0, 8.0))
     seconds = len(shown.rows) / FRAME_RATE
     with Image.open(out) as picture:

@@ -7,19 +7,21 @@ import pytest
 from sim import palette
 from sim.errors import UsageError
 from sim.pictures.legend import entries
+from sim.runs.run import read_run
 from sim.viewing.marks import Marks
-from sim.viewing.playback import Playback, read_recorded
+from sim.viewing.playback import Playback
 from sim.viewing.web import TORSO, looked_through
+from tests.finished_runs import predicted_elsewhere
 
 
 @pytest.fixture(scope="module")
 def recorded(walked):
-    return read_recorded(walked)
+    return read_run(walked).in_world()
 
 
 @pytest.fixture(scope="module")
 def model(recorded):
-    return mujoco.MjModel.from_xml_path(str(recorded.shown.model))
+    return mujoco.MjModel.from_xml_path(str(recorded.model_file))
 
 
 def test_time_passes_at_its_speed_stops_and_ends_with_the_walk():
@@ -38,24 +40,24 @@ def test_time_passes_at_its_speed_stops_and_ends_with_the_walk():
 
 def test_a_folder_that_is_no_run_is_refused(tmp_path):
     with pytest.raises(UsageError, match="it lacks scenario.toml"):
-        read_recorded(tmp_path)
+        read_run(tmp_path)
     with pytest.raises(UsageError, match="no such run folder"):
-        read_recorded(tmp_path / "nothing")
+        read_run(tmp_path / "nothing")
     with pytest.raises(UsageError, match="File name too long"):
-        read_recorded(tmp_path / ("long" * 100))
+        read_run(tmp_path / ("long" * 100))
 
 
 def test_a_run_without_its_commands_is_refused(folder):
     (folder / "commands.npz").unlink()
-    with pytest.raises(UsageError, match="not to be played"):
-        read_recorded(folder)
+    with pytest.raises(UsageError, match="not a finished run"):
+        read_run(folder)
 
 
 def test_the_recorded_states_carry_the_robot(recorded, model):
     """State and command of one moment: the floor's forces are the robot's weight."""
     data = mujoco.MjData(model)
-    shown = recorded.shown
-    holds = [i for i, flow in enumerate(shown.flows) if flow.kind == "hold"]
+    shown = recorded
+    holds = [i for i, flow in enumerate(shown.phases) if flow.kind == "hold"]
     row = int(np.flatnonzero(np.isin(shown.phase, holds))[-1])
     data.qpos[:], data.qvel[:] = shown.qpos[row], recorded.qvel[row]
     data.ctrl[:] = recorded.ctrl[row]
@@ -69,7 +71,7 @@ def test_the_recorded_states_carry_the_robot(recorded, model):
 
 
 def test_the_marks_lie_where_the_walk_was(recorded, model):
-    marks, shown = Marks(recorded.shown, model), recorded.shown
+    marks, shown = Marks(recorded, model), recorded
     last = len(shown.time) - 1
     geoms = marks.at(last)
     assert len(geoms) < 1024  # what the viewer draws
@@ -89,13 +91,10 @@ def test_the_marks_lie_where_the_walk_was(recorded, model):
 
 
 def test_the_ghost_stands_where_the_prediction_is(recorded, model):
-    from dataclasses import replace
-
-    shown = recorded.shown
-    aside = {name: poses + (0.1, 0.0, 0.5) for name, poses in shown.predicted.items()}
+    aside = predicted_elsewhere(recorded, lambda poses: poses + (0.1, 0.0, 0.5))
     ghosts = [
         {tuple(np.round(g.rgba, 3)): g.pos.copy() for g in Marks(walk, model).at(5)}
-        for walk in (shown, replace(shown, predicted=aside))
+        for walk in (recorded, aside)
     ]
     colour = tuple(
         np.round(
@@ -103,7 +102,7 @@ def test_the_ghost_stands_where_the_prediction_is(recorded, model):
         )
     )
     there, moved = (places[colour] for places in ghosts)
-    centre = list(shown.predicted.values())[-1][5]
+    centre = list(recorded.drawn.values())[-1][5]
     cos, sin = np.cos(0.5), np.sin(0.5)
     arm = np.array([[cos, -sin], [sin, cos]]) @ (there[:2] - centre[:2])
     np.testing.assert_allclose(moved[:2], centre[:2] + (0.1, 0.0) + arm, atol=2e-5)
@@ -111,14 +110,14 @@ def test_the_ghost_stands_where_the_prediction_is(recorded, model):
 
 
 def test_footprints_come_with_the_walk(recorded, model):
-    marks = Marks(recorded.shown, model)
-    counts = [len(marks.at(row)) for row in (0, len(recorded.shown.time) - 1)]
+    marks = Marks(recorded, model)
+    counts = [len(marks.at(row)) for row in (0, len(recorded.time) - 1)]
     assert counts[0] < counts[1]
 
 
 def test_footprints_and_goal_are_flat(recorded, model):
     """The goal would hide the robot, and footprints are not pegs."""
-    drawn = Marks(recorded.shown, model).at(len(recorded.shown.time) - 1)
+    drawn = Marks(recorded, model).at(len(recorded.time) - 1)
     flat = [g for g in drawn if g.type == mujoco.mjtGeom.mjGEOM_CYLINDER]
     assert len(flat) > 10
     for geom in flat:  # radius, radius, half height
@@ -127,12 +126,12 @@ def test_footprints_and_goal_are_flat(recorded, model):
 
 
 def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
-    shown = looked_through(recorded.shown)
+    shown = looked_through(recorded)
     torso = model.geom_bodyid == model.body("torso").id
     opacity, before = shown.geom_rgba[:, 3], model.geom_rgba[:, 3]
     assert opacity[torso] == pytest.approx(TORSO * before[torso])
     assert np.array_equal(opacity[~torso], before[~torso])
-    drawn = Marks(recorded.shown, shown).at(0)
+    drawn = Marks(recorded, shown).at(0)
     ghosts = [g for g in drawn if g.rgba[3] == np.float32(palette.GHOST_TORSO)]
     sizes = model.geom_size[torso & (before > 0)]
     assert len(ghosts) == len(sizes) > 0
@@ -141,6 +140,6 @@ def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
 
 
 def test_colours_are_explained(recorded):
-    said = dict(entries(recorded.shown))
+    said = dict(entries(recorded))
     assert said["achieved path"] == palette.ACHIEVED.colour
     assert said["legs of tripod 2, and paler their footprints"] == palette.group(1)
