@@ -39,4 +39,4 @@ from .simulation import (
     simulate as simulate,
 )
 from .walking.finished import Walk as Walk
-from .walking.walker import walk as walk
+from .walking.walks import walk as walk

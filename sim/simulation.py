@@ -30,7 +30,8 @@ from sim.preparation.shared import Shared
 from sim.progress import Progress, at_most, silent, stage
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
-from sim.walking.walker import Walker, carry_out, expected_steps
+from sim.walking.walker import Walker
+from sim.walking.walks import carry_out, expected_steps
 
 Aside = tuple[float, float, float]  # of the goal: x, y [m] and yaw [rad]
 

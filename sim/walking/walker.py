@@ -1,18 +1,13 @@
-"""Walks in the physics: open loop, or replanned from every pose that is reached.
-
-The result is a `Walk`; `evaluation` compares it with its predictions.
-"""
+"""A walker: carries out flows in the physics, stretch by stretch."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
-from models import Robot
-from planner import Array, Flow, Plan
+from planner import Array, Flow
 from sim.drive.drive import Drive
 from sim.drive.lead import Lead
 from sim.drive.rehearsal import Rehearsal
@@ -22,16 +17,12 @@ from sim.motion.schedule import Schedule, Scheduler
 from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
-from sim.planning.open_loop import plan_segment
 from sim.planning.sharing import Cache, no_cache
-from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_effort
 from sim.preparation.scheduling import schedule_flows
-from sim.preparation.setup import Setup, prepare
+from sim.preparation.setup import Setup
 from sim.progress import Progress, silent
 from sim.walking.finished import Stretch, Walk, laid_commands
-from sim.walking.from_plan import scenario_of
-from sim.walking.replanning import replanned
 
 
 class Walker:
@@ -39,8 +30,8 @@ class Walker:
 
     Args:
         setup: What to walk.
-        progress: Told how far the walk is.
-        cache: Keeps commands for walks that have the same.
+        progress: Called with the stage and the finished part of it.
+        cache: Stores commands for walks that have the same.
     """
 
     def __init__(
@@ -156,61 +147,3 @@ class Walker:
         lead = self._rehearsal.lead(schedule)
         self._drive.require_strength(schedule, lead)
         return lead if self._drive.leads else None
-
-
-def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) -> Walk:
-    """Walk a plan in the physics, open loop.
-
-    Args:
-        robot: Robot that the plan is for.
-        plan: Flows of its equations.
-        progress: Called with each stage and the finished part of it.
-        **changes: Settings of a scenario that are not to have their defaults, such as
-            `friction=0.5`.
-
-    Raises:
-        UsageError: If a setting is impossible, or the walk takes too many steps.
-        ModelError: If the robot cannot be used.
-        SimulationError: If the plan tips the robot over or makes legs collide, or the
-            physics diverges.
-    """
-    setup = prepare(scenario_of(robot, plan, **changes), robot)
-    require_sound(setup, plan)
-    return carry_out(Walker(setup, progress), plan)
-
-
-def carry_out(walker: Walker, planned: Plan | None) -> Walk:
-    """Carry out a plan open loop; without one, plan each segment from the pose reached.
-
-    Args:
-        walker: A walker at its start; after a failure it holds what was done.
-        planned: Plan of the whole path; None to plan during the walk.
-
-    Raises:
-        PlannerError: If a segment cannot be planned from where the robot has come to.
-        SimulationError: If the physics diverges.
-        UsageError: If the walk takes more steps or memory than there can be.
-    """
-    walker.stand()
-    if planned is None:
-        return walker.finish(replanned(walker))
-    walker.go(list(planned.segments()))
-    return walker.finish()
-
-
-def expected_steps(setup: Setup, planned: Plan | None) -> int:
-    """Physics steps that a walk will take; arguments are those of `walk`.
-
-    A walk that is replanned is estimated from its first segment.
-
-    Raises:
-        PlannerError: If that segment cannot be planned.
-    """
-    segments = 1 if planned is None else setup.scenario.segments
-    if planned is None:
-        swing = setup.at_rest.swing
-        planned = plan_segment(setup, 0, np.zeros(3), swing).plan
-    scheduler = Scheduler(setup.limits, setup.at_rest)
-    schedule_flows(setup, scheduler, planned.segments())
-    holds = 2 * round(setup.limits.hold / setup.limits.timestep)
-    return holds + scheduler.finish().stop * setup.scenario.segments // segments

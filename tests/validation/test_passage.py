@@ -10,7 +10,8 @@ from sim.planning.routes import routed
 from sim.preparation.setup import prepare
 from sim.runs.in_memory import trajectory
 from sim.scenarios.file import load_scenario
-from sim.walking.walker import Walker, carry_out
+from sim.walking.walker import Walker
+from sim.walking.walks import carry_out
 
 pytestmark = pytest.mark.physics
 

@@ -15,14 +15,10 @@ def rows(steps, seed=0):
     return np.random.default_rng(seed).normal(size=(steps, 4))
 
 
-def pieces(ctrl):
-    return np.split(ctrl, [137, 138, 1000])
-
-
 @pytest.mark.parametrize("rate", [7.0, 50.0, 60.0, 333.0, 2000.0])
 def test_each_command_is_the_row_at_or_after_its_time(rate):
     ctrl = rows(3001)
-    commands = taken(pieces(ctrl), JOINTS, ACTUATORS, rate, TIMESTEP)
+    commands = taken(ctrl, JOINTS, ACTUATORS, rate, TIMESTEP)
     last = int(np.floor(3000 * TIMESTEP * rate + 1e-6))
     first = [int(np.ceil(k / rate / TIMESTEP - 1e-6)) for k in range(last + 1)]
     assert (commands.angles == ctrl[first][:, ACTUATORS]).all()
@@ -38,7 +34,7 @@ def test_commands_that_are_held_are_taken_again_unchanged(rate):
     ctrl = np.concatenate(held)
     assert ctrl.shape == (steps, 4)
     assert (ctrl[:, [1, 3]] == [8.0, 6.0]).all()
-    again = taken(pieces(ctrl), JOINTS, ACTUATORS, rate, TIMESTEP)
+    again = taken(ctrl, JOINTS, ACTUATORS, rate, TIMESTEP)
     assert (again.angles == angles[: len(again.angles)]).all()
     assert len(again.angles) >= 39
 
@@ -51,7 +47,7 @@ def test_the_last_command_holds_to_the_end():
 
 def test_more_commands_than_physics_steps_are_refused():
     with pytest.raises(UsageError, match="give at most 2000"):
-        taken([rows(10)], JOINTS, ACTUATORS, 2001.0, TIMESTEP)
+        taken(rows(10), JOINTS, ACTUATORS, 2001.0, TIMESTEP)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,8 @@ import pytest
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
-from sim.walking.walker import Walker, carry_out
+from sim.walking.walker import Walker
+from sim.walking.walks import carry_out
 
 BENT = {"zero_offset": radians(1.0), "slope": [0.03, 1.0], "draw": 2}
 

@@ -1,0 +1,156 @@
+"""Walks in the physics: open loop, or planned again from every pose that is reached.
+
+The result is a `Walk`; `evaluation` compares it with its predictions.
+
+A robot that is not as it should be misses every segment by much the same: its feet are
+not where they should be, its floor leans. Planning from the pose makes good what was
+missed, one segment late. What is likely to be missed can be allowed for beforehand; for
+that, all segments bring the legs back to angle 0, as otherwise only the last one does.
+"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from models import Robot, equations
+from models.description import FOLDER
+from planner import Array, Plan
+from planner.planning import Step
+from sim.experiments.predictions import twist_model
+from sim.motion.poses import seen_from
+from sim.motion.schedule import LegState, Scheduler
+from sim.planning.aiming import segment_ends
+from sim.planning.open_loop import plan_segment
+from sim.planning.soundness import require_sound, require_sound_flows
+from sim.preparation.scheduling import schedule_flows
+from sim.preparation.setup import Setup, prepare
+from sim.progress import Progress, silent
+from sim.scenarios.body_path import waypoints
+from sim.scenarios.scenario import Scenario
+from sim.walking.finished import Walk
+from sim.walking.walker import Walker
+
+LEARNED = 0.5  # of what a segment misses more than expected; halves it every segment
+
+
+def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) -> Walk:
+    """Walk a plan in the physics, open loop.
+
+    Args:
+        robot: Robot that the plan is for.
+        plan: Flows of its equations.
+        progress: Called with each stage and the finished part of it.
+        **changes: Settings of a scenario that are not to have their defaults, such as
+            `friction=0.5`.
+
+    Raises:
+        UsageError: If a setting is impossible, or the walk takes too many steps.
+        ModelError: If the robot cannot be used.
+        SimulationError: If the plan tips the robot over or makes legs collide, or the
+            physics diverges.
+    """
+    setup = prepare(scenario_of(robot, plan, **changes), robot)
+    require_sound(setup, plan)
+    return carry_out(Walker(setup, progress), plan)
+
+
+def carry_out(walker: Walker, planned: Plan | None) -> Walk:
+    """Carry out a plan open loop; without one, plan each segment from the pose reached.
+
+    Args:
+        walker: A walker at its start; after a failure it holds what was done.
+        planned: Plan of the whole path; None to plan during the walk.
+
+    Raises:
+        PlannerError: If a segment cannot be planned from where the robot has come to.
+        SimulationError: If the physics diverges.
+        UsageError: If the walk takes more steps or memory than there can be.
+    """
+    walker.stand()
+    if planned is None:
+        return walker.finish(replanned(walker))
+    walker.go(list(planned.segments()))
+    return walker.finish()
+
+
+def replanned(walker: Walker) -> int:
+    """Walk segment by segment, with all feet down in between.
+
+    Args:
+        walker: A walker that stands.
+
+    Returns:
+        How many segments were scaled down to the joint range.
+
+    Raises:
+        PlannerError: If a segment cannot be planned from where the robot has come to.
+        SimulationError: If the physics diverges.
+        UsageError: If the walk takes more steps or memory than there can be.
+    """
+    setup, saturated = walker.setup, 0
+    missing = np.zeros(3) if setup.learns else None
+    for segment in range(setup.scenario.segments):
+        began, pose, swing = time.perf_counter(), walker.pose, walker.swing
+        step = plan_segment(setup, segment, pose, swing, missing)
+        walker.seconds["plan"] += time.perf_counter() - began
+        saturated += step.fraction < 1
+        legs = LegState(swing, setup.robot.card.bottom)
+        require_sound_flows(setup, step.plan.segments(), legs)
+        walker.go(list(step.plan.segments()), first=segment)
+        if missing is not None:
+            missed = _missed(setup, step, swing, seen_from(pose, walker.pose))
+            missing = missing + LEARNED * (missed - missing)
+    return saturated
+
+
+def _missed(setup: Setup, step: Step, swing: tuple[float, ...], walked: Array) -> Array:
+    """Where a segment ended, less where it was predicted to, shape (3,)."""
+    twists = twist_model(setup, setup.scenario.steered_on)
+    missed: Array = walked - segment_ends(setup, step.plan, twists, swing)[-1]
+    return missed
+
+
+def expected_steps(setup: Setup, planned: Plan | None) -> int:
+    """Physics steps that a walk will take; arguments are those of `walk`.
+
+    A walk that is replanned is estimated from its first segment.
+
+    Raises:
+        PlannerError: If that segment cannot be planned.
+    """
+    segments = 1 if planned is None else setup.scenario.segments
+    if planned is None:
+        swing = setup.at_rest.swing
+        planned = plan_segment(setup, 0, np.zeros(3), swing).plan
+    scheduler = Scheduler(setup.limits, setup.at_rest)
+    schedule_flows(setup, scheduler, planned.segments())
+    holds = 2 * round(setup.limits.hold / setup.limits.timestep)
+    return holds + scheduler.finish().stop * setup.scenario.segments // segments
+
+
+def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
+    """The scenario that a plan of a robot carries out.
+
+    Args:
+        robot: Robot that the plan is for.
+        plan: Flows of its equations.
+        **changes: Settings that are not to have their defaults.
+
+    Raises:
+        UsageError: If a setting is unknown or impossible.
+    """
+    printed = plan.elements == equations(robot, "paper").elements
+    shipped = robot.path.parent == FOLDER
+    return Scenario(
+        **{
+            "name": "plan",
+            "robot": robot.name if shipped else str(robot.path.resolve()),
+            "fields": "paper" if printed else "lifted",
+            "segments": len(plan.segment_ends),
+            "path": waypoints(plan.nominal[:, :3].tolist()),
+        }
+        | changes
+    )
