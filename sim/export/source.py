@@ -19,8 +19,9 @@ from models.description import (
 from planner import Array
 from sim.export.servo_commands import ServoCommands, taken
 from sim.progress import Progress, silent
+from sim.runs.arrays import reading
 from sim.runs.in_memory import run_of
-from sim.runs.run import Run, read_run, reading
+from sim.runs.run import Run, read_run
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.world.servo_settings import ServoSettings, servo_settings
