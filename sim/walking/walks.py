@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from models import Robot, equations
-from models.description import FOLDER
 from planner import Array, Plan
 from planner.planning import Step
 from sim.experiments.predictions import twist_model
@@ -143,7 +142,7 @@ def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
         UsageError: If a setting is unknown or impossible.
     """
     printed = plan.elements == equations(robot, "paper").elements
-    shipped = robot.path.parent == FOLDER
+    shipped = robot.is_shipped
     return Scenario(
         **{
             "name": "plan",
