@@ -1,0 +1,92 @@
+"""The run that has just been simulated, from memory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from models.description import parse_toml
+from planner import Array
+from sim.evaluation.assessment import Evaluation, Summary
+from sim.evaluation.phases import carried_out
+from sim.runs.arrays import Arrays
+from sim.runs.run import START, Run
+from sim.scenarios.file import dumps
+from sim.scenarios.predictions import IDEAL, PREDICTIONS
+from sim.walking.finished import Walk
+
+
+def run_of(
+    evaluation: Evaluation,
+    summary: Summary,
+    settings: str | None = None,
+    folder: Path | None = None,
+) -> Run:
+    """The run of a walk and its evaluation.
+
+    Args:
+        evaluation: The walk with its predictions.
+        summary: Its numbers, with the time that they took.
+        settings: Contents of scenario.toml; those of the walk itself if not given.
+        folder: Of the run, if it is written.
+    """
+    setup = evaluation.walk.setup
+    return Run(
+        folder=Path() if folder is None else folder.resolve(),
+        settings=parse_toml(dumps(setup.scenario) if settings is None else settings),
+        card_text=setup.robot.card_text,
+        summary=summary,
+        phases=carried_out(evaluation.walk),
+        arrays=trajectory(evaluation),
+        commands=_commands(evaluation.walk),
+    )
+
+
+def trajectory(evaluation: Evaluation) -> Arrays:
+    """The arrays of trajectory.npz: achieved motion and predictions, row by row."""
+    walk, achieved = evaluation.walk, evaluation.achieved
+    recording, predicted = walk.recording, evaluation.predicted
+    moments, ideal = recording.moments, predicted["ideal"]
+    starts = np.array([phase.start for phase in walk.phases])
+    arrays = {
+        "time": moments.step * recording.timestep,
+        "qpos": moments.qpos,
+        "qvel": moments.qvel,
+        "achieved_pose": achieved.pose,
+        "predicted_pose": ideal.pose,
+        "contact": achieved.contact,
+        "planned_contact": ideal.contact,
+        "slip": achieved.slip,
+        "predicted_slip": ideal.slip,
+        "achieved_margin": achieved.margin,
+        "predicted_margin": ideal.margin,
+        "contact_point": achieved.point,
+        "center_of_mass": achieved.center_of_mass,
+        "phase": np.searchsorted(starts, recording.during, side="right") - 1,
+    }
+    for key, prediction in predicted.items():
+        if key != IDEAL.key:
+            for quantity in ("pose", "slip", "margin"):
+                name = PREDICTIONS[key].array(quantity)
+                arrays[name] = getattr(prediction, quantity)
+    for key, clearance in evaluation.clearance.items():
+        known = PREDICTIONS.get(key)
+        arrays[known.array("clearance") if known else f"{key}_clearance"] = clearance
+    sampled = recording.marks.sampled
+
+    def load(name: str) -> Array:
+        return walk.origin if name == START else arrays[name][sampled]
+
+    return Arrays((*arrays, START), load)
+
+
+def _commands(walk: Walk) -> Arrays:
+    """The arrays of commands.npz, computed from the schedules."""
+
+    def load(name: str) -> Array:
+        if name == "time":
+            return np.arange(walk.steps) * walk.setup.limits.timestep
+        return np.concatenate(list(walk.commands()))
+
+    return Arrays(("time", "ctrl"), load)

@@ -1,0 +1,266 @@
+"""A finished run, as its report, its film, the viewer and an export see it.
+
+Small files are read at once. Arrays are read from the folder when they are asked for,
+or taken from the memory of the simulation that has just ended.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import zipfile
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from models import Card
+from models.description import parse_card, parse_toml
+from planner import Array
+from planner.support import open_file, read_file
+from sim.errors import UsageError
+from sim.evaluation import flows
+from sim.evaluation.flows import WalkedPhase
+from sim.motion.poses import rotate, wrap
+from sim.runs.arrays import Arrays, archive, reading
+from sim.scenarios import body_path, obstacles
+from sim.scenarios.file import anchor, scenario_from
+from sim.scenarios.predictions import PREDICTIONS
+from sim.scenarios.scenario import Scenario
+
+Summary = Mapping[str, Any]
+NOMINAL_POINTS = 400  # of the nominal path as it is drawn
+DRAWN = ("ideal", "quasi_static")  # predictions in pictures of the robot
+FILES = ("model.xml", "model.toml")  # without which nothing can be shown
+PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
+START = "world_start_pose"  # array with the frame in which poses are given
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A finished run; lengths in metres, poses and points relative to the start pose.
+
+    Attributes:
+        folder: Of its files; a walk that is never written has none to look into.
+        settings: Contents of scenario.toml.
+        card_text: Contents of model.toml.
+        summary: The numbers of summary.json.
+        phases: Lines of flows.csv.
+        arrays: Those of trajectory.npz, (T, ...) each but for the start pose.
+        commands: Those of commands.npz: `time` [s] and `ctrl`, a row a physics step.
+        frame: Pose, (3,), in which poses and points are given in the world.
+    """
+
+    folder: Path
+    settings: Mapping[str, Any]
+    card_text: str
+    summary: Summary
+    phases: tuple[WalkedPhase, ...]
+    arrays: Mapping[str, Array]
+    commands: Mapping[str, Array]
+    frame: Array | None = None
+
+    @property
+    def title(self) -> str:
+        """The folder's own name, by which people know the run."""
+        return self.folder.name
+
+    @property
+    def model_file(self) -> Path:
+        """MJCF file of robot and world."""
+        return self.folder / "model.xml"
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """What was walked."""
+        table = deepcopy(dict(self.settings))
+        anchor(table, self.folder)
+        return scenario_from(table, {}, str(self.folder / "scenario.toml"))
+
+    @cached_property
+    def card(self) -> Card:
+        """The robot's card, as it was simulated."""
+        return parse_card(self.card_text, str(self.folder / "model.toml"))
+
+    @cached_property
+    def time(self) -> Array:
+        """Of each row [s], (T,)."""
+        return self.arrays["time"]
+
+    @cached_property
+    def walking(self) -> slice:
+        """Rows from the start of the walk on."""
+        first = int(np.searchsorted(self.time, self.summary["walk_starts"] - 1e-9))
+        return slice(min(first, len(self.time) - 1), None)
+
+    @cached_property
+    def phase(self) -> Array:
+        """Index of each row's phase, (T,)."""
+        return self.arrays["phase"]
+
+    @cached_property
+    def qpos(self) -> Array:
+        """Positions of all joints, (T, nq)."""
+        return self.arrays["qpos"]
+
+    @cached_property
+    def qvel(self) -> Array:
+        """Velocities, (T, nv)."""
+        return self.arrays["qvel"]
+
+    @cached_property
+    def ctrl(self) -> Array:
+        """Commands in force at each row, (T, nu)."""
+        rows = np.searchsorted(self.commands["time"], self.time - 1e-9)
+        ctrl = self.commands["ctrl"]
+        return ctrl[np.minimum(rows, len(ctrl) - 1)]
+
+    @cached_property
+    def achieved(self) -> Array:
+        """Poses in the physics, (T, 3)."""
+        return self.arrays["achieved_pose"]
+
+    @cached_property
+    def predicted(self) -> dict[str, Array]:
+        """Poses of each prediction that could be made, by its key, (T, 3)."""
+        names = {key: name.array("pose") for key, name in PREDICTIONS.items()}
+        return {key: self.arrays[n] for key, n in names.items() if n in self.arrays}
+
+    @property
+    def drawn(self) -> dict[str, Array]:
+        """Poses of the predictions that pictures of the robot show, by their keys."""
+        return {key: self.predicted[key] for key in DRAWN if key in self.predicted}
+
+    @property
+    def best(self) -> str:
+        """Key of the prediction that the walk is measured by."""
+        return "quasi_static" if "quasi_static" in self.predicted else "ideal"
+
+    def error(self, name: str) -> Array:
+        """Achieved less predicted pose, yaw wrapped, (T, 3)."""
+        apart = self.achieved - self.predicted[name]
+        return np.concatenate([apart[:, :2], wrap(apart[:, 2:])], axis=1)
+
+    @cached_property
+    def contact(self) -> Array:
+        """Whether each foot touches the ground, (T, F), bool."""
+        return self.arrays["contact"]
+
+    @cached_property
+    def contact_point(self) -> Array:
+        """Where each foot stands, or last stood, (T, F, 2) [m]."""
+        return self.arrays["contact_point"]
+
+    @cached_property
+    def center_of_mass(self) -> Array:
+        """Projected on the floor, (T, 2) [m]."""
+        return self.arrays["center_of_mass"][:, :2]
+
+    @cached_property
+    def margin(self) -> Array:
+        """Stability margin, (T,) [m]."""
+        return self.arrays["achieved_margin"]
+
+    @cached_property
+    def clearance(self) -> Array | None:
+        """Distance from obstacles, where there are any, (T,) [m]."""
+        return self.arrays.get("achieved_clearance")
+
+    @cached_property
+    def nominal(self) -> Array:
+        """The nominal path as it is drawn, (N, 3)."""
+        path = body_path.decode(self.settings["path"])
+        poses = np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
+        return poses if self.frame is None else _in_world(self.frame, poses)
+
+    @cached_property
+    def obstacles(self) -> tuple[Array, ...]:
+        """Outlines of the obstacles on the floor, relative to the start, (n, 2) each."""
+        found = obstacles.decode(self.settings.get("obstacles", ()))
+        return tuple(piece.corners for each in found for piece in each.pieces)
+
+    @property
+    def segments(self) -> int:
+        """How many were walked; bounds may have cut those of the scenario."""
+        return 1 + max((phase.segment for phase in self.phases), default=0)
+
+    @property
+    def legs(self) -> tuple[int, ...]:
+        """Numbers of the legs, in the order of every array's feet."""
+        return tuple(sorted(self.card.legs))
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Names of the groups of legs."""
+        return tuple(self.card.groups)
+
+    @cached_property
+    def group_of_foot(self) -> tuple[int, ...]:
+        """Index of each foot's group, feet in ascending order of their legs."""
+        return tuple(self.card.group_of_leg.values())
+
+    @property
+    def legs_per_group(self) -> int:
+        """How many legs every group has; 0 where the groups differ."""
+        sizes = {len(group.legs) for group in self.card.groups.values()}
+        return sizes.pop() if len(sizes) == 1 else 0
+
+    @cached_property
+    def reach(self) -> float:
+        """Largest distance from the body's centre to a foot at the end [m]."""
+        feet = self.contact_point[-1] - self.achieved[-1, :2]
+        return float(np.hypot(*feet.T).max())
+
+    def in_world(self) -> Run:
+        """The run with all arrays read, poses and points in world coordinates."""
+        with reading(self.folder):
+            _ = self.scenario  # which says in time what is wrong
+            frame = self.arrays[START]
+            arrays = {name: _placed(frame, name, a) for name, a in self.arrays.items()}
+            return replace(self, arrays=arrays, frame=frame)
+
+
+def _placed(frame: Array, name: str, array: Array) -> Array:
+    """An array in world coordinates, if it holds poses or points."""
+    if name.endswith("_pose") and name != START:
+        return _in_world(frame, array)
+    if name in PLACES:
+        points = frame[:2] + rotate(array[..., :2], frame[2])
+        return np.concatenate([points, array[..., 2:]], axis=-1)
+    return array
+
+
+def _in_world(frame: Array, poses: Array) -> Array:
+    points = frame[:2] + rotate(poses[..., :2], frame[2])
+    return np.concatenate([points, poses[..., 2:] + frame[2]], axis=-1)
+
+
+def read_run(folder: Path) -> Run:
+    """Read a run folder.
+
+    Args:
+        folder: Of a run that came to its end, whatever that end was.
+
+    Raises:
+        UsageError: If it is not the folder of a finished run.
+    """
+    with reading(folder):
+        for name in FILES:
+            open_file(folder / name).close()
+        run = Run(
+            folder=folder.resolve(),
+            settings=parse_toml(read_file(folder / "scenario.toml").decode()),
+            card_text=read_file(folder / "model.toml").decode(),
+            summary=json.loads(read_file(folder / "summary.json")),
+            phases=flows.read(read_file(folder / "flows.csv").decode()),
+            arrays=archive(folder, "trajectory.npz"),
+            commands=archive(folder, "commands.npz"),
+        )
+        _ = run.card, run.nominal, run.obstacles  # which say in time what is wrong
+    return run
