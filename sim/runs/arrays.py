@@ -77,4 +77,5 @@ def reading(folder: Path) -> Iterator[None]:
         raise
     except UNREADABLE as error:
         reason = " ".join(str(error).split())
-        raise UsageError(f"not a finished run, {reason}", str(folder), remedy) from error
+        what = f"not a finished run, {reason}"
+        raise UsageError(what, str(folder), remedy) from error

@@ -6,12 +6,8 @@ or taken from the memory of the simulation that has just ended.
 
 from __future__ import annotations
 
-import csv
 import json
-import zipfile
-import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,11 +20,10 @@ from models import Card
 from models.description import parse_card, parse_toml
 from planner import Array
 from planner.support import open_file, read_file
-from sim.errors import UsageError
 from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
 from sim.motion.poses import rotate, wrap
-from sim.runs.arrays import Arrays, archive, reading
+from sim.runs.arrays import archive, reading
 from sim.scenarios import body_path, obstacles
 from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS
@@ -181,7 +176,7 @@ class Run:
 
     @cached_property
     def obstacles(self) -> tuple[Array, ...]:
-        """Outlines of the obstacles on the floor, relative to the start, (n, 2) each."""
+        """Outlines of the obstacles on the floor, from the start, (n, 2) each."""
         found = obstacles.decode(self.settings.get("obstacles", ()))
         return tuple(piece.corners for each in found for piece in each.pieces)
 
