@@ -2,9 +2,7 @@
 
 For every system: degree of the approximation, expected and measured order, critical
 step, shots to 1e-9, flows, and what CasADi and OMPL need for the same goal where they
-are installed. Both are given the system's fields as controls that are on one at a time,
-as the planner's flows are: CasADi optimises the durations of a fixed sequence from one
-guess, OMPL samples.
+are installed (`scripts/peers.py`).
 
 Example:
     python -m scripts.planner_table docs/planner-table.md
@@ -15,7 +13,8 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -33,7 +32,7 @@ from planner import (
     rollout,
     steer,
 )
-from sim import casadi_cell, ompl_cell
+from scripts.peers import MultipleShooting, Stroke, Task, sampled
 
 COUNTS = (32, 64)  # segments between which the order is measured
 HEADER = (
@@ -60,10 +59,21 @@ def row(name: str) -> str:
         _number(critical_step(extended, start, goal - start)),
         f"{np.linalg.norm(goal - start):.3g}",
         *_shots(problem, extended),
-        casadi_cell(problem),
-        ompl_cell(problem),
+        _peer(Task(problem), lambda task: MultipleShooting(task).once()),
+        _peer(Task(problem), sampled),
     ]
     return " | ".join(cells)
+
+
+def _peer(task: Task, solve: Callable[[Task], list[Stroke]]) -> str:
+    """Flows of a peer's plan, its distance from the goal, and its time."""
+    began = time.perf_counter()
+    try:
+        strokes = solve(task)
+    except ImportError:
+        return "not installed"
+    took = time.perf_counter() - began
+    return f"{len(strokes)}, {task.error(strokes):.0e} off, {took:.1f} s"
 
 
 def _number(value: float) -> str:

@@ -1,7 +1,3 @@
-from .bench.system_peers import (
-    casadi_cell as casadi_cell,
-    ompl_cell as ompl_cell,
-)
 from .errors import (
     FilesError as FilesError,
     RenderError as RenderError,

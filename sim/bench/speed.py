@@ -9,15 +9,22 @@ import resource
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 
-from sim.bench import planner_speed, short_walks
+from planner.support import best_so_far, limited
+from sim.bench import planner_speed
 from sim.bench.row import Row, median, paired, seconds
 from sim.motion.schedule import Scheduler
+from sim.optimisation.judging import Judge
+from sim.optimisation.planned import PlannedWalk
 from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
@@ -27,14 +34,63 @@ from sim.preparation.setup import Setup, prepare
 from sim.scenarios.file import load_scenario
 
 STEPS = 20_000  # of physics in each measurement: a third of a second
+FIRST_PLAN_LIMIT = 600.0  # [s]
+PRINTED = "as near as printed"
+Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
+WALKS: Mapping[str, Wanted] = {
+    PRINTED: ({}, 82.0),
+    "overlapped recovery": ({"overlap_recovery": True}, 57.0),
+    "10 mm, yaw free, overlapped recovery": (
+        {"overlap_recovery": True, "path_tolerance": 0.01, "yaw_tolerance": 3.2},
+        28.0,
+    ),
+}
 
 
 def measure() -> Iterator[Row]:
     """All measurements, one after another."""
     yield from planner_speed.measure()
-    yield from short_walks.measure()
+    yield from optimised()
     yield from simulation(prepare(load_scenario("line")))
     yield from command()
+
+
+class _FoundError(Exception):
+    """A first plan was found."""
+
+
+def optimised() -> Iterator[Row]:
+    """The first plan and all of the search for `line`; nothing without CasADi.
+
+    Times are those of the processor, so that other work on the machine does not count.
+    """
+    if find_spec("casadi") is None:
+        return
+    yield Row("first optimised plan of line, CPU", _first(), "s", "< 2")
+    for name, (changes, most) in WALKS.items():
+        setup = prepare(load_scenario("line", changes | {"optimise": "time"}))
+        judge, began = Judge(setup), time.process_time()
+        found = PlannedWalk(setup).plan()
+        took = time.process_time() - began
+        seconds = judge.duration(found.flows)
+        printed = judge.duration(plan_open_loop(setup).flows)
+        yield Row(f"line optimised ({name}), time", seconds, "s", f"<= {most:g}")
+        yield Row(f"line optimised ({name}), printed over it", printed / seconds, "")
+        yield Row(f"line optimised ({name}), CPU", took, "s")
+
+
+def _first() -> float:
+    """Processor time until there is a plan that keeps its tolerances [s]."""
+    setup = prepare(load_scenario("line", {"optimise": "time"}))
+    began = time.process_time()
+    with suppress(_FoundError), limited(FIRST_PLAN_LIMIT):
+        PlannedWalk(setup, _stop_if_found).plan()
+    return time.process_time() - began
+
+
+def _stop_if_found(stage: str, done: float) -> None:
+    if "stages" in best_so_far():
+        raise _FoundError
 
 
 def simulation(setup: Setup) -> Iterator[Row]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Iterator
-from typing import Any
 
 HELP = "measure speed and memory, side by side with what they are compared to"
 
@@ -26,12 +24,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print every measurement when it is done."""
+    if options.peers:
+        _compare_peers(["--json"] if options.json else [])
+        return
     from dataclasses import asdict
 
-    if options.peers:
-        rows = _peers()
+    if options.sweeps:
+        from sim.bench.sweep_speed import measure
     else:
-        rows = _sweeps() if options.sweeps else _measurements()
+        from sim.bench.speed import measure
+    rows = measure()
     if options.json:
         print(json.dumps([asdict(row) for row in rows], indent=1))
         return
@@ -39,19 +41,18 @@ def execute(options: argparse.Namespace) -> None:
         print(row, flush=True)
 
 
-def _peers() -> Iterator[Any]:
-    from sim.bench.peers import measure
+def _compare_peers(options: list[str]) -> None:
+    """Run the script that knows the other planners; it is part of a checkout only."""
+    import subprocess
+    import sys
 
-    return measure()
+    from sim.errors import ROOT, UsageError
 
-
-def _sweeps() -> Iterator[Any]:
-    from sim.bench.sweep_speed import measure
-
-    return measure()
-
-
-def _measurements() -> Iterator[Any]:
-    from sim.bench.speed import measure
-
-    return measure()
+    if not (ROOT / "scripts" / "bench_peers.py").is_file():
+        raise UsageError(
+            "the other planners are not part of an installed package",
+            "bench --peers",
+            "run it in a checkout of the project",
+        )
+    script = [sys.executable, "-m", "scripts.bench_peers", *options]
+    subprocess.run(script, cwd=ROOT, check=True)

@@ -1,0 +1,268 @@
+"""Other planners on the hexapod's kinematics: wall time, end error, swing travel.
+
+A loaded tripod swings the body along a circle, tripod 1 to the left and tripod 2 to the
+right, forward and back; legs in the air may swing at no cost. So the task is a system
+of two fields in the plane, and the cost of a plan is the angle swept. Joint ranges are
+left out: a long stroke can be divided as the range requires. Compilation is not timed.
+
+Example:
+    python -m scripts.bench_peers
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TypeVar
+
+import numpy as np
+
+from models import equations, load, load_system, shipped_system
+from planner import (
+    ConvergenceError,
+    Execution,
+    ExtendedSystem,
+    Plan,
+    aim,
+    extend,
+    line,
+    plan,
+)
+from planner.execution import Coordinates
+from scripts.peers import (
+    GUESSES,
+    SAMPLING_TIME,
+    MultipleShooting,
+    Stroke,
+    Task,
+    joined,
+    reeds_shepp,
+    sampled,
+    travel,
+)
+
+TRIPODS = ("g1_1", "g2_2")  # fields of the strokes of each tripod
+ELEMENTS = (*TRIPODS, "g1_2", "g2_1", "[g1_1,g2_2]")
+GOAL = (0.15, 0.15, 0.0)  # x [m], y [m], yaw [rad], of the scenario `line`
+SEGMENTS = 40  # likewise
+SYSTEM = """
+state = ["x", "y", "yaw"]
+elements = ["g1_1", "g2_2", "[g1_1,g2_2]"]
+goal = {{ x = {x!r}, y = {y!r}, yaw = {yaw!r} }}
+[parameters]
+stride = {stride!r}
+gain = {yaw_gain!r}
+[strata.0]
+g1_1 = {{ x = "stride*cos(yaw)", y = "stride*sin(yaw)", yaw = "gain" }}
+g2_2 = {{ x = "stride*cos(yaw)", y = "stride*sin(yaw)", yaw = "-gain" }}
+"""
+SAMPLERS = ("RRT", "EST", "KPIECE1")
+REPEATS = 5
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """The result of one planner.
+
+    Attributes:
+        task: Name of the task.
+        planner: Name of the planner.
+        seconds: Wall time.
+        end_error: Distance from the goal, in the task's unit.
+        swing_travel: Of loaded tripods [rad].
+        strokes: Number of strokes, between which the feet change; None if infinite.
+        over_optimum: Swing travel over that of the optimum; None if it is not known.
+    """
+
+    task: str
+    planner: str
+    seconds: float
+    end_error: float
+    swing_travel: float
+    strokes: int | None
+    over_optimum: float | None
+
+    def __str__(self) -> str:
+        strokes = "-" if self.strokes is None else self.strokes
+        ratio = "-" if self.over_optimum is None else f"{self.over_optimum:.4f}"
+        return (
+            f"{self.task:22}{self.planner:40}{1e3 * self.seconds:9.2f} ms, "
+            f"{self.end_error:7.1e} off, {self.swing_travel:7.3f} rad in {strokes:>3} "
+            f"strokes, {ratio:>6} of the optimum"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Absent:
+    """A library that is not installed, whose planners have no rows."""
+
+    package: str
+    remedy: str = "pip install -e '.[peers]'"
+
+    def __str__(self) -> str:
+        return f"{self.package} is not installed, its rows are left out: {self.remedy}"
+
+
+@dataclass(frozen=True, slots=True)
+class Solver:
+    """A planner and its task.
+
+    Attributes:
+        name: What to call it.
+        solve: Gives its strokes.
+        repeats: How often to time it; the median counts.
+    """
+
+    name: str
+    solve: Callable[[], list[Stroke]]
+    repeats: int = REPEATS
+
+
+def measure() -> Iterator[Peer | Absent]:
+    """All planners on all tasks, preceded by those that are not installed."""
+    present = {name: find_spec(name) is not None for name in ("casadi", "ompl")}
+    yield from (Absent(name) for name, found in present.items() if not found)
+    for task, hexapod, segments in tasks():
+        name, optimum = task.problem.name, None
+        solvers = list(ours(task, hexapod, segments))
+        if present["casadi"]:
+            shooting = MultipleShooting(task)
+            solvers[:0] = [
+                Solver(f"CasADi and IPOPT, best of {GUESSES}", shooting.best, 1),
+                Solver("CasADi and IPOPT, one guess", shooting.once),
+            ]
+            optimum = travel(shooting.best())
+        if present["ompl"]:
+            solvers += [
+                Solver(
+                    f"OMPL {planner}, {SAMPLING_TIME:.0f} s at most",
+                    partial(sampled, task, planner),
+                    repeats=1,
+                )
+                for planner in SAMPLERS
+            ]
+        for solver in solvers:
+            strokes, took = timed(solver.solve, solver.repeats)
+            swept, error = travel(strokes), task.error(strokes)
+            ratio = swept / optimum if optimum else None
+            yield Peer(name, solver.name, took, error, swept, len(strokes), ratio)
+        if present["ompl"]:
+            swept, took = timed(partial(bound, task))
+            ratio = swept / optimum if optimum else None
+            what = "OMPL, closed form of Reeds and Shepp"
+            yield Peer(name, what, took, 0.0, swept, None, ratio)
+
+
+def tasks() -> Iterator[tuple[Task, ExtendedSystem, int]]:
+    """Tasks, the whole hexapod, and the number of segments of an open-loop plan."""
+    paper = extend(shipped_system("paper-hexapod").system, ELEMENTS)
+    yield strokes_to("(1, 1, 0), unit-free", paper, (1.0, 1.0, 0.0)), paper, 1
+    robot = extend(equations(load("hexapod")).system, ELEMENTS)
+    one = tuple(value / SEGMENTS for value in GOAL)
+    yield strokes_to(f"line, one of {SEGMENTS}", robot, one), robot, 1
+    yield strokes_to("line, at once", robot, GOAL), robot, SEGMENTS
+
+
+def strokes_to(name: str, hexapod: ExtendedSystem, goal: Sequence[float]) -> Task:
+    """The task of reaching a pose by strokes of a hexapod's loaded tripods.
+
+    Args:
+        name: What the task is called.
+        hexapod: The robot, whose strokes' gains are taken.
+        goal: x, y and yaw [rad], from the origin.
+    """
+    at_rest = np.zeros(hexapod.system.dimension)
+    stride, _, yaw_gain = hexapod.columns(at_rest)[:3, 0].tolist()
+    x, y, yaw = goal
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "strokes.toml"
+        file.write_text(
+            SYSTEM.format(x=x, y=y, yaw=yaw, stride=stride, yaw_gain=yaw_gain)
+        )
+        problem = replace(load_system(file), name=name)
+    radius = stride / yaw_gain
+    return Task(problem, units=(radius, radius, 1.0), rounds=4)
+
+
+def bound(task: Task) -> float:
+    """Lower bound on the swing travel of all plans [rad].
+
+    The paths of Reeds and Shepp may also go straight, which both tripods approach by
+    ever smaller strokes.
+    """
+    problem = task.problem
+    stride = float(problem.system.compiled(TRIPODS[0]).velocity(np.zeros(3))[0])
+    return reeds_shepp(problem.states[1].tolist(), float(task.scale[0])) / stride
+
+
+def ours(task: Task, hexapod: ExtendedSystem, segments: int) -> Iterator[Solver]:
+    """Plans in the paper's words and in the shortest, as coarse as can be aimed.
+
+    Args:
+        task: What to reach.
+        hexapod: System to plan on, with its legs in the air.
+        segments: Number of pieces of one more plan, open loop along the line.
+    """
+    goal = np.pad(task.problem.states[1], (0, hexapod.system.dimension - 3))
+    path = line(np.zeros_like(goal), goal)
+    words: tuple[tuple[str, Coordinates], ...] = (
+        ("paper's words", "backward"),
+        ("shortest words", "shortest"),
+    )
+    yield _planner("paper's words, open loop", partial(plan, hexapod, path), segments)
+    for name, coordinates in words:
+        execution = Execution(coordinates=coordinates)
+        aimed = partial(aim, hexapod, path, execution=execution)
+        yield _planner(f"{name}, aimed", aimed, _fewest(aimed))
+
+
+def _planner(name: str, planned: Callable[[int], Plan], segments: int) -> Solver:
+    def strokes() -> list[Stroke]:
+        flows = planned(segments).flows
+        return joined((f.field, f.duration) for f in flows if f.field in TRIPODS)
+
+    return Solver(f"{name}, {segments} segment{'s' * (segments > 1)}", strokes)
+
+
+def _fewest(planned: Callable[[int], Plan]) -> int:
+    """The smallest number of segments that can be aimed."""
+    for segments in range(1, SEGMENTS):
+        with suppress(ConvergenceError):
+            planned(segments)
+            return segments
+    return SEGMENTS
+
+
+def timed(work: Callable[[], T], repeats: int = REPEATS) -> tuple[T, float]:
+    """Result of some work, and the median of its time [s]."""
+    times = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        given = work()
+        times.append(time.perf_counter() - began)
+    return given, statistics.median(times)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print every row when it is measured, or all of them as JSON."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    if parser.parse_args(arguments).json:
+        print(json.dumps([asdict(row) for row in measure()], indent=1))
+        return
+    for row in measure():
+        print(row, flush=True)
+
+
+if __name__ == "__main__":
+    main()
