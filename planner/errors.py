@@ -37,6 +37,11 @@ class PlannerError(Exception):
     """A request that cannot be satisfied; the base class of this package's errors.
 
     Invalid arguments (wrong shapes, unknown names, NaN) raise ``ValueError`` instead.
+
+    Example:
+        >>> from planner import PlannerError, RankError
+        >>> issubclass(RankError, PlannerError)
+        True
     """
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -45,7 +50,13 @@ class PlannerError(Exception):
 
 
 class SingularConfigurationError(PlannerError):
-    """A field that has no finite value at a configuration."""
+    """A field that has no finite value at a configuration.
+
+    Example:
+        >>> from planner import SingularConfigurationError
+        >>> print(SingularConfigurationError("g1_1", (0, 0)))
+        g1_1 is not finite at (0, 0); keep the path away from this configuration
+    """
 
     def __init__(self, name: str, configuration: Iterable[float]) -> None:
         super().__init__(
@@ -69,6 +80,11 @@ class ResolutionError(PlannerError):
 
     Attributes:
         segments: Indices of the segments. Shorter segments may be followed.
+
+    Example:
+        >>> from planner import ResolutionError
+        >>> ResolutionError("2 segments are too long", segments=[0, 3]).segments
+        (0, 3)
     """
 
     def __init__(self, message: str, segments: Sequence[int]) -> None:
@@ -77,7 +93,14 @@ class ResolutionError(PlannerError):
 
 
 class RankError(PlannerError):
-    """Elements that do not span the tangent space of the bottom stratum (Def. 3)."""
+    """Elements that do not span the tangent space of the bottom stratum (Def. 3).
+
+    Example:
+        >>> from planner import RankError
+        >>> error = RankError((0, 0, 0), needed=3, missing=["z"])
+        >>> error.rank, error.missing
+        (2, ('z',))
+    """
 
     def __init__(
         self, configuration: Iterable[float], needed: int, missing: Sequence[str]
@@ -103,6 +126,11 @@ class RangeError(PlannerError):
 
     Attributes:
         segments: Number of segments that keep the range; None if none was found.
+
+    Example:
+        >>> from planner import RangeError
+        >>> print(RangeError("phi1", 0.5, -0.45, 0.45, segments=8))
+        phi1 would reach 0.5, outside its range -0.45 to 0.45; plan at least 8 segments
     """
 
     def __init__(
@@ -141,7 +169,13 @@ class RangeError(PlannerError):
 
 
 class BudgetError(PlannerError):
-    """A search that takes longer than it may."""
+    """A search that takes longer than it may.
+
+    Example:
+        >>> from planner import BudgetError
+        >>> print(BudgetError(2.0, best="12 segments"))
+        none within 2 s; it had come to 12 segments; ask for less, or for fewer segments
+    """
 
     def __init__(self, seconds: float, best: str) -> None:
         """Compose the message.
@@ -157,19 +191,52 @@ class BudgetError(PlannerError):
 
 
 class BoundError(PlannerError):
-    """A bound that no plan keeps with a reasonable number of segments."""
+    """A bound that no plan keeps with a reasonable number of segments.
+
+    Example:
+        >>> from planner import BoundError, PlannerError
+        >>> issubclass(BoundError, PlannerError)
+        True
+    """
 
 
 class StratumError(PlannerError):
-    """A change of stratum, or a sequence of them, that the system does not allow."""
+    """A change of stratum, or a sequence of them, that the system does not allow.
+
+    Example:
+        >>> from planner import StratifiedSystem, StratumError
+        >>> system = StratifiedSystem("x", {"1": {"f": [1]}, "2": {}}, "1")
+        >>> try:
+        ...     system.switches("1", "2")
+        ... except StratumError as error:
+        ...     print(str(error).split(";")[0])
+        no chain of nested strata joins S1 to S2
+    """
 
 
 class ConvergenceError(PlannerError):
-    """A flow, or a sequence of shots, that does not converge."""
+    """A flow, or a sequence of shots, that does not converge.
+
+    Example:
+        >>> from planner import ConvergenceError, StratifiedSystem, flow_map
+        >>> system = StratifiedSystem("x", {"0": {"f": ["x**2"]}}, "0")
+        >>> try:
+        ...     flow_map(system, "f", [1.0], 2.0)
+        ... except ConvergenceError as error:
+        ...     print("escapes" in str(error))
+        True
+    """
 
 
 class DecouplingError(PlannerError):
-    """A lift field that does not commute with a field used in the air, eq. (13)."""
+    """A lift field that does not commute with a field used in the air, eq. (13).
+
+    Example:
+        >>> from planner import DecouplingError
+        >>> error = DecouplingError("lift", "swing")
+        >>> error.lift, error.field
+        ('lift', 'swing')
+    """
 
     def __init__(self, lift: str, field: str) -> None:
         self.lift, self.field = lift, field

@@ -55,6 +55,14 @@ class Controllability:
         depth: Highest degree of brackets that was formed.
         missing: Directions that are not reached, as text; empty if controllable.
         advice: What would help; empty if controllable.
+
+    Example:
+        >>> from planner import StratifiedSystem, gait_controllability
+        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+        >>> walker = StratifiedSystem("x y z", fields, "12")
+        >>> found = gait_controllability(walker, ("12", "1", "12"), (0, 0, 0))
+        >>> found.controllable, found.missing
+        (False, ('y', 'z'))
     """
 
     gait: str
@@ -103,6 +111,15 @@ def gait_controllability(
         StratumError: The gait is not a closed walk in the graph of strata.
         ValueError: The configuration is misshapen, or not in the first stratum.
         SingularConfigurationError: A field is not finite there.
+
+    Example:
+        >>> from planner import StratifiedSystem, gait_controllability
+        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+        >>> walker = StratifiedSystem("x y z", fields, "12")
+        >>> gait = ("12", "1", "12", "2", "12")
+        >>> found = gait_controllability(walker, gait, at=(0, 0, 0))
+        >>> found.controllable, found.decided_by, found.rank, found.dimension
+        (True, 'closure', 3, 3)
     """
     walk = Gait(system, tuple(gait))
     home = system.level_set(walk.strata[0])

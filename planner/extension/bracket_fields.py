@@ -64,6 +64,13 @@ def hall_fields(
 
     Raises:
         ValueError: There are more elements than that.
+
+    Example:
+        >>> from planner import StratifiedSystem, hall_fields
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> hall_fields(system, ["f", "g"], max_degree=3).names
+        ('f', 'g', '[f,g]')
     """
     clashing = _clashing(system, generators)
     entangled = len(frozenset[str]().union(*clashing))

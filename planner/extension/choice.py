@@ -93,6 +93,13 @@ def choose_elements(
         RankError: No elements up to that degree span it.
         ValueError: The configurations are misshapen, or the degree is below 1.
         SingularConfigurationError: A field is not finite at one of them.
+
+    Example:
+        >>> from planner import StratifiedSystem, choose_elements
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> choose_elements(system, at=(0, 0, 0)).elements
+        ('f', 'g', '[f,g]')
     """
     x = np.atleast_2d(np.asarray(at, dtype=float))
     if x.ndim != 2 or x.shape[1] != system.dimension:

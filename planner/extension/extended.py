@@ -42,6 +42,15 @@ class ExtendedSystem:
         elements: Names of the elements, p of them.
         columns: The matrix B(x), compiled.
         steering: Hall coordinates and words over the generators of the elements.
+
+    Example:
+        >>> import numpy as np
+        >>> from planner import StratifiedSystem, extend
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> extended = extend(system, ["f", "g", "[f,g]"])
+        >>> extended.fictitious_inputs(np.array([1, 0, 0]), np.array([0, 1, 0]))
+        array([ 0.,  1., -1.])
     """
 
     system: StratifiedSystem
@@ -180,6 +189,15 @@ def extend(
             degree is below that of an element or beyond all use.
         PlannerError: An element vanishes everywhere, cannot be made tangent to the
             bottom stratum, or does not commute with the lift fields (eq. 13).
+
+    Example:
+        >>> from planner import StratifiedSystem, extend
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> extend(system, ["f", "g", "[f,g]"]).columns((1, 0, 0))
+        array([[1., 0., 0.],
+               [0., 1., 0.],
+               [0., 1., 1.]])
     """
     if isinstance(elements, str):
         raise ValueError(f"elements is the text {elements!r}; give a sequence of names")

@@ -76,6 +76,16 @@ def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
 
     Raises:
         DecouplingError: A lift field does not commute with a field; both are named.
+
+    Example:
+        >>> from planner import DecouplingError, StratifiedSystem, require_decoupled
+        >>> fields = {"1": {}, "0": {"lift": [0, 1], "swing": ["h", 0]}}
+        >>> foot = StratifiedSystem("x h", fields, "1", level_sets={"1": "h"})
+        >>> try:
+        ...     require_decoupled(foot, ["swing"])
+        ... except DecouplingError as error:
+        ...     error.lift, error.field
+        ('lift', 'swing')
     """
     fields = {name: system.fields[name] for name in names}
     for stratum in system.strata:
@@ -112,6 +122,13 @@ def tangent_field(
     Returns:
         The field itself if it is tangent. None if it is a lift field, or if the lift
         fields cannot make it tangent.
+
+    Example:
+        >>> from planner import StratifiedSystem, tangent_field
+        >>> fields = {"1": {}, "0": {"lift": [0, 1], "swing": [1, 1]}}
+        >>> foot = StratifiedSystem("x h", fields, "1", level_sets={"1": "h"})
+        >>> list(tangent_field(foot, "swing"))
+        [1, 0]
     """
     field = system.fields[name]
     level_set = system.level_set(bottom or system.bottom)
@@ -162,6 +179,14 @@ def on_bottom(
             the foot is in the air, eq. (13).
         PlannerError: A field leaves the bottom stratum, and no lift field can make it
             tangent.
+
+    Example:
+        >>> from planner import StratifiedSystem, on_bottom
+        >>> fields = {"1": {}, "0": {"lift": [0, 1], "swing": [1, 1]}}
+        >>> foot = StratifiedSystem("x h", fields, "1", level_sets={"1": "h"})
+        >>> system, elements = on_bottom(foot, ["swing"])
+        >>> elements
+        ['swing_tangent']
     """
     used = dict.fromkeys(leaf for tree in trees for leaf in leaves(tree))
     renamed: dict[str, str] = {}

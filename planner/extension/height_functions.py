@@ -127,6 +127,13 @@ def stratified_panels(
     Raises:
         ValueError: A field is unknown or a Python function, moves no shape coordinate
             of its own, or a coordinate's rates depend on more than the two angles.
+
+    Example:
+        >>> from planner import StratifiedSystem, stratified_panels
+        >>> fields = {"1": {"f": [0, 1, 0]}, "2": {"g": ["a", 0, 1]}}
+        >>> system = StratifiedSystem("z a b", fields, "1")
+        >>> stratified_panels(system, ("f", "g")).change("z", low=(0, 0), by=(2, 3))
+        6.0
     """
     start = start or {}
     shape = ShapeCoordinates(system)

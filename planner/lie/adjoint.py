@@ -27,6 +27,13 @@ def coordinate_rates(
         algebra: Lie algebra of the terms.
         terms: Coefficients by index, of any type that can be added and multiplied.
         coordinate: Gives h_j from its index and rate, None for zero.
+
+    Example:
+        >>> from planner import LieAlgebra, coordinate_rates, hall_basis
+        >>> algebra = LieAlgebra(hall_basis(2, 2))
+        >>> h = [0.5, 0.5, 0.0]
+        >>> coordinate_rates(algebra, {0: 1.0, 1: 1.0}, lambda j, rate: h[j])
+        {0: 1.0, 1: 1.0, 2: 0.5}
     """
     rates, terms = {}, dict(terms)
     for j, structure in enumerate(algebra.structure):
@@ -51,6 +58,12 @@ def adjoint_action(
         structure: Structure constants of B: the coefficients of [B, B_j] for each j.
         h: Coefficient of B.
         terms: Coefficients by index.
+
+    Example:
+        >>> from planner import LieAlgebra, adjoint_action, hall_basis
+        >>> algebra = LieAlgebra(hall_basis(2, 2))
+        >>> adjoint_action(algebra.structure[0], 0.5, {1: 1.0})
+        {1: 1.0, 2: 0.5}
     """
     total, power, n = dict(terms), terms, 0
     while power:

@@ -44,7 +44,16 @@ EVALUATIONS = 100_000  # of inputs before they are refused; a jump needs 2 000
 
 
 def backward_matrix(basis: Sequence[Element]) -> sp.Matrix:
-    """The matrix A(h) of eq. (9) over the symbols h1, ..., hs, polynomials in them."""
+    """The matrix A(h) of eq. (9) over the symbols h1, ..., hs, polynomials in them.
+
+    Example:
+        >>> from planner import backward_matrix, hall_basis
+        >>> backward_matrix(hall_basis(2, 2))
+        Matrix([
+        [1,  0, 0],
+        [0,  1, 0],
+        [0, h1, 1]])
+    """
     algebra = lie_algebra(tuple(basis))
     size = len(algebra.basis)
     _, *h = ring([f"h{j + 1}" for j in range(size)], sp.QQ)
@@ -74,6 +83,11 @@ def integrate(
 
     Raises:
         ValueError: The inputs are not finite or misshapen.
+
+    Example:
+        >>> from planner import hall_basis, integrate
+        >>> integrate(hall_basis(2, 2), [[1, 0, 0], [0, 1, 0]])
+        array([0.5 , 0.5 , 0.25])
     """
     algebra = lie_algebra(tuple(basis))
     inputs = algebra.vector(inputs, "inputs")
@@ -108,6 +122,11 @@ def backward(
     Raises:
         ValueError: The inputs are not finite or misshapen.
         ConvergenceError: The inputs are not bounded, or jump too often.
+
+    Example:
+        >>> from planner import backward, hall_basis
+        >>> backward(hall_basis(2, 2), [1, 1, 0])
+        array([1. , 1. , 0.5])
     """
     algebra = lie_algebra(tuple(basis))
     if not callable(v):
@@ -172,12 +191,23 @@ def forward(basis: Sequence[Element], h: ArrayLike) -> Array:
     """Forward coordinates f from backward ones h, eq. (6), both of shape (..., s).
 
     The backward coordinates of S^-1 = e^(-f_s B_s) ... e^(-f_1 B_1) are -f.
+
+    Example:
+        >>> from planner import forward, hall_basis
+        >>> forward(hall_basis(2, 2), [1, 1, 0.5])
+        array([ 1. ,  1. , -0.5])
     """
     return -exponential(basis, -logarithm(basis, h))
 
 
 def backward_from_forward(basis: Sequence[Element], f: ArrayLike) -> Array:
-    """Backward coordinates of a flow from its forward coordinates, shape (..., s)."""
+    """Backward coordinates of a flow from its forward coordinates, shape (..., s).
+
+    Example:
+        >>> from planner import backward_from_forward, hall_basis
+        >>> backward_from_forward(hall_basis(2, 2), [1, 1, -0.5])
+        array([1. , 1. , 0.5])
+    """
     return -forward(basis, -np.asarray(f))
 
 
@@ -196,7 +226,13 @@ def exponential(
 
 
 def logarithm(basis: Sequence[Element], h: ArrayLike) -> Array:
-    """Coordinates a of the first kind from backward coordinates, shape (..., s)."""
+    """Coordinates a of the first kind from backward coordinates, shape (..., s).
+
+    Example:
+        >>> from planner import hall_basis, logarithm
+        >>> logarithm(hall_basis(2, 2), [1, 1, 0.5])
+        array([1., 1., 0.])
+    """
     algebra = lie_algebra(tuple(basis))
     a = h = algebra.vector(h)
     for _ in range(1, algebra.max_degree):  # each makes one more degree exact

@@ -58,6 +58,13 @@ class LieAlgebra:
     Raises:
         ValueError: The basis is empty, is not in the order of the Hall basis, or lacks
             elements that span no ideal.
+
+    Example:
+        >>> import numpy as np
+        >>> from planner import LieAlgebra, hall_basis
+        >>> algebra = LieAlgebra(hall_basis(2, 2))
+        >>> algebra.campbell_baker_hausdorff(np.array([1, 0, 0]), np.array([0, 1, 0]))
+        array([1. , 1. , 0.5])
     """
 
     basis: tuple[Element, ...]

@@ -45,6 +45,11 @@ def hall_basis(generators: int, max_degree: int) -> tuple[Element, ...]:
 
     Raises:
         ValueError: One of them is below 1.
+
+    Example:
+        >>> from planner import hall_basis
+        >>> [str(element) for element in hall_basis(generators=2, max_degree=3)]
+        ['1', '2', '[1,2]', '[1,[1,2]]', '[2,[1,2]]']
     """
     if generators < 1:
         raise ValueError(f"generators is {generators}; a Lie algebra needs at least 1")
@@ -91,7 +96,13 @@ def place(element: Element) -> Place:
 
 @cache
 def degree(element: Element) -> int:
-    """Number of generators in an element, each counted as often as it occurs."""
+    """Number of generators in an element, each counted as often as it occurs.
+
+    Example:
+        >>> from planner import degree, hall_basis
+        >>> [degree(element) for element in hall_basis(2, 3)]
+        [1, 1, 2, 3, 3]
+    """
     if isinstance(element, Bracket):
         return degree(element.left) + degree(element.right)
     return 1

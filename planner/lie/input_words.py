@@ -51,6 +51,11 @@ def word(
     Raises:
         ValueError: The coordinates are not finite or misshapen, or the order is
             unknown.
+
+    Example:
+        >>> from planner import hall_basis, word
+        >>> word(hall_basis(2, 2), [0, 0, 1])
+        [(1, 1.0), (2, 1.0), (1, -1.0), (2, -1.0)]
     """
     h = _shaped(1, lie_algebra(tuple(basis)).vector(hall_coordinates))
     (found,) = words(basis, h[None], order, vanishing)

@@ -40,6 +40,13 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
 
     Raises:
         ValueError: The shape of a field does not match the state.
+
+    Example:
+        >>> from sympy import symbols
+        >>> from planner import bracket
+        >>> x, y, z = symbols("x y z")
+        >>> list(bracket([1, 0, 0], [0, 1, x], (x, y, z)))
+        [0, 0, 1]
     """
     f, g = (_column(field, len(x)) for field in (f, g))
     change, back = _derivative(g, f, x), _derivative(f, g, x)
@@ -80,6 +87,13 @@ class NumericField:
         terms: Maps one configuration to the size of the terms whose sum is the
             velocity. If it is not given, they count as large as the velocity.
         calls: Number of calls of the caller's functions that one velocity takes.
+
+    Example:
+        >>> import numpy as np
+        >>> from planner import NumericField
+        >>> field = NumericField(lambda x: np.array([1.0, 0.0, x[0]]))
+        >>> field(np.array([3.0, 0.0, 0.0]))
+        array([1., 0., 3.])
     """
 
     value: Callable[[Array], ArrayLike]

@@ -23,7 +23,13 @@ from planner.systems.strata import StratifiedSystem
 
 
 class Flow(NamedTuple):
-    """The flow phi_t^g along one field of one stratum for a signed time, eq. (2)."""
+    """The flow phi_t^g along one field of one stratum for a signed time, eq. (2).
+
+    Example:
+        >>> from planner import Flow
+        >>> print(Flow("0", "f", 0.5))
+        S0: +0.5 f
+    """
 
     stratum: str
     field: str
@@ -68,7 +74,13 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
 
 
 def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
-    """Join consecutive flows along one field, and drop those that cancel."""
+    """Join consecutive flows along one field, and drop those that cancel.
+
+    Example:
+        >>> from planner import Flow, merged
+        >>> merged([Flow("0", "f", 0.5), Flow("0", "f", 0.5)])
+        (Flow(stratum='0', field='f', duration=1.0),)
+    """
     joined: list[Flow] = []
     for flow in flows:
         if joined and joined[-1][:2] == flow[:2]:
@@ -101,6 +113,13 @@ def contact_switches(
         flows: Flows in time order.
         start: Stratum before the first flow; the bottom stratum if empty.
         goal: Stratum after the last flow; the bottom stratum if empty.
+
+    Example:
+        >>> from planner import Flow, StratifiedSystem, contact_switches
+        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+        >>> walker = StratifiedSystem("x y z", fields, "12")
+        >>> contact_switches(walker, [Flow("1", "f", 1), Flow("2", "g", 1)])
+        4
     """
     walk = [start or system.bottom]
     walk += [run[0].stratum for run in visits(merged(flows))]
@@ -122,6 +141,13 @@ def flow_map(
     Raises:
         ValueError: The system has no such field.
         ConvergenceError: The flow escapes to infinity, or the field is not smooth.
+
+    Example:
+        >>> from planner import StratifiedSystem, flow_map
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> flow_map(system, "g", (1, 0, 0), 2.0)
+        array([1., 2., 2.])
     """
     field, start = system.compiled(name), np.asarray(x, dtype=float)
     steady = field.constant[:, 0]

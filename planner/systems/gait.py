@@ -28,6 +28,13 @@ class Gait:
 
     Raises:
         StratumError: The sequence is not a closed walk in the graph.
+
+    Example:
+        >>> from planner import Gait, StratifiedSystem
+        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+        >>> walker = StratifiedSystem("x y z", fields, "12")
+        >>> print(Gait(walker, ("12", "1", "12", "2", "12")))
+        S12 -> S1 -> S12 -> S2 -> S12
     """
 
     system: StratifiedSystem

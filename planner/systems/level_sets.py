@@ -38,6 +38,14 @@ class LevelSet:
     Attributes:
         functions: Expressions Phi_i, as many as the codimension of the set.
         state: Symbols of the state.
+
+    Example:
+        >>> import numpy as np
+        >>> from sympy import symbols
+        >>> from planner import LevelSet
+        >>> x, h = symbols("x h")
+        >>> LevelSet((h,), (x, h)).value(np.array([2.0, 0.1]))
+        array([0.1])
     """
 
     functions: tuple[sp.Expr, ...]

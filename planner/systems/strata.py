@@ -49,6 +49,13 @@ class StratifiedSystem:
     Raises:
         ValueError: A part is misshapen or names something unknown, two strata have the
             same contacts, or a field is not tangent to its stratum.
+
+    Example:
+        >>> from planner import StratifiedSystem
+        >>> fields = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+        >>> walker = StratifiedSystem("x y z", fields, bottom="12")
+        >>> walker.switches("1", "2")
+        2
     """
 
     state: Symbols
