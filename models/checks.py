@@ -24,11 +24,7 @@ FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 
 
 def check_parts(robot: Robot) -> None:
-    """Refuse a card whose legs do not match the model.
-
-    Raises:
-        ModelError: Naming the parts that are missing, shared, or in the wrong place.
-    """
+    """Refuse a card whose legs do not match the model."""
     root = root_body(robot.model, robot.path)
     if not robot.model.body(root).name:
         raise ModelError(
@@ -129,11 +125,7 @@ CLEAR = 2e-4  # [m]; least rise of a lifted foot, more than soft feet sink in
 
 
 def check_posture(robot: Robot) -> None:
-    """Refuse a robot that does not start on its feet, or cannot lift or swing them.
-
-    Raises:
-        ModelError: If so, with the number that says so and what to do about it.
-    """
+    """Refuse a robot that does not start on its feet, or cannot lift or swing them."""
     for problem in _posture_problems(Kinematics(robot)):
         raise ModelError(f"{problem[0]}: {robot.path}; {problem[1]}")
 

@@ -15,7 +15,7 @@ from models.description.inspection import Opened, inspect_model
 from models.description.robot import EMBEDDED, FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 from models.morphology.mjcf import write_mjcf
-from models.morphology.variants import reshaped
+from models.morphology.shipped import reshaped
 
 
 def shipped_robots() -> tuple[str, ...]:
@@ -63,15 +63,7 @@ def load(
 
 
 def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
-    """A shipped robot with other numbers of its shape.
-
-    Args:
-        robot: The robot as it is shipped.
-        geometry: Numbers by name.
-
-    Raises:
-        ModelError: If it is not shipped, or there is no such number or shape.
-    """
+    """A shipped robot with other numbers of its shape."""
     if not robot.is_shipped:
         raise ModelError(
             f"geometry {', '.join(geometry)} of a robot of your own: {robot.path}; "

@@ -20,27 +20,16 @@ SOLID = range(int(mujoco.mjtGeom.mjGEOM_SPHERE), int(mujoco.mjtGeom.mjGEOM_MESH)
 
 @dataclass(frozen=True)
 class Limb:
-    """A leg as it is found in the model.
+    """A leg as it is found in the model."""
 
-    Attributes:
-        swing: Joint whose axis is nearest to the vertical.
-        lift: Joint that raises the foot most.
-        hold: Further joints, from the body outward.
-        foot: Geom at its end.
-        hip: Where the swing axis is, as the model stands, shape (2,) [m].
-        toe: Where the foot would touch the ground, shape (3,) [m].
-        turn: 1 where the swing axis points up, -1 where it points down.
-        up: Sign of the lift joint that raises the foot.
-    """
-
-    swing: str
-    lift: str
-    hold: tuple[str, ...]
-    foot: str
-    hip: Array
-    toe: Array
-    turn: float
-    up: float
+    swing: str  # joint whose axis is nearest to the vertical
+    lift: str  # joint that raises the foot most
+    hold: tuple[str, ...]  # further joints, from the body outward
+    foot: str  # geom at its end
+    hip: Array  # where the swing axis is, as the model stands, shape (2,) [m]
+    toe: Array  # where the foot would touch the ground, shape (3,) [m]
+    turn: float  # 1 where the swing axis points up, -1 where it points down
+    up: float  # sign of the lift joint that raises the foot
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -104,15 +93,7 @@ class Pose:
 
 
 def find_limbs(pose: Pose, source: str) -> tuple[Limb, ...]:
-    """The legs of a model as it stands.
-
-    Args:
-        pose: The model as it stands.
-        source: Its file, for refusals.
-
-    Raises:
-        ModelError: There are no legs, or those there are cannot swing or lift.
-    """
+    """The legs of a model as it stands."""
     ends: dict[int, list[int]] = {}
     for geom in pose.solid():
         joints = joints_above(pose.model, int(pose.model.geom_bodyid[geom]))

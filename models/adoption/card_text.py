@@ -20,31 +20,20 @@ NAMES = "123456789"
 
 @dataclass(frozen=True)
 class GaitDraft:
-    """How a robot is to walk.
+    """How a robot is to walk."""
 
-    Attributes:
-        turns: How far each leg is turned from how it stands, anticlockwise (L,) [rad].
-        lines: Groups, gait and patterns as the card has them.
-        said: What was guessed, a sentence each.
-        pivots: Points that the groups turn the body about, shape (2,) [m]; none in a
-            crawl.
-        settings: Further numbers of the card, by key.
-    """
-
+    # how far each leg is turned from how it stands, anticlockwise (L,) [rad]
     turns: Array
-    lines: tuple[str, ...]
-    said: tuple[str, ...]
+    lines: tuple[str, ...]  # groups, gait and patterns as the card has them
+    said: tuple[str, ...]  # what was guessed, a sentence each
+    # points that the groups turn the body about, shape (2,) [m]; none in a crawl
     pivots: tuple[Array, ...] = ()
+    # further numbers of the card, by key
     settings: Mapping[str, float] = field(default_factory=dict)
 
 
 def alternating(limbs: Sequence[Limb], pair: Sequence[Stand]) -> GaitDraft:
-    """Two groups of legs that stand in turn, each turning the body about its pivot.
-
-    Args:
-        limbs: Legs of the robot.
-        pair: The two groups.
-    """
+    """Two groups of legs that stand in turn, each turning the body about its pivot."""
     turns = np.zeros(len(limbs))
     for stand in pair:
         turns[list(stand.legs)] = stand.turns
@@ -83,12 +72,7 @@ def _pivot_said(name: str, stand: Stand) -> str:
 
 
 def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
-    """A crawl: each leg a group of its own, and two patterns in which all of them row.
-
-    Args:
-        limbs: Legs of the robot.
-        crawl: How they row.
-    """
+    """A crawl: each leg is a group of its own, and in two patterns all of them row."""
     names = NAMES[: len(limbs)]
     singles = [names.replace(name, "") for name in names]
     strata = [names, *(s for single in singles for s in (single, names))]
@@ -126,17 +110,9 @@ def card_text(
     angles: Mapping[str, float],
     servo: Servo | None,
 ) -> str:
-    """The card of a robot.
+    """The card of a robot as TOML; a servo is for joints that have none.
 
-    Args:
-        pose: The model as it starts.
-        limbs: Its legs.
-        gait: How they walk.
-        angles: Joint angles in which it starts [rad].
-        servo: Of joints without one; None if all have one.
-
-    Returns:
-        TOML.
+    Angles are those in which it starts [rad].
     """
     lines = [
         'description = "Drafted by stratawalk adopt."',

@@ -21,13 +21,9 @@ NAMES = ("1", "2")
 
 @dataclass(frozen=True)
 class Design:
-    """Two groups of legs.
+    """Two groups of legs."""
 
-    Attributes:
-        groups: For each group the ways that its legs swing.
-    """
-
-    groups: tuple[Signs, Signs]
+    groups: tuple[Signs, Signs]  # for each group the ways that its legs swing
 
     @property
     def joints(self) -> int:
@@ -43,11 +39,7 @@ class Design:
         )
 
     def built(self, robot: Robot) -> Robot:
-        """The robot with these groups.
-
-        Args:
-            robot: Robot whose legs they are.
-        """
+        """The robot with these groups."""
         groups = {
             name: GroupCard({leg: sign or LOCKED for leg, sign in signs.items()})
             for name, signs in zip(NAMES, self.groups, strict=True)
@@ -60,11 +52,7 @@ class Design:
 
 
 def designs(legs: Sequence[int]) -> Iterator[Design]:
-    """All designs, the fewest joints first; mirrored signs of a group count once.
-
-    Args:
-        legs: Numbers of the legs.
-    """
+    """All designs, the fewest joints first; mirrored signs of a group count once."""
     found = [
         Design((first, second))
         for group in _groups(legs)

@@ -37,21 +37,14 @@ IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
 
 @dataclass(frozen=True)
 class Crawl:
-    """Legs turned such that they can row.
+    """Legs turned such that they can row."""
 
-    Attributes:
-        turns: How far each leg is turned from how it stands, anticlockwise [rad].
-        forward: Anticlockwise swing of each leg that pushes the body ahead, at most 1.
-        turning: The same for a turn of the body to the left.
-        stroke: How far the fastest leg can swing either way [rad].
-        skewed: Whether the posture is not the same left and right.
-    """
-
-    turns: Array
+    turns: Array  # how far each leg is turned from how it stands, anticlockwise [rad]
+    # anticlockwise swing of each leg that pushes the body ahead, at most 1
     forward: Array
-    turning: Array
-    stroke: float
-    skewed: bool
+    turning: Array  # the same for a turn of the body to the left
+    stroke: float  # how far the fastest leg can swing either way [rad]
+    skewed: bool  # whether the posture is not the same left and right
 
     @property
     def worth(self) -> float:
@@ -108,17 +101,10 @@ def _turned(arms: Array, angles: Array) -> Array:
 
 
 def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) -> Crawl:
-    """The posture in which the legs can row farthest.
+    """The posture in which the legs can row farthest, refused if there is none.
 
-    Args:
-        pose: The model as it stands.
-        limbs: Its legs.
-        ranges: How far each leg may turn clockwise and anticlockwise from how it
-            stands, shape (legs, 2) [rad].
-        source: Its file, for refusals.
-
-    Raises:
-        ModelError: However they are turned, they cannot be set back one by one.
+    Ranges say how far each leg may turn clockwise and anticlockwise from how it stands,
+    shape (legs, 2) [rad].
     """
     if not FEWEST <= len(limbs) <= MOST:
         raise ModelError(

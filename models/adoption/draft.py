@@ -172,15 +172,10 @@ UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}
 
 @dataclass(frozen=True)
 class Proposal:
-    """Groups and posture that `draft_card` would give a robot.
+    """Groups and posture that `draft_card` would give a robot."""
 
-    Attributes:
-        turned: How far its legs are turned at most from where they stand [rad].
-        mobility: What the robot can do then.
-    """
-
-    turned: float
-    mobility: Mobility
+    turned: float  # how far its legs are turned at most from where they stand [rad]
+    mobility: Mobility  # what the robot can do then
 
     def __str__(self) -> str:
         costs = (
@@ -194,13 +189,9 @@ class Proposal:
 
 
 def propose(robot: Robot) -> Proposal | None:
-    """Try the groups and the posture that adopting the robot anew would give.
+    """The groups and the posture that adopting the robot anew would give.
 
-    Args:
-        robot: Robot that lacks a direction.
-
-    Returns:
-        None if there are none in which it lacks nothing.
+    None if there are none in which it lacks no direction.
     """
     try:
         draft = draft_card(Source(robot.path, robot.path, None))

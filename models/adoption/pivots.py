@@ -32,38 +32,19 @@ Groups = tuple[tuple[int, ...], tuple[int, ...]]
 
 @dataclass(frozen=True)
 class Stand:
-    """A group's legs turned towards a pivot.
+    """A group's legs turned towards a pivot."""
 
-    Attributes:
-        legs: Their places among the limbs.
-        pivot: Where their lines meet, shape (2,) [m].
-        turns: How far each leg is turned from how it stands, anticlockwise [rad].
-        gains: Swing of each leg per angle of the group, at most 1.
-        yaw: Turn of the body per radian of the group.
-        swing: How far the group swings either way [rad].
-        feet: Where the feet are then, shape (legs, 2) [m].
-    """
-
-    legs: tuple[int, ...]
-    pivot: Array
-    turns: Array
-    gains: Array
-    yaw: float
-    swing: float
-    feet: Array
+    legs: tuple[int, ...]  # their places among the limbs
+    pivot: Array  # where their lines meet, shape (2,) [m]
+    turns: Array  # how far each leg is turned from how it stands, anticlockwise [rad]
+    gains: Array  # swing of each leg per angle of the group, at most 1
+    yaw: float  # turn of the body per radian of the group
+    swing: float  # how far the group swings either way [rad]
+    feet: Array  # where the feet are then, shape (legs, 2) [m]
 
 
 def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups]:
-    """Ways to make two groups of legs that each stand alone, the surest first.
-
-    Args:
-        limbs: Legs of the robot.
-        weight: Centre of mass, shape (2,) [m].
-        source: Its file, for refusals.
-
-    Raises:
-        ModelError: There are no such groups.
-    """
+    """Ways to make two groups of legs that each stand alone, the surest first."""
     feet = np.array([limb.toe[:2] for limb in limbs])
     count = len(limbs)
 
@@ -97,16 +78,8 @@ def posed(
 ) -> tuple[Stand, Stand]:
     """The pair of pivots from which the robot goes farthest sideways.
 
-    Args:
-        limbs: Legs of the robot.
-        ways: Pairs of groups of them, the preferred ones first.
-        weight: Centre of mass, shape (2,) [m].
-        ranges: How far each leg may turn clockwise and anticlockwise from how it
-            stands, shape (legs, 2) [rad].
-        source: Its file, for refusals.
-
-    Raises:
-        ModelError: No pivots are within the range of the joints.
+    The preferred groups come first; ranges say how far each leg may turn clockwise and
+    anticlockwise from how it stands, shape (legs, 2) [rad].
     """
     for groups in ways:
         first, second = (list(_stands(limbs, g, weight, ranges)) for g in groups)

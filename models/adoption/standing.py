@@ -27,12 +27,7 @@ STEPS = 30  # of the bisection for the height of a foot
 
 
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
-    """Whether the feet are on one plane, and nothing else is as low.
-
-    Args:
-        pose: The model as it stands.
-        limbs: Its legs.
-    """
+    """Whether the feet are on one plane, and nothing else is as low."""
     toes = np.array([pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs])
     feet = {pose.model.geom(limb.foot).id for limb in limbs}
     size = float(np.ptp(toes[:, :2], axis=0).max())
@@ -45,13 +40,7 @@ def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
 def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str, float]:
     """Angles of lift and held joints that put all feet on one floor under the body.
 
-    Args:
-        pose: The model as it stands; it is moved.
-        limbs: Its legs.
-        source: Its file, for refusals.
-
-    Raises:
-        ModelError: No angles do.
+    The pose is moved; without such angles the robot is refused.
     """
     body = [
         pose.bottom(g)[2]
@@ -75,12 +64,7 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
 
 
 def joint_span(pose: Pose, joint: str) -> tuple[float, float]:
-    """Range of a hinge [rad]; half a turn either way where it has none.
-
-    Args:
-        pose: The model.
-        joint: Name of the hinge.
-    """
+    """Range of a hinge [rad]; half a turn either way where it has none."""
     index = pose.model.joint(joint).id
     if not pose.model.jnt_limited[index]:
         return -np.pi / 2, np.pi / 2
@@ -151,11 +135,7 @@ FASTEST = 700.0  # [rad/s] of a servo's own frequency, as that of the shipped ro
 
 
 def servo_for(robot: Robot) -> Servo:
-    """A servo that suits all leg joints of a robot.
-
-    Args:
-        robot: Robot whose card gives none.
-    """
+    """A servo that suits all leg joints of a robot."""
     kinematics = Kinematics(robot)
     feet = kinematics.standing.feet
     model = robot.model
@@ -166,18 +146,13 @@ def servo_for(robot: Robot) -> Servo:
 
 
 def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> Servo:
-    """A servo for some joints, critically damped.
+    """A servo for some joints of a robot that stands, critically damped.
 
     Half of the legs are to bear the weight with little sag. A stiff servo has gears,
     and behind them its rotor weighs more than the leg does. Files of mere links, as
     URDF often are, leave that out, and on joints of so little inertia the physics step
     cannot follow a stiff servo: feet would bounce. Such joints get the rotor as well.
-
-    Args:
-        pose: The model as it stands.
-        joints: Names of the joints.
-        arm: Distance of a foot from its hip [m].
-        legs: Number of legs.
+    The arm is the distance of a foot from its hip [m].
     """
     model = pose.model
     inertia = np.zeros((model.nv, model.nv))
@@ -192,22 +167,12 @@ def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> S
 
 
 def has_servo(model: mujoco.MjModel, joint: str) -> bool:
-    """Whether a position servo drives a joint.
-
-    Args:
-        model: Model of the robot.
-        joint: Name of the joint.
-    """
+    """Whether a position servo drives a joint."""
     return servo_stiffness(model, joint) > 0
 
 
 def servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
-    """Stiffness of the position servo that drives a joint, 0 if none does [N m/rad].
-
-    Args:
-        model: Model of the robot.
-        joint: Name of the joint.
-    """
+    """Stiffness of the position servo that drives a joint, 0 if none does [N m/rad]."""
     for actuator in actuators_of(model, joint):
         gain, bias = model.actuator_gainprm[actuator, 0], model.actuator_biasprm
         if is_position_servo(gain, bias[actuator, 1]):

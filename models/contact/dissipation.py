@@ -23,15 +23,10 @@ _HALVINGS = 12
 
 
 def foot_velocities(feet: Array, rates: Array, twist: Array) -> Array:
-    """Velocity of each foot over the ground.
+    """Velocity of each foot over the ground, shape (..., F, 2), in the body frame.
 
-    Args:
-        feet: Position of the feet in the body frame, shape (..., F, 2) [m].
-        rates: Velocity of the feet relative to the body, shape (..., F, 2) [m/s].
-        twist: Body twist (forward, left, yaw), shape (..., 3) [m/s, m/s, rad/s].
-
-    Returns:
-        Shape (..., F, 2), in the body frame.
+    Feet [m] and their velocities relative to the body have shape (..., F, 2), the body
+    twist (forward, left, yaw) has shape (..., 3).
     """
     turned = np.stack([-feet[..., 1], feet[..., 0]], axis=-1)
     return rates + twist[..., None, :2] + twist[..., None, 2:] * turned

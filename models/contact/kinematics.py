@@ -188,11 +188,7 @@ class Lifting:
         return float(min(np.pi, *ends))
 
     def rise(self, angle: Array) -> Array:
-        """How far each foot leaves the ground, shape (..., F) [m].
-
-        Args:
-            angle: Of the lift joints, shape (...) [rad].
-        """
+        """How far each foot leaves the ground at angles (...), shape (..., F) [m]."""
         groups = len(self.kinematics.robot.groups)
         lift = np.repeat(np.append(angle, 0.0)[:, None], groups, axis=1)
         height = self.kinematics.stance(np.zeros_like(lift), lift).height
@@ -204,11 +200,7 @@ class Lifting:
         return float(self._table[1].max())
 
     def angle(self, height: float) -> float:
-        """Least angle at which every foot is that high [rad].
-
-        Raises:
-            ValueError: If that is higher than the highest.
-        """
+        """Least angle at which every foot is that high [rad]; ValueError if none is."""
         angles, rises = self._table
         if height > self.highest:
             raise ValueError(f"{height} m is above the highest, {self.highest} m")

@@ -59,12 +59,8 @@ class StaticStability:
     def stands(self, strata: Sequence[str], places: Mapping[str, Array]) -> Array:
         """Whether every foot on the ground bears the card's least load.
 
-        Args:
-            strata: Groups on the ground, S cases.
-            places: Angles of each group by its coordinate `phi_G`, shape (P_G,) [rad].
-
-        Returns:
-            For all combinations of places in the order of groups, (S, P_1, ..., P_G).
+        For S strata and all combinations of places, the angles of each group by its
+        coordinate `phi_G` [rad]: shape (S, P_1, ..., P_G).
         """
         angles = [places[f"phi_{group}"] for group in self.robot.groups]
         return self.least_loads(strata, angles) >= self.robot.card.least_load
@@ -72,12 +68,8 @@ class StaticStability:
     def least_loads(self, strata: Sequence[str], angles: Sequence[Array]) -> Array:
         """Smallest share of the weight that a foot on the ground bears.
 
-        Args:
-            strata: Groups on the ground, S cases.
-            angles: Of each group, shape (P_G,) [rad].
-
-        Returns:
-            For all combinations, (S, P_1, ..., P_G); 0 or less where it would tip over.
+        For S strata and all combinations of the groups' angles [rad]: shape (S, P_1,
+        ..., P_G); 0 or less where it would tip over.
         """
         feet, center = self._combined(angles)
         standing = map(self.robot.planted, strata)
@@ -130,12 +122,8 @@ class StaticStability:
 def least_load(feet: Array, center: Array) -> Array:
     """Smallest share of the weight on any of the feet; 0 or less where they tip.
 
-    Args:
-        feet: Feet on the ground, shape (..., F, 2) [m].
-        center: Centre of mass, shape (..., 2) [m].
-
-    Returns:
-        Shape (...).
+    Feet on the ground have shape (..., F, 2), the centre of mass (..., 2), the shares
+    (...).
     """
     if feet.shape[-2] == 3:
         return _shares(feet, center).min(axis=-1)

@@ -33,12 +33,7 @@ class Core:
 
 
 def core_of(model: mujoco.MjModel, geom: int) -> Core | None:
-    """The core of a geom, None if its shape has none.
-
-    Args:
-        model: Compiled model.
-        geom: Index of the geom.
-    """
+    """The core of a geom, None if its shape has none."""
     size = model.geom_size[geom]
     match model.geom_type[geom]:
         case Geom.mjGEOM_SPHERE:
@@ -88,16 +83,7 @@ class Sole:
 
 
 def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -> Sole:
-    """The sole of a foot.
-
-    Args:
-        model: Compiled robot.
-        data: The robot as it stands.
-        foot: Names of the foot's geoms.
-
-    Raises:
-        ModelError: If a geom has a shape that cannot be a foot.
-    """
+    """The sole of a foot with these geoms, as the robot stands."""
     owner: list[int] = []
     points: list[Array] = []
     depths: list[float] = []

@@ -36,11 +36,7 @@ OPTIONAL = ("pattern",)
 
 
 def read_text(path: Path) -> str:
-    """Text of a card's file.
-
-    Raises:
-        ModelError: If it is no file, or no text.
-    """
+    """Text of a card's file."""
     try:
         return read_file(path).decode()
     except UnicodeDecodeError as error:
@@ -50,14 +46,9 @@ def read_text(path: Path) -> str:
 
 
 def parse_card(text: str, source: str) -> Card:
-    """Read a robot card.
+    """A robot card from TOML in the format of docs/robots.md.
 
-    Args:
-        text: TOML in the format of docs/robots.md.
-        source: Where it stands, for refusals.
-
-    Raises:
-        ModelError: If it is not TOML, or says something impossible.
+    Refusals name the source, which says where the text stands.
     """
     try:
         return _card(Table(parse_toml(text), known=KEYS))

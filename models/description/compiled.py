@@ -15,10 +15,9 @@ ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
-    """Compile, turning every refusal of the compiler into one line.
+    """Compile, turning every refusal of the compiler into a `ModelError` of one line.
 
-    Raises:
-        ModelError: If the compiler refuses, or a number in the model is not finite.
+    Numbers in the model that are not finite are refused likewise.
     """
     silence_the_engine()
     try:
@@ -46,11 +45,7 @@ def silence_the_engine() -> None:
 
 
 def read_spec(path: Path) -> mujoco.MjSpec:
-    """A fresh, editable copy of an MJCF file.
-
-    Raises:
-        ModelError: If the file is not MJCF.
-    """
+    """A fresh, editable copy of an MJCF file."""
     silence_the_engine()
     try:
         return mujoco.MjSpec.from_file(str(path))
@@ -61,15 +56,7 @@ def read_spec(path: Path) -> mujoco.MjSpec:
 
 
 def parse_spec(text: str, folder: Path) -> mujoco.MjSpec:
-    """An editable model from MJCF text.
-
-    Args:
-        text: MJCF.
-        folder: Where the files are that it includes.
-
-    Raises:
-        ModelError: If it is not MJCF.
-    """
+    """An editable model from MJCF text that may include the files of a folder."""
     included = {path.name: path.read_bytes() for path in folder.glob("*.xml")}
     try:
         return mujoco.MjSpec.from_string(text, include=included)
@@ -79,14 +66,7 @@ def parse_spec(text: str, folder: Path) -> mujoco.MjSpec:
 
 
 def named(spec: mujoco.MjSpec) -> None:
-    """Name what has no name, by its body and number, so that a card can name it.
-
-    Args:
-        spec: Robot whose geoms and bodies are named.
-
-    Raises:
-        ModelError: If a name is not text.
-    """
+    """Name what has no name, by its body and number, so that a card can name it."""
     try:
         taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
     except UnicodeDecodeError as error:
@@ -107,9 +87,8 @@ def named(spec: mujoco.MjSpec) -> None:
 def is_position_servo(gain: float, bias: float) -> bool:
     """Whether an actuator's force is a gain times what is left to its command.
 
-    Args:
-        gain: Force for each unit of the command, `gainprm[0]`.
-        bias: Force for each unit of the joint's angle, `biasprm[1]`.
+    The gain is `gainprm[0]`; the bias is `biasprm[1]`, the force per unit of the
+    joint's angle.
     """
     return bool(gain > 0 and np.isclose(bias, -gain))
 
@@ -122,11 +101,7 @@ def actuators_of(model: mujoco.MjModel, joint: str) -> list[int]:
 
 
 def actuator_of(model: mujoco.MjModel, joint: str) -> int:
-    """Index of the first actuator that drives a joint.
-
-    Raises:
-        ModelError: If there is none.
-    """
+    """Index of the first actuator that drives a joint; refused if there is none."""
     found = actuators_of(model, joint)
     if not found:
         raise ModelError(f"no actuator drives joint {joint!r}: give it a servo")
@@ -134,11 +109,7 @@ def actuator_of(model: mujoco.MjModel, joint: str) -> int:
 
 
 def root_body(model: mujoco.MjModel, path: Path) -> int:
-    """Index of the body that carries the free joint.
-
-    Raises:
-        ModelError: If there is not exactly one free joint.
-    """
+    """Index of the body that carries the free joint; refused if not exactly one."""
     free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
     if len(free) != 1:
         owners = [model.body(int(model.jnt_bodyid[j])).name for j in free]

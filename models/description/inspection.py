@@ -37,11 +37,7 @@ class Opened:
 
 
 def included(path: Path) -> list[Path]:
-    """An MJCF file and the files that it includes or attaches, and may be more.
-
-    Raises:
-        ModelError: If it cannot be read, or names what is not a file.
-    """
+    """An MJCF file and the files that it includes or attaches, and may be more."""
     _refuse_pipes(path, set())
     try:
         named = mujoco.mju_getXMLDependencies(str(path))

@@ -31,11 +31,7 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 
 def check_text(path: Path) -> None:
-    """Refuse an MJCF file that writes a number that is not finite.
-
-    Raises:
-        ModelError: With the element, the attribute and the line.
-    """
+    """Refuse an MJCF file that writes a number that is not finite."""
     text = path.read_bytes().decode("utf-8", errors="replace")
     for line, element, attribute, value in _bad_attributes(text):
         raise ModelError(
@@ -68,11 +64,7 @@ def _is_bad(value: str) -> bool:
 
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
-    """Refuse a compiled model with a number that is not finite.
-
-    Raises:
-        ModelError: With the array and the element that it belongs to.
-    """
+    """Refuse a compiled model with a number that is not finite."""
     for name in _float_arrays():
         array = getattr(model, name)
         if array.size and not np.isfinite(array).all():
@@ -85,16 +77,7 @@ def check_model(model: mujoco.MjModel, source: str) -> None:
 
 
 def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -> None:
-    """Refuse a keyframe with a quaternion of zeros, which the engine takes as upright.
-
-    Args:
-        spec: As it was written.
-        model: The same, compiled.
-        source: Where it stands, for refusals.
-
-    Raises:
-        ModelError: With the keyframe and the joint.
-    """
+    """Refuse keyframes with quaternions of zeros, which the engine takes as upright."""
     for key in spec.keys:
         for joint in (model.joint(i) for i in range(model.njnt)):
             kind = int(joint.type[0])

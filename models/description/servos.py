@@ -63,13 +63,10 @@ class ServoKind:
         return self.stall_torque / self.full_error
 
     def at_rate(self, rate: float) -> ServoKind:
-        """The servo given so many commands a second.
+        """The servo given so many commands a second; 0 for one a physics step.
 
         Pulses are counted in parts of a frame, so their counts are as many times finer
-        as frames are shorter. On a bus counts stay.
-
-        Args:
-            rate: Commands a second; 0 for one a physics step, which leaves counts.
+        as frames are shorter. On a bus, and at a rate of 0, counts stay.
         """
         if self.bus != "pwm" or not (rate and self.command_rate):
             return replace(self, command_rate=rate)

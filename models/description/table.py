@@ -20,9 +20,8 @@ DEEPEST_NESTING = 32  # tables and lists inside each other
 def parse_toml(text: str) -> dict[str, Any]:
     """Read TOML.
 
-    Raises:
-        ValueError: It is not TOML, nested too deeply, or has a whole number of more
-            than 64 bits.
+    Raises ValueError for other text, for what is nested too deeply, and for whole
+    numbers of more than 64 bits.
     """
     try:
         table = tomllib.loads(text)
@@ -56,15 +55,9 @@ class Table:
     def __init__(
         self, values: object, where: str = "", known: Collection[str] = ()
     ) -> None:
-        """Check the keys.
+        """Check the keys; any are known if none are named.
 
-        Args:
-            values: What TOML gives.
-            where: Its dotted name; empty for a whole file.
-            known: Keys that it may have; any if not given.
-
-        Raises:
-            ValueError: If it is no table, or has another key.
+        The dotted name of the table is empty for a whole file.
         """
         if not isinstance(values, Mapping):
             raise ValueError(f"{where} must be a table, got {values!r}")

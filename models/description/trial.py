@@ -25,14 +25,7 @@ TOO_LARGE = ("Could not allocate memory", "unknown exception")  # as MuJoCo says
 
 
 def examine(path: Path) -> list[Path]:
-    """The files that a model opens, itself included, once it has been compiled.
-
-    Args:
-        path: Its MJCF.
-
-    Raises:
-        ModelError: If it cannot be used.
-    """
+    """The files that a model opens, itself included, once it has been compiled."""
     texts = included(path)
     for text in texts:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
@@ -53,11 +46,7 @@ def examine(path: Path) -> list[Path]:
 
 
 def require_handy(model: mujoco.MjModel, path: Path) -> None:
-    """Refuse a model of which there is no room for the copies that a walk needs.
-
-    Raises:
-        ModelError: If it has grown too large.
-    """
+    """Refuse a model of which there is no room for the copies that a walk needs."""
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + 8 * numbers
     if size > HANDY:
@@ -68,11 +57,7 @@ def require_handy(model: mujoco.MjModel, path: Path) -> None:
 
 
 def run_once(model: mujoco.MjModel, path: Path) -> None:
-    """Make one step from wherever it starts.
-
-    Raises:
-        ModelError: If the engine breaks down, for want of memory as a rule.
-    """
+    """Step once from each keyframe; refused if the engine fails, for want of memory."""
     try:
         data = mujoco.MjData(model)
         for key in range(model.nkey):

@@ -5,5 +5,5 @@ from .shipped import (
     MORPHOLOGIES as MORPHOLOGIES,
     PIVOT as PIVOT,
     PIVOTS as PIVOTS,
+    geometry_of as geometry_of,
 )
-from .variants import geometry_of as geometry_of

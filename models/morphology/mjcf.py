@@ -24,12 +24,7 @@ CONTACT_DATA = "found force pos linvel"
 
 
 def write_mjcf(shape: Morphology, groups: Sequence[Container[int]]) -> str:
-    """The robot on the floor of `scene.xml`, as MJCF text.
-
-    Args:
-        shape: Lengths and masses.
-        groups: Legs of each group, to be painted in one colour.
-    """
+    """MJCF of the robot on the floor of `scene.xml`, one colour a group of legs."""
     root = Element("mujoco", model=shape.name)
     SubElement(root, "include", file="scene.xml")
     _defaults(root, shape)

@@ -1,32 +1,62 @@
 """The lengths and masses of the shipped robots, each with its source or derivation.
 
-Data only. `python -m scripts.write_robots` writes the MJCF files beside this module
-from it; a test keeps them equal.
+`python -m scripts.write_robots` writes the MJCF files from them; a test keeps them
+equal. The legs of a robot follow from a few numbers of its shape: a variant has other
+numbers, and the legs, groups and gait of the shipped robot.
 """
 
-from dataclasses import replace
-from math import sqrt
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import fields, replace
+from inspect import signature
+from math import isfinite, sqrt
 
 from models.morphology.dimensions import (
     Leg,
     Morphology,
+    Point,
     legs_on_a_circle,
     legs_towards_pivots,
 )
+from planner.support import unknown
+
+Legs = Mapping[int, Leg]
+SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
+PLAIN = tuple(item.name for item in fields(Morphology) if item.type == "float")
+"""Numbers that every shape has."""
+
+
+def _pivots(
+    legs: Mapping[int, object], first: tuple[int, ...], y: float
+) -> dict[int, Point]:
+    return {leg: (0.0, y if leg in first else -y) for leg in legs}
+
+
+def _pairs(xs: tuple[float, ...], ys: tuple[float, ...]) -> dict[int, Point]:
+    """Points left and right, front to back; odd numbers are left."""
+    ends = [(x, side * y) for x, y in zip(xs, ys, strict=True) for side in (1, -1)]
+    return dict(enumerate(ends, start=1))
+
 
 # Hexapod: tripod 1 is legs 1, 4, 5 and tripod 2 is legs 2, 3, 6, as in Section 6. All
 # six feet lie 0.1875 m from their tripod's pivot (a 3-4-5 triangle).
 PIVOT = 0.0675  # R [m]
 KAPPA = 0.56  # yaw gain [rad/rad]; stride = KAPPA * PIVOT = 0.0378 m/rad
-FEET = {
-    1: (0.15, 0.18),
-    2: (0.15, -0.18),
-    3: (0.0, 0.12),
-    4: (0.0, -0.12),
-    5: (-0.15, 0.18),
-    6: (-0.15, -0.18),
-}
-PIVOTS = {leg: (0.0, PIVOT if leg in (1, 4, 5) else -PIVOT) for leg in FEET}
+FEET = _pairs((0.15, 0.0, -0.15), (0.18, 0.12, 0.18))
+PIVOTS = _pivots(FEET, SIX, PIVOT)
+
+
+def _hexapod(
+    kappa: float = KAPPA,
+    pivot: float = PIVOT,
+    outer_x: float = 0.15,
+    outer_y: float = 0.18,
+    inner_y: float = 0.12,
+) -> Legs:
+    feet = _pairs((outer_x, 0.0, -outer_x), (outer_y, inner_y, outer_y))
+    return legs_towards_pivots(feet, _pivots(feet, SIX, pivot), kappa)
+
 
 # A loaded leg may sag by 0.1 mm at the foot: the middle foot of a tripod carries 0.6 of
 # 12.5 N on an arm of 0.105 m, and 7.5 N * (0.105 m)^2 / 0.1 mm = 830 N m/rad. What the
@@ -39,7 +69,7 @@ DAMPING = 2 * sqrt(STIFFNESS * 1.1 * ARMATURE)
 
 HEXAPOD = Morphology(
     name="hexapod",
-    legs=legs_towards_pivots(FEET, PIVOTS, KAPPA),
+    legs=_hexapod(),
     hip_height=0.06,
     plate=(0.085, 0.13, 0.008),
     body_mass=1.0,
@@ -54,35 +84,33 @@ HEXAPOD = Morphology(
     armature=ARMATURE,
 )
 
+
+def _parallel(
+    outer_x: float = 0.15, foot_y: float = 0.15, hip_y: float = 0.045
+) -> Legs:
+    xs = (outer_x, 0.0, -outer_x)
+    hips, feet = _pairs(xs, (hip_y,) * 3), _pairs(xs, (foot_y,) * 3)
+    return {leg: Leg(hips[leg], feet[leg]) for leg in feet}
+
+
 # The paper's Figs. 1 and 5 taken literally: legs square to the body.
 HEXAPOD_PARALLEL = replace(
-    HEXAPOD,
-    name="hexapod-parallel",
-    legs={
-        leg: Leg(hip=(x, 0.045 * side), foot=(x, 0.15 * side))
-        for leg, (x, side) in {
-            1: (0.15, 1),
-            2: (0.15, -1),
-            3: (0.0, 1),
-            4: (0.0, -1),
-            5: (-0.15, 1),
-            6: (-0.15, -1),
-        }.items()
-    },
-    plate=(0.17, 0.06, 0.008),
+    HEXAPOD, name="hexapod-parallel", legs=_parallel(), plate=(0.17, 0.06, 0.008)
 )
 
 # Educational hexapods carry six equal legs of two servos at 60 degrees on a round body.
 # Radial legs can only turn it about its middle. Where it stands with the outer legs
 # turned by 22 degrees, each tripod's lines meet at a pivot 0.05 m off the middle.
 RADIAL_BEARINGS = {1: 30, 2: -30, 3: 90, 4: -90, 5: 150, 6: -150}  # [degrees]
-RADIAL_PIVOTS = {leg: (0.0, -0.05 if leg in (1, 4, 5) else 0.05) for leg in FEET}
+
+
+def _radial(circle: float = 0.08, length: float = 0.11, pivot: float = 0.05) -> Legs:
+    pivots = _pivots(RADIAL_BEARINGS, SIX, -pivot)
+    return legs_on_a_circle(RADIAL_BEARINGS, circle, length, pivots)
+
 
 HEXAPOD_RADIAL = replace(
-    HEXAPOD,
-    name="hexapod-radial",
-    legs=legs_on_a_circle(RADIAL_BEARINGS, 0.08, 0.11, RADIAL_PIVOTS),
-    plate=(0.075, 0.075, 0.008),
+    HEXAPOD, name="hexapod-radial", legs=_radial(), plate=(0.075, 0.075, 0.008)
 )
 
 # The table-top robot of classrooms: twelve MG90-class servos in printed parts, six
@@ -96,22 +124,21 @@ HEXAPOD_RADIAL = replace(
 # sideways. Here the horns are mounted turned, so that each tripod has a pivot: where
 # its inner leg swings half as far as the outer ones, which keeps all of them on counts.
 CLASSROOM_PIVOT = 0.044559963  # 0.0754 m from the inner foot, 0.1509 m from the others
-CLASSROOM_PIVOTS = {
-    leg: (0.0, -CLASSROOM_PIVOT if leg in (1, 4, 5) else CLASSROOM_PIVOT)
-    for leg in FEET
-}
 CLASSROOM_STIFFNESS = 200.0  # of ideal servos; a leg sags by a thousandth of a radian
 CLASSROOM_ARMATURE = 240**2 * 4e-9  # 30,000 rpm to 13 rad/s; a rotor of 7 mm
+
+
+def _classroom(
+    circle: float = 0.06, length: float = 0.06, pivot: float = CLASSROOM_PIVOT
+) -> Legs:
+    legs = _radial(circle, length, pivot)
+    return {number: Leg(leg.hip, leg.foot) for number, leg in legs.items()}
+
 
 HEXAPOD_CLASSROOM = replace(
     HEXAPOD,
     name="hexapod-classroom",
-    legs={
-        number: Leg(hip=leg.hip, foot=leg.foot)
-        for number, leg in legs_on_a_circle(
-            RADIAL_BEARINGS, 0.06, 0.06, CLASSROOM_PIVOTS
-        ).items()
-    },
+    legs=_classroom(),
     hip_height=0.045,
     plate=(0.055, 0.055, 0.006),
     body_mass=0.30,
@@ -125,27 +152,31 @@ HEXAPOD_CLASSROOM = replace(
 
 # Two tetrapods, 1-4-6-7 and 2-3-5-8: the tripods with two inner legs each. All
 # feet lie 0.2 m from their tetrapod's pivot.
-OCTOPOD_FEET = {
-    1: (0.16, 0.18),
-    2: (0.16, -0.18),
-    3: (0.05, sqrt(0.2**2 - 0.05**2) - 0.06),
-    4: (0.05, 0.06 - sqrt(0.2**2 - 0.05**2)),
-    5: (-0.05, sqrt(0.2**2 - 0.05**2) - 0.06),
-    6: (-0.05, 0.06 - sqrt(0.2**2 - 0.05**2)),
-    7: (-0.16, 0.18),
-    8: (-0.16, -0.18),
-}
-OCTOPOD_PIVOTS = {
-    leg: (0.0, 0.06 if leg in (1, 4, 6, 7) else -0.06) for leg in OCTOPOD_FEET
-}
+OCTOPOD_INNER = sqrt(0.2**2 - 0.05**2) - 0.06  # [m] from the middle line
+OCTOPOD_FEET = _pairs(
+    (0.16, 0.05, -0.05, -0.16), (0.18, OCTOPOD_INNER, OCTOPOD_INNER, 0.18)
+)
+
+
+def _octopod(kappa: float = KAPPA, pivot: float = 0.06) -> Legs:
+    pivots = _pivots(OCTOPOD_FEET, EIGHT, pivot)
+    return legs_towards_pivots(OCTOPOD_FEET, pivots, kappa)
+
 
 OCTOPOD = replace(
-    HEXAPOD,
-    name="octopod",
-    legs=legs_towards_pivots(OCTOPOD_FEET, OCTOPOD_PIVOTS, KAPPA),
-    body_mass=1.2,
-    swing_range=0.4,
+    HEXAPOD, name="octopod", legs=_octopod(), body_mass=1.2, swing_range=0.4
 )
+
+
+def _quadruped(
+    front_x: float = 0.08,
+    rear_x: float = -0.05,
+    foot_y: float = 0.12,
+    hip_y: float = 0.02,
+) -> Legs:
+    hips, feet = (_pairs((front_x, rear_x), (y, y)) for y in (hip_y, foot_y))
+    return {leg: Leg(hips[leg], feet[leg]) for leg in feet}
+
 
 # In proportion like HAMR, the ambulatory micro-robot of swing-and-lift legs, at four
 # times its length: four equal legs square to the body, farther out than apart. Its
@@ -154,15 +185,7 @@ OCTOPOD = replace(
 QUADRUPED = replace(
     HEXAPOD,
     name="quadruped",
-    legs={
-        leg: Leg(hip=(x, 0.02 * side), foot=(x, 0.12 * side))
-        for leg, (x, side) in {
-            1: (0.08, 1),
-            2: (0.08, -1),
-            3: (-0.05, 1),
-            4: (-0.05, -1),
-        }.items()
-    },
+    legs=_quadruped(),
     hip_height=0.05,
     plate=(0.09, 0.025, 0.008),
     body_mass=0.6,
@@ -170,11 +193,41 @@ QUADRUPED = replace(
     swing_range=0.55,
 )
 
-MORPHOLOGIES = (
-    HEXAPOD,
-    HEXAPOD_PARALLEL,
-    HEXAPOD_RADIAL,
-    HEXAPOD_CLASSROOM,
-    OCTOPOD,
-    QUADRUPED,
-)
+SHAPES: Mapping[str, tuple[Morphology, Callable[..., Legs]]] = {
+    "hexapod": (HEXAPOD, _hexapod),
+    "hexapod-parallel": (HEXAPOD_PARALLEL, _parallel),
+    "hexapod-radial": (HEXAPOD_RADIAL, _radial),
+    "hexapod-classroom": (HEXAPOD_CLASSROOM, _classroom),
+    "octopod": (OCTOPOD, _octopod),
+    "quadruped": (QUADRUPED, _quadruped),
+}
+"""Each shipped robot, and its legs from the numbers of its shape."""
+MORPHOLOGIES = tuple(shape for shape, _ in SHAPES.values())
+
+
+def geometry_of(robot: str) -> dict[str, float]:
+    """Numbers of a shipped robot's shape by name, SI units and radians."""
+    shape, legs = SHAPES[robot]
+    own = signature(legs).parameters.items()
+    return {name: float(number.default) for name, number in own} | {
+        name: float(getattr(shape, name)) for name in PLAIN
+    }
+
+
+def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:
+    """The shape of a shipped robot with other numbers.
+
+    Raises ValueError where there is no such number, or no such shape.
+    """
+    known = geometry_of(robot)
+    for name, value in geometry.items():
+        if name not in known:
+            raise ValueError(f"geometry.{name} {unknown(name, known)}")
+        if not isfinite(value):
+            raise ValueError(f"geometry.{name} = {value} is not finite")
+        if name in PLAIN and value <= 0:
+            raise ValueError(f"geometry.{name} = {value} is not above 0")
+    shape, legs = SHAPES[robot]
+    numbers = {**known, **geometry}
+    own = {name: numbers.pop(name) for name in signature(legs).parameters}
+    return replace(shape, legs=legs(**own), **numbers)

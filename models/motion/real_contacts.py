@@ -32,32 +32,22 @@ WHOLE = 2  # groups up to which every combination of angles is covered
 
 @dataclass(frozen=True, eq=False)
 class ContactField:
-    """The body twist of one stroke on one stratum, a polynomial in the legs' angles.
+    """The body twist of one stroke on one stratum, a polynomial in the legs' angles."""
 
-    Attributes:
-        stratum: Groups in contact.
-        direction: Change of every group's angle per unit of the stroke, (G,).
-        axes: Combinations of the groups' angles that the polynomial is of, (A, G).
-        spans: Lowest and highest value of each, (A, 2) [rad].
-        coefficients: Of forward, left and yaw by the Chebyshev polynomials of each
-            combination, scaled to its span, shape (3, ...) with A further axes.
-        error: Largest difference from what was fitted, at angles that the fit has not
-            seen: forward, left [m/rad], yaw [rad/rad].
-    """
-
-    stratum: str
+    stratum: str  # groups in contact
+    # change of every group's angle per unit of the stroke, (G,)
     direction: tuple[float, ...]
-    axes: Array
-    spans: Array
+    axes: Array  # combinations of the groups' angles that the polynomial is of, (A, G)
+    spans: Array  # lowest and highest value of each, (A, 2) [rad]
+    # of forward, left and yaw by the Chebyshev polynomials of each combination,
+    # scaled to its span, shape (3, ...) with A further axes
     coefficients: Array
+    # largest difference from what was fitted, at angles that the fit has not
+    # seen: forward, left [m/rad], yaw [rad/rad]
     error: tuple[float, float, float]
 
     def __call__(self, swing: Array) -> Array:
-        """Body twist per unit of the stroke, shape (N, 3).
-
-        Args:
-            swing: Angle of every group, shape (N, G) [rad].
-        """
+        """Body twist per unit of the stroke, (N, 3), at the groups' angles, (N, G)."""
         low, high = self.spans.T
         scaled = (2 * (swing @ self.axes.T) - low - high) / (high - low)
         out = np.moveaxis(self.coefficients, 0, -1)  # (..., 3)
@@ -104,17 +94,11 @@ def contact_fields(
     names: Sequence[str] | None = None,
     dropped: float = DROPPED,
 ) -> dict[str, ContactField]:
-    """Fit the twist of every stroke over the joint range.
+    """Fit the twist of every stroke over the joint range, by the field's name.
 
-    Args:
-        described: Equations whose fields swing loaded legs.
-        groups: Names of the groups of legs, in the order of the angles.
-        twists: What to fit, such as the quasi-static twists.
-        names: Fields to fit; all if not given.
-        dropped: Coefficients that are smaller are left out [m/rad], [rad/rad].
-
-    Returns:
-        A polynomial for every one of them that swings a group in contact, by its name.
+    Only fields that swing a group in contact are fitted; coefficients smaller than
+    `dropped` [m/rad], [rad/rad] are left out. The groups' names are in the order of the
+    angles.
     """
     found = {}
     for name in described.swings if names is None else names:
@@ -130,12 +114,7 @@ def contact_fields(
 def contact_equations(
     described: Equations, fields: Mapping[str, ContactField]
 ) -> Equations:
-    """The same equations, with strokes that move the body as the real contacts do.
-
-    Args:
-        described: Equations with constant twists, which name fields and elements.
-        fields: The polynomials that take their place.
-    """
+    """The same equations, with strokes that move the body as the real contacts do."""
     system = described.system
     groups = len(next(iter(described.swings.values())))
     theta, angles = system.state[2], system.state[3 : 3 + groups]

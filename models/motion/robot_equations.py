@@ -153,11 +153,7 @@ def group_twist(robot: Robot, group: str) -> Twist:
 
 
 def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
-    """Body twist by contact kinematics, all legs at angle 0 and equally soft.
-
-    Raises:
-        ModelError: If the robot does not stand on that stratum.
-    """
+    """Body twist by contact kinematics, all legs at angle 0 and equally soft."""
     on = robot.planted(stratum)
     stance = Kinematics(robot).standing
     feet, moved = stance.feet[on][None], np.array(direction)[robot.group_of_leg, None]

@@ -51,14 +51,7 @@ class Integral:
     values: Array  # integrand by the panel's own clock (0 to 1), shape (P, NODES, C)
 
     def __call__(self, clock: Array) -> Array:
-        """The integral up to given moments.
-
-        Args:
-            clock: Moments, shape (M,); those beyond the ends count as the ends.
-
-        Returns:
-            Shape (M, C).
-        """
+        """The integral up to some moments, (M,) to (M, C); constant beyond the ends."""
         if len(self.values) == 0:
             return np.zeros((len(clock), self.values.shape[-1]))
         panel = np.searchsorted(self.edges, clock, side="right") - 1
@@ -130,12 +123,7 @@ class Strokes:
         return cls(on, begin[loaded], change[loaded]), loaded
 
     def travel(self, twists: TwistModel, kinematics: Kinematics) -> Travel:
-        """Integrate body twist and foot slip along the strokes.
-
-        Args:
-            twists: Prediction to follow.
-            kinematics: Of the robot, for where the feet are.
-        """
+        """Integrate body twist and foot slip along the strokes."""
         panels = _Panels(self)
         twist = panels.evaluate(twists)  # (P, n, 3)
         yaw = Integral(panels.edges, twist[..., 2:]).at_nodes()[..., 0]

@@ -113,12 +113,7 @@ class MeasuredField:
     reach: float = np.inf  # a stroke it was not made from confirms it so far [rad]
 
     def __call__(self, way: Array) -> Array:
-        """Body twist per unit of the field, shape (..., 3).
-
-        Args:
-            way: Position of the groups' angles along the swing; beyond the span the
-                twist is that of its end.
-        """
+        """Body twist per unit of the field, constant beyond the span, (..., 3)."""
         inside = np.clip(way, -self.span, self.span)
         return np.stack([part(inside) for part in self.twist], axis=-1)
 
@@ -141,9 +136,8 @@ class IdentifiedTwists:
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
         """The fields of the stratum that together have these rates.
 
-        Raises:
-            MeasurementError: If one of them could not be measured, or swings farther
-                than it was confirmed.
+        Raises MeasurementError for a field that could not be measured, or that swings
+        farther than it was confirmed.
         """
         for name, failed in self.failed.items():
             if failed.stratum == stratum:

@@ -32,11 +32,7 @@ KINDS: Mapping[Any, str] = {bool: "true or false", int: "a whole number"}
 
 
 def parameters(name: str) -> dict[str, object]:
-    """The parameters of a shipped system and their defaults.
-
-    Raises:
-        ProblemError: There is no such system.
-    """
+    """The parameters of a shipped system and their defaults."""
     signature = inspect.signature(_maker(name))
     return {key: value.default for key, value in signature.parameters.items()}
 

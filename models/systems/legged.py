@@ -117,13 +117,7 @@ def shared(feet: Feet, strata: Sequence[str]) -> Strata:
 
     Every foot of a group goes backward by one per radian of its swing. The body moves
     so that the squares of the slip velocities of the feet in contact add up to least.
-
-    Args:
-        feet: Feet of each group.
-        strata: Strata named by the groups in contact, the bottom one first.
-
-    Returns:
-        For each stratum the twist for each group in contact.
+    Strata are named by the groups in contact, the bottom one first.
     """
     return {
         stratum: {group: _twist(feet, stratum, group) for group in stratum}
@@ -144,12 +138,9 @@ def walker(
 ) -> StratifiedSystem:
     """The stratified system of a walker whose groups swing one by one.
 
-    Args:
-        strata: For each stratum, the bottom one first, the body twist that each group
-            in contact gives when it swings, None if it cannot swing there; the bottom
-            stratum has every group.
-        heights: Whether the state holds foot heights, and the strata fields that lift.
-        trailer: As in `walking_system`.
+    For each stratum, the bottom one first, the body twist that each group in contact
+    gives when it swings; None if it cannot swing there. The bottom stratum has every
+    group. Heights and trailer are those of `walking_system`.
     """
     groups = tuple(next(iter(strata.values())))
     swings = [

@@ -170,17 +170,8 @@ def smooth(
 ) -> Problem:
     """A system with two fields on one stratum, steered with brackets of both.
 
-    Its elements are the fields and the brackets of the second with the first, again
-    and again, as many as there are coordinates.
-
-    Args:
-        name: As in `Problem`, like the description, the goal and the segments.
-        description: One line on what it is.
-        state: Names of the coordinates.
-        fields: The two fields by name, a column of expressions each.
-        goal: Coordinates at the goal.
-        segments: Number of pieces of the path.
-        flat: Flat outputs of a chained form.
+    Its elements are the fields and the brackets of the second with the first, again and
+    again, as many as there are coordinates. The rest is as in `Problem`.
     """
     first, second = fields
     nested = [second]

@@ -4,8 +4,7 @@ import pytest
 
 from models.errors import ModelError
 from models.library import load
-from models.morphology.shipped import MORPHOLOGIES
-from models.morphology.variants import geometry_of, reshaped
+from models.morphology.shipped import MORPHOLOGIES, geometry_of, reshaped
 from models.motion.robot_equations import equations
 
 
