@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
 from inspect import signature
 from math import isfinite, sqrt
+from typing import Any
 
 from models.morphology.dimensions import (
     Leg,
@@ -228,6 +229,6 @@ def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:
         if name in PLAIN and value <= 0:
             raise ValueError(f"geometry.{name} = {value} is not above 0")
     shape, legs = SHAPES[robot]
-    numbers = {**known, **geometry}
+    numbers: dict[str, Any] = {**known, **geometry}
     own = {name: numbers.pop(name) for name in signature(legs).parameters}
     return replace(shape, legs=legs(**own), **numbers)
