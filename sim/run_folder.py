@@ -31,7 +31,7 @@ from sim.scenarios.scenario import Scenario
 from sim.simulation import Prepared, Simulation, simulate
 from sim.walking.finished import Walk
 from sim.walking.walker import Walker
-from sim.world.origin import origin
+from sim.world.assets import origin
 
 CARD = "model.toml"  # beside model.xml, as a robot's card is
 DENSE = 10  # compression of the commands; 7.6 was measured

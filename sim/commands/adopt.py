@@ -78,8 +78,7 @@ def _report(
     *,
     as_json: bool,
 ) -> None:
-    from sim.preparation.inspection import Inspected
-    from sim.preparation.robot_facts import describe, facts
+    from sim.preparation.inspection import Inspected, describe, facts
 
     found = facts(Inspected.of(setup))
     written = [str(card), str(picture)]

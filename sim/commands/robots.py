@@ -38,8 +38,7 @@ def execute(options: argparse.Namespace) -> None:
 
 
 def _show(options: argparse.Namespace) -> None:
-    from sim.preparation.inspection import inspected
-    from sim.preparation.robot_facts import describe, facts
+    from sim.preparation.inspection import describe, facts, inspected
     from sim.progress import bar, stage
     from sim.scenarios.file import load_scenario
 

@@ -1,1 +1,1 @@
-"""The path from intended angles to servo commands: lead, zero offsets, counts, rate."""
+"""From intended angles to servo commands: feed-forward, zeros, counts, rate, delay."""

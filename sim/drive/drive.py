@@ -1,7 +1,7 @@
-"""The commands that the servos receive: intended angles with lead, offsets and counts.
+"""Servo commands: intended angles with feed-forward, zero offsets, counts and delay.
 
-Commands are held between the moments at which the servos are updated. The intended
-angles remain those of the schedule, which all predictions follow.
+Between two updates of the servos a command is held. The intended angles remain those of
+the schedule, which all predictions follow.
 """
 
 from __future__ import annotations
@@ -12,9 +12,8 @@ from math import ceil
 import numpy as np
 
 from planner import Array
-from sim.drive.lead import Lead
+from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
-from sim.drive.rehearsal import carried_torque, leg_actuators
 from sim.errors import SimulationError, UsageError
 from sim.motion.command_clock import command_at, step_of
 from sim.motion.schedule import Schedule
@@ -34,40 +33,41 @@ class Drive:
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = _zero_offsets(setup, len(self._joints))
-        self._held: Array | None = None
-        self._late: Array | None = None  # commands on their way to the servos
+        self._held: Array | None = None  # the command in force
+        self._late: Array | None = None  # commands that have not reached the servos
         self._lifts = _lift_places(setup)
-        self._lift_counts = LiftCounts(setup.as_planned, self.leads)
+        self._lift_counts = LiftCounts(setup.as_planned, self.feeds_forward)
 
     @property
     def plain(self) -> bool:
-        """Whether servos are told the intended angles and nothing else."""
-        servo = self._servo
-        bent = self.leads or bool(self._offset.any()) or self._delay > 0
-        return not (servo.rate or servo.resolution or bent)
+        """Whether the commands are the intended angles and nothing else."""
+        servo, offset = self._servo, bool(self._offset.any())
+        changed = servo.rate or servo.resolution or offset or self._delay
+        return not (changed or self.feeds_forward)
 
     @property
     def _delay(self) -> int:
-        """Steps from a command to its effect."""
+        """Physics steps from a command to its effect."""
         scenario = self._setup.scenario
         return round(scenario.command_delay / scenario.timestep)
 
     @property
-    def leads(self) -> bool:
-        """Whether commands lead by what the load bends."""
-        return self._servo.leads(float(self._stiffness.min()))
+    def feeds_forward(self) -> bool:
+        """Whether commands make up for the angles by which loads bend the servos."""
+        return self._servo.feeds_forward(float(self._stiffness.min()))
 
     @property
     def rehearsed(self) -> bool:
-        """Whether the torques of the walk must be known beforehand."""
-        return self.leads or self._servo.torque is not None
+        """Whether the torques of the walk are measured beforehand."""
+        return self.feeds_forward or self._servo.torque is not None
 
     def require_gentleness(self) -> None:
-        """Refuse commands so far apart that every one of them kicks the robot loose.
+        """Refuse commands so far apart in time that their jumps make feet slip.
 
-        Between two commands a joint falls behind, and the next one hurls it forward
-        with the servo's stiffness. While that is less than what friction holds at the
-        end of a leg, the feet stay where they are.
+        From one command to the next the intended angle moves on by swing speed over
+        command rate, and the servo's torque jumps by its stiffness times this angle.
+        The feet stay where they are while the jump is less than the torque by which
+        friction holds the end of a leg.
 
         Raises:
             UsageError: Saying which rate would do.
@@ -75,21 +75,23 @@ class Drive:
         scenario, stiffness = self._setup.scenario, float(self._stiffness.max())
         if not self._servo.rate:
             return
-        kick = stiffness * scenario.swing_speed / self._servo.rate
+        jump = stiffness * scenario.swing_speed / self._servo.rate
         held = max(scenario.friction, LEAST_FRICTION) * carried_torque(self._setup)
-        if kick <= held:
+        if jump <= held:
             return
         raise UsageError(
             f"each of {self._servo.rate:g} commands a second changes the torque of a "
-            f"servo of {stiffness:g} N m/rad by {kick:.2g} N m, and friction holds "
+            f"servo of {stiffness:g} N m/rad by {jump:.2g} N m, and friction holds "
             f"{held:.2g} N m",
             f"scenario {scenario.name!r}",
-            f"raise command_rate to {ceil(self._servo.rate * kick / held)}, lower "
-            f"swing_speed, or set servo_stiffness to {stiffness * held / kick:.0f}",
+            f"raise command_rate to {ceil(self._servo.rate * jump / held)}, lower "
+            f"swing_speed, or set servo_stiffness to {stiffness * held / jump:.0f}",
         )
 
-    def require_strength(self, schedule: Schedule, lead: Lead) -> None:
-        """Refuse a stretch that asks a servo for more torque than it has.
+    def require_strength(self, schedule: Schedule, torques: FeedForward) -> None:
+        """Refuse a stretch that needs more torque than a servo has at its speed.
+
+        The torque that is left falls linearly with speed, to none at no load.
 
         Raises:
             SimulationError: Naming the joint, the phase and the torque.
@@ -97,10 +99,10 @@ class Drive:
         most = self._servo.torque
         if most is None:
             return
-        rows = np.arange(len(lead.torque)) * lead.spacing
+        rows = np.arange(len(torques.torque)) * torques.spacing
         lost = most / (self._servo.speed or np.inf)  # with speed [N m s/rad]
         turned = np.abs(self._speed(schedule, rows))
-        needed = np.abs(lead.torque[:, self._joints]) + lost * turned
+        needed = np.abs(torques.torque[:, self._joints]) + lost * turned
         knot, joint = np.unravel_index(needed.argmax(), needed.shape)
         if needed[knot, joint] <= most:
             return
@@ -115,13 +117,13 @@ class Drive:
         )
 
     def commands(
-        self, schedule: Schedule, lead: Lead | None, steps: int | None = None
+        self, schedule: Schedule, torques: FeedForward | None, steps: int | None = None
     ) -> Iterator[Array]:
         """Rows of ctrl of one stretch, shape (n, nu), n to `STRETCH`.
 
         Args:
             schedule: Intended angles.
-            lead: Torques to lead by, if any.
+            torques: Torques to make up for, if any.
             steps: How many of its steps; all if not given.
         """
         if self.plain:
@@ -130,54 +132,56 @@ class Drive:
         count = schedule.stop - schedule.start if steps is None else steps
         for begin in range(0, count, STRETCH):
             rows = np.arange(begin, min(begin + STRETCH, count))
-            yield self._delayed(self._held_commands(schedule, lead, rows))
+            yield self._delayed(self._held_commands(schedule, torques, rows))
 
-    def _delayed(self, told: Array) -> Array:
+    def _delayed(self, given: Array) -> Array:
         """Rows as they reach the servos; the first one is there from the start."""
         if self._late is None:
-            self._late = np.repeat(told[:1], self._delay, axis=0)
-        both = np.concatenate([self._late, told])
-        self._late = both[len(told) :]
-        return both[: len(told)]
+            self._late = np.repeat(given[:1], self._delay, axis=0)
+        both = np.concatenate([self._late, given])
+        self._late = both[len(given) :]
+        return both[: len(given)]
 
     def _held_commands(
-        self, schedule: Schedule, lead: Lead | None, rows: Array
+        self, schedule: Schedule, torques: FeedForward | None, rows: Array
     ) -> Array:
-        """Each command from its own step on, until the next one comes."""
+        """Each command in force from the step at which it is given to the next one."""
         given, row = np.unique(self._given(schedule.start + rows), return_inverse=True)
         fresh = given >= schedule.start
-        told = np.empty((len(given), self._setup.model.nu))
-        told[fresh] = self._told(schedule, lead, given[fresh] - schedule.start)
+        ctrl = np.empty((len(given), self._setup.model.nu))
+        ctrl[fresh] = self._ctrl(schedule, torques, given[fresh] - schedule.start)
         if self._held is None:
-            self._held = self._told(schedule, lead, np.zeros(1, dtype=int))[0]
-        told[~fresh] = self._held
-        self._held = told[-1].copy()
-        return np.ascontiguousarray(told[row])
+            self._held = self._ctrl(schedule, torques, np.zeros(1, dtype=int))[0]
+        ctrl[~fresh] = self._held
+        self._held = ctrl[-1].copy()
+        return np.ascontiguousarray(ctrl[row])
 
     def _given(self, steps: Array) -> Array:
-        """Step at which the command came that holds during each step."""
+        """Step at which the command was given that is in force during each step."""
         if not self._servo.rate:
             return steps
         pace = self._servo.rate * self._setup.limits.timestep  # commands a step
         return step_of(command_at(steps, pace), pace)
 
-    def _told(self, schedule: Schedule, lead: Lead | None, rows: Array) -> Array:
+    def _ctrl(
+        self, schedule: Schedule, torques: FeedForward | None, rows: Array
+    ) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
         channels, joints = self._setup.channels, self._joints
         swing, lift = schedule.angles(rows)
-        told, lag = channels.ctrl(swing, lift), np.zeros((len(rows), len(joints)))
-        if lead is not None:
+        ctrl, lag = channels.ctrl(swing, lift), np.zeros((len(rows), len(joints)))
+        if torques is not None:
             lag = self._damping * self._speed(schedule, rows) / self._stiffness
-            told[:, joints] += lead.at(rows)[:, joints] / self._stiffness + lag
+            ctrl[:, joints] += torques.at(rows)[:, joints] / self._stiffness + lag
         if resolution := self._servo.resolution:
-            counts = np.round(told[:, joints] / resolution)
+            counts = np.round(ctrl[:, joints] / resolution)
             counts[:, self._lifts] = self._lift_counts.at(lift, lag[:, self._lifts])
-            told[:, joints] = counts * resolution
-        told[:, joints] += self._offset
-        return told
+            ctrl[:, joints] = counts * resolution
+        ctrl[:, joints] += self._offset
+        return ctrl
 
     def _speed(self, schedule: Schedule, rows: Array) -> Array:
-        """Intended speed of the joints at steps of a schedule, (n, J) [rad/s]."""
+        """Intended speed of the joints by differences, (n, J) [rad/s]."""
         last = schedule.stop - schedule.start - 1
         ahead, behind = np.minimum(rows + 1, last), np.maximum(rows - 1, 0)
         later, sooner = (
@@ -190,7 +194,7 @@ class Drive:
 
 
 def _zero_offsets(setup: Setup, joints: int) -> Array:
-    """By how much each servo's zero is off, (J,) [rad]; the same for the same draw."""
+    """Error of each servo's zero, (J,) [rad]; the same for the same draw."""
     spread = setup.scenario.zero_offset
     if isinstance(spread, tuple):
         return np.array(spread)
@@ -198,6 +202,6 @@ def _zero_offsets(setup: Setup, joints: int) -> Array:
 
 
 def _lift_places(setup: Setup) -> Array:
-    """Which of the leg joints' actuators lift, legs in ascending order."""
+    """Places of the lift joints among all leg joints, legs in ascending order."""
     joints = setup.robot.card.joints
     return np.array([joints.index(joint) for joint in setup.robot.lift_joints])

@@ -1,15 +1,16 @@
-"""Counts of lift joints, such that standing feet keep their load.
+"""Counts of lift joints, such that standing feet keep their load; and their torques.
 
-On coarse servos a count lifts a foot as far as its load bends the servo. A standing leg
-that went a count up and down while its load changes a little would let go of the floor.
-So a lift joint has one count for as long as the same feet stand, and a foot that lifts
-or lands passes the heights at which it may touch in a single command; the standing feet
-change theirs in that very command, while the load goes over.
+On servos with counts, one count of a lift joint moves its foot about as far as the
+foot's load bends the servo. A standing leg whose joint changed by a count whenever its
+load changed a little would lift off. A lift joint therefore keeps one count for as long
+as the same feet stand. A foot that lifts off or touches down crosses the heights at
+which it may touch in a single command, and the standing feet change their counts in
+that same command, while the load is transferred.
 
-What loads bend is known from statics. Where between two counts it lies is a matter of
-the height that the body stands at, which nothing depends on: the height is chosen such
-that counts change least from one set of standing feet to another, since what changes
-pushes the body aside.
+By how much loads bend the servos follows from statics. Rounding it to counts depends on
+the height of the body, on which nothing else depends: the height is chosen such that
+counts change least from one set of standing feet to another, because every change
+displaces the body.
 """
 
 from __future__ import annotations
@@ -17,11 +18,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import mujoco
 import numpy as np
 
+from models.contact import static_loads
 from models.description import actuator_of
 from planner import Array
-from sim.drive.statics import lift_torques
 from sim.preparation.setup import Setup
 
 PASSED = 2.0  # counts above the floor that a foot passes in a single command
@@ -33,11 +35,11 @@ class LiftCounts:
 
     Attributes:
         setup: The robot and its servos.
-        leads: Whether commands lead by what the load bends.
+        feed_forward: Whether commands make up for the angles by which loads bend them.
     """
 
     setup: Setup
-    leads: bool
+    feed_forward: bool
     _known: dict[bytes, Array] = field(default_factory=dict, repr=False)
 
     def at(self, lift: Array, lag: Array) -> Array:
@@ -45,7 +47,7 @@ class LiftCounts:
 
         Args:
             lift: How far each group is to be raised, shape (n, G) [rad].
-            lag: How far each joint would lag behind its motion, shape (n, F) [rad].
+            lag: Angle by which each joint lags behind its motion, shape (n, F) [rad].
 
         Returns:
             Shape (n, F).
@@ -70,9 +72,10 @@ class LiftCounts:
     def height(self) -> Array:
         """Part of a count to add to each lift joint while its leg stands, shape (F,).
 
-        The middle between two counts is put into a gap between the remainders of all
-        standing legs: where counts change least from stratum to stratum, and of such
-        gaps into the widest.
+        It is chosen such that rounding is clearest: no standing leg on any stratum is
+        near the middle between two counts. Of the gaps between all remainders the one
+        is taken that makes counts change least from stratum to stratum, then the
+        widest.
         """
         loads = self._loads  # (S, F)
         remainders = np.unique(loads[np.isfinite(loads)] % 1)
@@ -90,9 +93,9 @@ class LiftCounts:
 
     @property
     def _loads(self) -> Array:
-        """Raising counts of all legs on the strata of the gait, (S, F); NaN in the air.
+        """Counts before rounding of standing legs on each stratum of the gait, (S, F).
 
-        Every leg stands on one of them at least.
+        They are NaN for legs in the air; every leg stands on one stratum at least.
         """
         robot, rows = self.setup.robot, list[Array]()
         for stratum in sorted(set(robot.card.gait)):
@@ -103,7 +106,7 @@ class LiftCounts:
 
     def _bent(self, down: Array) -> Array:
         """Counts by which loads bend each lift joint, while some groups stand, (F,)."""
-        if not self.leads:
+        if not self.feed_forward:
             return np.zeros(len(self.setup.robot.legs))
         key = down.tobytes()
         if key not in self._known:
@@ -117,3 +120,37 @@ class LiftCounts:
         stiffness = setup.model.actuator_gainprm[joints, 0]
         bent: Array = torque / (stiffness * setup.servo.resolution)
         return bent
+
+
+def lift_torques(setup: Setup, down: Array) -> Array:
+    """Static torque of each lift joint's servo, legs at their angles of the start.
+
+    On three feet the loads are determined; on more, feet stand as on equal springs.
+
+    Args:
+        setup: The robot in its world.
+        down: Which feet stand, shape (F,), bool.
+
+    Returns:
+        Shape (F,) [N m], positive where the servo turns its joint forward.
+    """
+    robot, stance = setup.robot, setup.kinematics.standing
+    loads = np.zeros(len(robot.legs))
+    feet, center = stance.feet[down], stance.center_of_mass
+    shares = static_loads(feet[None], center[None])[0]
+    loads[down] = shares * robot.weight_in(setup.model)
+    rise = stance.gives[:, 2] * robot.raise_sign  # of each foot by its joint [m/rad]
+    torque: Array = own_torques(setup) - loads * rise
+    return torque
+
+
+def own_torques(setup: Setup) -> Array:
+    """Torque that holds each leg's own weight in the air, shape (F,) [N m]."""
+    model = setup.model
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    mujoco.mj_forward(model, data)
+    joints = [actuator_of(model, joint) for joint in setup.robot.lift_joints]
+    places = model.jnt_dofadr[model.actuator_trnid[joints, 0]]
+    torque: Array = data.qfrc_bias[places].copy()
+    return torque

@@ -1,4 +1,4 @@
-"""Planar poses (x, y, yaw): from qpos, composed, and relative to one another."""
+"""Planar poses (x, y, yaw): from qpos, composed, relative; and lines through points."""
 
 from __future__ import annotations
 
@@ -66,3 +66,24 @@ def rotate(points: Array, angle: Array | float) -> Array:
 def nearest_turn(yaw: float, to: float) -> float:
     """A yaw plus the number of full turns that brings it closest to another yaw."""
     return float(to + wrap(yaw - to))
+
+
+def length_up_to(points: Array) -> Array:
+    """Length of a line from its first point to each, shape (N,).
+
+    Args:
+        points: Shape (N, 2).
+    """
+    steps = np.diff(points, axis=0, prepend=points[:1])
+    return np.cumsum(np.hypot(*steps.T))
+
+
+def spaced_rows(points: Array, spacing: float) -> Array:
+    """Rows of the first point, and of the next ones about a length farther on.
+
+    Args:
+        points: Shape (N, 2).
+        spacing: The length.
+    """
+    marks = np.floor(length_up_to(points) / spacing)
+    return np.unique(marks, return_index=True)[1]

@@ -2,6 +2,11 @@
 
 Ideal, quasi-static and identified predictions are the same computation with different
 twist models. The body stands still during lift-offs and touchdowns and stays level.
+
+Least margins and clearances of a walk are taken over `inspections`: the end of every
+phase and steps at even distances before it, in which legs swing by at most 0.02 rad, so
+that they do not depend on how often states are recorded. A smooth minimum is missed by
+at most the length of a leg times half of 0.01 squared, which is five micrometres.
 """
 
 from __future__ import annotations
@@ -15,8 +20,11 @@ from models import Kinematics, TwistModel
 from models.motion import Strokes
 from planner import Array
 from sim.motion.poses import compose
-from sim.motion.schedule import Schedule
+from sim.motion.schedule import Phase, Schedule
 from sim.motion.stability import stability_margin
+
+STEP = 0.02  # [rad] that the legs swing at most between inspections
+LIFTS = 4  # inspections of a lift-off or touchdown
 
 
 @dataclass(frozen=True)
@@ -136,3 +144,18 @@ def _clock(schedule: Schedule, loaded: Array, phase: Array, swing: Array) -> Arr
 def _contact(schedule: Schedule, phase: Array, kinematics: Kinematics) -> Array:
     planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
     return np.array(planted)[phase]
+
+
+def inspections(schedule: Schedule) -> Array:
+    """Steps, counted from the start of the run, to inspect the state after, (L,)."""
+    found = [_of_phase(phase) for phase in schedule.phases]
+    return 1 + np.concatenate(found) if found else np.zeros(0, dtype=int)
+
+
+def _of_phase(phase: Phase) -> Array:
+    samples = LIFTS
+    if phase.kind == "swing":
+        farthest = abs(phase.amount) * max(map(abs, phase.direction))
+        samples = 1 + int(np.ceil(farthest / STEP))
+    ends = np.linspace(0, phase.steps - 1, min(samples, phase.steps) + 1)[1:]
+    return phase.start + np.unique(ends.round().astype(int))

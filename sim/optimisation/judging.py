@@ -12,8 +12,7 @@ from planner import Array, BoundError, Flow, Plan, contact_switches
 from planner.execution import stepped
 from sim.errors import SimulationError
 from sim.experiments.predictions import twist_model
-from sim.motion.prediction import Predictor
-from sim.motion.sampling import inspections
+from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule, Scheduler
 from sim.motion.straying import straying
 from sim.obstacles.clearance import surroundings

@@ -13,7 +13,7 @@ import numpy as np
 
 from planner import Array
 from sim import palette
-from sim.motion.polylines import length_up_to
+from sim.motion.poses import length_up_to
 
 CORNERS = 24  # of a disc
 PIECE = 400  # triangles that are passed to the driver at once

@@ -12,7 +12,7 @@ import numpy as np
 
 from planner import Array
 from sim import palette
-from sim.motion.polylines import spaced_rows
+from sim.motion.poses import spaced_rows
 from sim.palette import Colour
 from sim.pictures.camera import WIDTH, Camera
 from sim.pictures.panel import EDGE, PAD, SMALL, Draw, Panel, empty, millimetres, text

@@ -14,7 +14,7 @@ import shapely
 from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.motion.polylines import spaced_rows
+from sim.motion.poses import spaced_rows
 from sim.motion.stability import support_polygons
 from sim.obstacles.solids import Solids
 from sim.palette import ACHIEVED, EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, PathMark

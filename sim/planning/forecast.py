@@ -17,8 +17,7 @@ from models import TwistModel
 from planner import Array
 from planner.support import tick
 from sim.experiments.predictions import twist_model
-from sim.motion.prediction import Predictor
-from sim.motion.sampling import inspections
+from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule, Scheduler
 from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
 from sim.preparation.scheduling import schedule_flows

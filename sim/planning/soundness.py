@@ -15,7 +15,7 @@ import numpy as np
 from planner import Array, Flow, Plan
 from planner.support import tick, unlimited
 from sim.errors import SimulationError
-from sim.motion.sampling import inspections
+from sim.motion.prediction import inspections
 from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.motion.stability import stability_margin
 from sim.preparation.scheduling import schedule_flows

@@ -1,4 +1,4 @@
-"""A robot as it can be looked at, whether or not it can walk everywhere.
+"""A robot as it can be looked at, whether or not it can walk everywhere, in numbers.
 
 What it lacks for walking is put into words. A robot that cannot even stand is refused.
 """
@@ -6,6 +6,10 @@ What it lacks for walking is put into words. A robot that cannot even stand is r
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from math import isfinite
+from typing import Any
+
+import numpy as np
 
 from models import (
     Equations,
@@ -17,6 +21,7 @@ from models import (
     mobility_of,
 )
 from models.adoption import servo_for
+from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
 from sim.preparation.reach import immobile
 from sim.preparation.setup import Setup, lift_angle
@@ -24,6 +29,9 @@ from sim.scenarios.scenario import Scenario
 from sim.world.changes import changes, overlaps
 from sim.world.model import build, load as load_world
 from sim.world.servos import joints_without_servo
+
+Facts = dict[str, Any]
+TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,3 +122,122 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
         f"write [servo] with {settings}, with which it stands"
     )
     return replace(robot, card=replace(robot.card, servo=servo)), [said]
+
+
+def facts(subject: Inspected) -> Facts:
+    """Mass, legs, groups, fields and margins of a robot that stands.
+
+    Args:
+        subject: The robot.
+    """
+    robot, kinematics = subject.robot, subject.kinematics
+    stance = kinematics.standing
+    lifting, lift = kinematics.lifting, subject.lift_angle
+    moved, can = subject.equations, subject.mobility
+    return {
+        "name": robot.name,
+        "description": robot.card.description,
+        "mass": float(robot.model.body_subtreemass[robot.model.body(robot.root).id]),
+        "weight_height": float(kinematics.center_of_mass[2] - stance.height.min()),
+        "lift": {
+            "angle": lift,
+            "height": float(lifting.rise(np.array(lift)).min()),
+            "highest": lifting.highest,
+        },
+        "legs": {
+            str(leg): _leg(robot, leg, foot)
+            for leg, foot in zip(robot.legs, stance.feet, strict=True)
+        },
+        "groups": {
+            name: {
+                "legs": sorted(group.legs),
+                "swing": [float(end) for end in robot.swing_range[name]],
+            }
+            for name, group in robot.card.groups.items()
+        },
+        "gait": list(robot.card.gait),
+        "let_down": subject.let_down,
+        "fields": {
+            name: [float(rate) for rate in twist]
+            for name, twist in ({} if moved is None else moved.twists).items()
+            if any(twist)
+        },
+        "strokes": {
+            cost.direction: cost.strokes
+            for cost in (() if can is None else can.costs)
+            if isfinite(cost.strokes)
+        },
+        "changed": list(subject.changed),
+        "lacks": list(subject.lacks),
+        "margins": {n: margin_at_rest(kinematics, n) for n in robot.card.strata},
+    }
+
+
+def _leg(robot: Robot, leg: int, foot: np.ndarray) -> Facts:
+    card = robot.card.legs[leg]
+    return {
+        "foot": [float(c) for c in foot],
+        "swing": {"joint": card.swing, "range": list(robot.span(card.swing))},
+        "lift": {"joint": card.lift, "range": list(robot.span(card.lift))},
+        "held": dict(card.hold),
+    }
+
+
+def describe(robot: Facts) -> str:
+    """The facts in lines for a terminal."""
+    lift = robot["lift"]
+    margins = (f"S{name} {1e3 * m:.1f} mm" for name, m in robot["margins"].items())
+    lines = [
+        f"{robot['name']}: {robot['description']}".rstrip(": "),
+        f"{'weight':12}{robot['mass']:.3f} kg, {1e3 * robot['weight_height']:.1f} mm "
+        "above the floor",
+        f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
+        f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
+        *_let_down(robot["let_down"]),
+        f"{'gait':12}{' '.join(robot['gait'])}",
+        f"{'margins':12}{', '.join(margins)}",
+        "",
+        f"{'leg':6}{'foot at x, y [m]':22}{'swing joint [rad]':34}lift joint [rad]",
+    ]
+    lines += [_leg_line(number, leg) for number, leg in robot["legs"].items()]
+    lines += ["", f"{'group':6}{'swings [rad]':22}legs"]
+    for name, group in robot["groups"].items():
+        legs = " ".join(map(str, group["legs"]))
+        lines.append(f"{name:6}{_range(group['swing']):22}{legs}")
+    if robot["fields"]:
+        lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
+    for name, (forward, left, yaw) in robot["fields"].items():
+        lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
+    lines += _strokes(robot["strokes"])
+    for heading in ("changed", "lacks"):
+        told = enumerate(robot[heading])
+        lines += [f"{'' if k else heading:12}{sentence}" for k, sentence in told]
+    return "\n".join(lines)
+
+
+def _strokes(strokes: dict[str, float]) -> list[str]:
+    """What a metre or a radian of each direction takes."""
+    costs = [f"{count:.3g} a unit of {name}" for name, count in strokes.items()]
+    return ["", f"{'strokes':12}{', '.join(costs)}"] if costs else []
+
+
+def _let_down(height: float) -> list[str]:
+    """What was done about a robot that is put above or into the floor."""
+    if abs(height) < TOLD:
+        return []
+    how = "let down onto" if height > 0 else "lifted out of"
+    return [f"{'start':12}{how} the floor by {1e3 * abs(height):.1f} mm"]
+
+
+def _leg_line(number: str, leg: Facts) -> str:
+    x, y = leg["foot"]
+    swing, lift = (
+        f"{leg[kind]['joint']} {_range(leg[kind]['range'])}"
+        for kind in ("swing", "lift")
+    )
+    held = "".join(f", {joint} held at {a:g}" for joint, a in leg["held"].items())
+    return f"{number:6}{f'{x:7.4f} {y:8.4f}':22}{swing:34}{lift}{held}"
+
+
+def _range(span: list[float]) -> str:
+    return f"{span[0]:.3g} to {span[1]:.3g}"

@@ -1,4 +1,4 @@
-"""Directions that a robot's swings do not reach: why not, and what would help."""
+"""What a robot cannot walk: directions out of reach, impossible gaits; and remedies."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 
 from models import Equations, Mobility, Robot, mobility_of
 from models.adoption import propose
-from planner import Array, Path, PlannerError
+from planner import Array, Gait, Path, PlannerError, StratumError
 from planner.extension import AFFORDABLE
 from planner.support import limited
-from sim.errors import SimulationError
+from sim.errors import SimulationError, UsageError
+from sim.scenarios.scenario import Scenario
 
 WAYS = ("x", "y", "theta")
 SAMPLES = 201  # poses of a path, between which its way is counted
@@ -100,3 +101,39 @@ def _remedy(robot: Robot) -> str:
             "posture of these legs were found in which it goes everywhere"
         )
     return f"{proposal}; `stratawalk adopt` gives that to a copy without a card"
+
+
+def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None:
+    """Check that plans can follow the scenario's gait, if it gives one.
+
+    Args:
+        scenario: The scenario.
+        robot: Robot that it walks.
+        described: The robot's equations.
+
+    Raises:
+        UsageError: If the gait is none of the robot, or something else decides the
+            order of strata.
+    """
+    if scenario.gait is None:
+        return
+    own = " ".join(robot.card.gait)
+    written = f"gait = {list(scenario.gait)}"
+    try:
+        walk = Gait(described.system, scenario.gait)
+    except StratumError as error:
+        remedy = f"give an order of this robot's strata, such as {own}"
+        raise UsageError(str(error), written, remedy) from error
+    missing = [s for s in described.system.strata if s not in walk.strata]
+    if missing:
+        what = f"{robot.name} cannot walk without S{missing[0]}"
+        raise UsageError(what, written, f"visit it, as in {own}")
+    if walk.strata[0] != robot.card.bottom:
+        what = f"the gait starts on S{walk.strata[0]}, and walks start on all feet"
+        raise UsageError(what, written, f"begin with S{robot.card.bottom}")
+    if described.stance == "stepped":
+        what = f"{robot.name} lifts its legs in the order in which it stands safely"
+        raise UsageError(what, written, "leave gait out for this robot")
+    if scenario.optimise != "none":
+        what = f"optimise = {scenario.optimise} chooses the order of strata itself"
+        raise UsageError(what, written, "leave out one of the two")

@@ -17,8 +17,7 @@ from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
-from sim.preparation.gait import require_gait
-from sim.preparation.reach import explained
+from sim.preparation.reach import explained, require_gait
 from sim.preparation.shared import Shared, made
 from sim.scenarios.imperfect import drawn
 from sim.scenarios.scenario import Scenario

@@ -20,7 +20,7 @@ import numpy as np
 
 from planner import Array
 from sim import palette
-from sim.motion.polylines import spaced_rows
+from sim.motion.poses import spaced_rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -2,11 +2,13 @@
 
 A path is a callable of s in [0, 1] that returns the pose (x [m], y [m], yaw [rad]) in
 the frame of the start pose; yaw is continuous, not wrapped. The planner provides the
-curves, divides them into segments and follows them.
+curves, divides them into segments and follows them. A table of poses may be a CSV file.
 """
 
 from __future__ import annotations
 
+import csv
+import io
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -17,8 +19,8 @@ import numpy as np
 
 import planner.planning
 from planner import Array, Path
+from planner.support import read_file
 from sim.errors import UsageError
-from sim.scenarios.pose_file import COLUMNS, read_poses
 from sim.scenarios.tables import (
     are_numbers,
     is_list,
@@ -31,6 +33,8 @@ Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
 CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 LARGEST = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
+COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
+MOST_POSES, MOST_BYTES = 100_000, 10**8  # in such a file
 AXES = "two lengths above 0 [m]"
 
 
@@ -233,3 +237,43 @@ def _numbers(key: str, value: object, count: int, wanted: str) -> tuple[float, .
 
 def _refusal(key: str, value: object, wanted: str) -> UsageError:
     return refusal(key, value, "the nominal path", wanted)
+
+
+def read_poses(path: FilePath) -> list[tuple[float, ...]]:
+    """Poses from a CSV file with a column for each of `COLUMNS`, in any order.
+
+    Args:
+        path: The file, in UTF-8; its first line names the columns.
+
+    Raises:
+        ValueError: A column is missing or named twice, or a value is no number.
+        OSError: It cannot be read.
+    """
+    try:
+        return _read(path)
+    except csv.Error as error:
+        raise ValueError(
+            f"no table, {error}; give a line of three numbers a pose"
+        ) from None
+    except UnicodeDecodeError:
+        raise ValueError("is no text in UTF-8; save the table as such") from None
+
+
+def _read(path: FilePath) -> list[tuple[float, ...]]:
+    text = read_file(path, MOST_BYTES).decode("utf-8-sig")  # spreadsheets mark it
+    rows = csv.DictReader(io.StringIO(text, newline=""))
+    names = [name.strip() for name in rows.fieldnames or ()]
+    if missing := [name for name in COLUMNS if name not in names]:
+        raise ValueError(f"no column {missing[0]!r}; begin with the line x,y,yaw")
+    if twice := [name for name in COLUMNS if names.count(name) > 1]:
+        raise ValueError(f"two columns {twice[0]!r}; name one of them otherwise")
+    rows.fieldnames = names
+    poses = []
+    for number, row in enumerate(rows, start=2):
+        try:
+            poses.append(tuple(float(row[name]) for name in COLUMNS))
+        except (TypeError, ValueError):
+            raise ValueError(f"line {number} holds no pose; give numbers") from None
+        if len(poses) > MOST_POSES:
+            raise ValueError(f"more than {MOST_POSES} poses; leave some of them out")
+    return poses

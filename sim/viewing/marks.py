@@ -11,7 +11,7 @@ import shapely
 from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.motion.polylines import length_up_to
+from sim.motion.poses import length_up_to
 from sim.motion.stability import support_polygons
 from sim.palette import (
     EDGE,

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from planner import Array
 from sim.drive.drive import Drive
-from sim.drive.lead import Lead
+from sim.drive.feed_forward import FeedForward
 from sim.motion.schedule import Phase, Schedule
 from sim.physics.recording import Recording
 from sim.preparation.setup import Setup
@@ -20,7 +20,7 @@ class Stretch:
 
     schedule: Schedule
     pose: Array  # in the start frame, (3,)
-    lead: Lead | None = None  # torques by which the commands lead
+    torques: FeedForward | None = None  # that the commands make up for
 
 
 @dataclass(frozen=True)
@@ -67,4 +67,4 @@ def laid_commands(
     for stretch in stretches:
         schedule = stretch.schedule
         done = min(schedule.stop, steps) - schedule.start
-        yield from drive.commands(schedule, stretch.lead, done)
+        yield from drive.commands(schedule, stretch.torques, done)

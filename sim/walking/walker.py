@@ -9,10 +9,9 @@ import numpy as np
 
 from planner import Array, Flow
 from sim.drive.drive import Drive
-from sim.drive.lead import Lead
-from sim.drive.rehearsal import Rehearsal
+from sim.drive.feed_forward import FeedForward, Rehearsal
 from sim.motion.poses import seen_from
-from sim.motion.sampling import inspections
+from sim.motion.prediction import inspections
 from sim.motion.schedule import Schedule, Scheduler
 from sim.physics.engine import Engine, State
 from sim.physics.measure import Sensors
@@ -124,26 +123,28 @@ class Walker:
             return
         check_effort(self.setup, schedule.stop)
         began, length = time.perf_counter(), schedule.stop - schedule.start
-        lead = self._rehearsed(schedule)
-        self._stretches.append(Stretch(schedule, self.pose, lead))
+        torques = self._rehearsed(schedule)
+        self._stretches.append(Stretch(schedule, self.pose, torques))
         self._shape = schedule.end
-        pieces = self._commands(schedule, lead)
+        pieces = self._commands(schedule, torques)
         for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began
 
-    def _commands(self, schedule: Schedule, lead: Lead | None) -> Iterable[Array]:
+    def _commands(
+        self, schedule: Schedule, torques: FeedForward | None
+    ) -> Iterable[Array]:
         """Commands of a stretch, which walks with the same schedule have in common."""
-        pieces = self._drive.commands(schedule, lead)
+        pieces = self._drive.commands(schedule, torques)
         if self._cache is no_cache or not self._drive.plain:
             return pieces
         return self._cache(f"commands from step {schedule.start}", lambda: list(pieces))
 
-    def _rehearsed(self, schedule: Schedule) -> Lead | None:
-        """Torques to lead by, once they are known to be within what servos have."""
+    def _rehearsed(self, schedule: Schedule) -> FeedForward | None:
+        """Torques to make up for, once they are known to be within what servos have."""
         if self._rehearsal is None:
             return None
-        lead = self._rehearsal.lead(schedule)
-        self._drive.require_strength(schedule, lead)
-        return lead if self._drive.leads else None
+        torques = self._rehearsal.torques(schedule)
+        self._drive.require_strength(schedule, torques)
+        return torques if self._drive.feeds_forward else None

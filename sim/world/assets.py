@@ -1,11 +1,14 @@
-"""Files that belong to a robot besides its MJCF: meshes, textures, height fields.
+"""Files that belong to a robot: its MJCF and card, meshes, textures, height fields.
 
-They are gathered from wherever the MJCF, its includes and its attached parts keep them,
-so that a model that is written to another folder finds its own copies.
+What model.xml names is gathered from wherever the MJCF, its includes and its attached
+parts keep it, so that a model that is written to another folder finds its own copies.
+The robot's own files are copied unchanged beside model.xml, whose numbers MuJoCo
+rounds: a rerun from the copies is planned with the same digits.
 """
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import mujoco
@@ -14,6 +17,7 @@ from models import ModelError, Robot
 from models.description import elements_with_files
 
 FOLDER = "assets"  # beside model.xml
+COPY = "robot"  # folder in the run folder, of the robot's own files
 
 
 def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
@@ -66,3 +70,27 @@ def _read(path: Path, robot: Robot) -> bytes:
             f"an asset cannot be read, {error.strerror}: {path}, which {robot.path} "
             "uses; put it there, or correct meshdir or texturedir"
         ) from error
+
+
+def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
+    """Name or path of the robot in a run folder, and the files that it needs.
+
+    A shipped robot is referred to by its name and needs no files.
+
+    Returns:
+        Name of a shipped robot, or path of its MJCF relative to the run folder; content
+        by path relative to the run folder.
+    """
+    if robot.is_shipped:
+        return robot.name, {}
+    mjcf = robot.path.resolve()
+    used = {path.resolve() for path in (mjcf, *robot.files)}
+    above = os.path.commonpath([path.parent for path in used])
+    copies = {
+        Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()
+        for path in sorted(used)
+    }
+    main = Path(COPY, mjcf.relative_to(above))
+    if not robot.has_card_inside:
+        copies[main.with_suffix(".toml").as_posix()] = robot.card_text.encode()
+    return main.as_posix(), copies

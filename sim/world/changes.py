@@ -11,8 +11,12 @@ import numpy as np
 from models import Robot
 from models.description import ON_JOINT
 from sim.scenarios.scenario import Scenario
-from sim.world.foreign_drives import couplings, other_drives
-from sim.world.servos import delayed_servos, joints_without_servo
+from sim.world.servos import (
+    couplings,
+    delayed_servos,
+    joints_without_servo,
+    other_drives,
+)
 
 
 def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:

@@ -1,7 +1,8 @@
 """The floor: a horizontal plane of the robot's file, or that of the shipped scene.
 
 Every foot must be able to touch it. Other planes remain: vertical ones are walls, and
-planes without contact are decoration.
+planes without contact are decoration. A floor with bumps is a height field in place of
+the plane, drawn anew for every draw.
 """
 
 from __future__ import annotations
@@ -13,7 +14,15 @@ import numpy as np
 
 from models import ModelError, Robot
 from models.description import FOLDER, compile_model
+from planner import Array
+from sim.scenarios.scenario import Scenario
 
+BUMPS = "bumps"  # name of the height field
+CELL = 0.01  # [m] between heights, or more where the floor is large
+WIDE = 3.0  # cells; standard deviation of what heights are averaged over
+MARGIN = 0.5  # [m] of floor around the path
+MOST = 400  # heights along a side
+DEEP = 0.05  # [m] of floor under the lowest height
 LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
 WALL = np.deg2rad(45)  # a plane tilted more is a wall, and no attempt at a floor
 
@@ -130,3 +139,41 @@ def _join_scene(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     spec.visual.map.znear = joined.visual.map.znear
     spec.attach(joined, frame=spec.worldbody.add_frame(), prefix="scene_")
     return Floor("scene_floor", 0.0)
+
+
+def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
+    """Turn the plane of the floor into a field of smooth bumps, as high as asked for.
+
+    Their tops are where the plane was, so that no foot starts within a bump.
+
+    Args:
+        spec: World with the floor.
+        floor: The plane.
+        scenario: Its bumps, its draw, and the path that must lie on the field.
+    """
+    way = scenario.path.curve.at(np.linspace(0.0, 1.0, 101))[:, :2]
+    low, high = way.min(axis=0) - MARGIN, way.max(axis=0) + MARGIN
+    sides = np.clip(np.ceil((high - low) / CELL), 2, MOST).astype(int)
+    half = (high - low) / 2
+    spec.add_hfield(
+        name=BUMPS,
+        ncol=int(sides[0]),
+        nrow=int(sides[1]),
+        size=[*half.tolist(), scenario.bumps, DEEP],
+        userdata=_heights(sides, scenario.draw).ravel().tolist(),
+    )
+    geom = spec.geom(floor.name)
+    geom.type = mujoco.mjtGeom.mjGEOM_HFIELD
+    geom.hfieldname = BUMPS
+    geom.pos = [*((low + high) / 2).tolist(), floor.height - scenario.bumps]
+    geom.quat = [1.0, 0.0, 0.0, 0.0]
+
+
+def _heights(sides: Array, draw: int) -> Array:
+    """Heights from 0 to 1, a row for each y, (rows, columns)."""
+    from scipy.ndimage import gaussian_filter  # slow to import, and seldom needed
+
+    drawn = np.random.default_rng([draw, 1]).standard_normal((sides[1], sides[0]))
+    smooth = gaussian_filter(drawn, WIDE, mode="nearest")
+    heights: Array = (smooth - smooth.min()) / np.ptp(smooth)
+    return heights

@@ -1,8 +1,8 @@
-"""Imperfections of robot and floor: loads, slopes, soft floors, slippery feet, play.
+"""Imperfections of robot and floor: payload, slope, soft floor, friction, backlash.
 
 The predictions know nothing of them; the comparison with the physics shows their
-effect. A servo with a dead band is a spring behind play as wide: either gives no torque
-within it, and beyond it what the stiffness gives for the rest of the error.
+effect. A servo with a dead band is a spring behind backlash as wide: neither gives a
+torque within it, and beyond it both give the stiffness times the rest of the error.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
 PAYLOAD = "payload"
-PLAY = "play_"  # before the name of the joint whose gears have it
-LOOSE = 1e-6  # [kg m^2]; inertia of what moves within the play
+BACKLASH = "backlash_"  # before the name of the joint whose gears have it
+LOOSE = 1e-6  # [kg m^2]; inertia of what moves within the backlash
 RUBBED = 1e-3  # [N m s/rad]; damping of it
 # Stops as MuJoCo has them by default give way like a spring of 0.6 N m/rad behind a leg
 # as light as ours; these like one of some 5,000. Ten times harder ones rattle while the
@@ -144,17 +144,17 @@ def _set_foot_friction(
             foot.condim, foot.priority = floor.condim, floor.priority + 1
 
 
-def _loosen(spec: mujoco.MjSpec, robot: Robot, play: float) -> None:
-    """Behind every leg joint another one about the same axis, free within the play."""
+def _loosen(spec: mujoco.MjSpec, robot: Robot, backlash: float) -> None:
+    """Behind every leg joint another one about its axis, free within the backlash."""
     for name in robot.card.joints:
         joint = spec.joint(name)
         joint.parent.add_joint(
-            name=PLAY + name,
+            name=BACKLASH + name,
             type=mujoco.mjtJoint.mjJNT_HINGE,
             pos=joint.pos,
             axis=joint.axis,
             limited=True,
-            range=[-play / 2, play / 2],
+            range=[-backlash / 2, backlash / 2],
             armature=LOOSE,
             damping=RUBBED,
             solref_limit=STOP,

@@ -26,7 +26,7 @@ class ServoSettings:
         speed: Speed at which no torque is left [rad/s].
         rate: Commands a second; 0 for one a physics step.
         resolution: Angle of a count [rad]; 0 for none.
-        feed_forward: Whether commands lead by what the load bends; None decides by the
+        feed_forward: Whether commands make up for what loads bend; None decides by the
             stiffness.
     """
 
@@ -40,8 +40,8 @@ class ServoSettings:
     resolution: float
     feed_forward: bool | None
 
-    def leads(self, stiffness: float) -> bool:
-        """Whether commands lead, for servos of a stiffness [N m/rad]."""
+    def feeds_forward(self, stiffness: float) -> bool:
+        """Whether commands make up for loads, on servos of a stiffness [N m/rad]."""
         return stiffness < SOFT if self.feed_forward is None else self.feed_forward
 
     def table(self, simulated: tuple[float, float] | None) -> dict[str, Any]:

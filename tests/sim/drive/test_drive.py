@@ -1,4 +1,4 @@
-"""What servos are told: lead, counts and rate, against their definitions."""
+"""Servo commands: feed-forward, counts and rate, against their definitions."""
 
 import mujoco
 import numpy as np
@@ -7,9 +7,8 @@ import pytest
 from models.description.servos import SERVO_KINDS, ServoKind
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
-from sim.drive.lead import Lead, smoothed
+from sim.drive.feed_forward import FeedForward, Rehearsal, leg_actuators, smoothed
 from sim.drive.lift_counts import PASSED
-from sim.drive.rehearsal import Rehearsal, leg_actuators
 from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine
@@ -30,8 +29,8 @@ def swung(setup, angle=0.2):
     return scheduler.finish()
 
 
-def rows(drive, schedule, lead=None):
-    return np.concatenate(list(drive.commands(schedule, lead)))
+def rows(drive, schedule, torques=None):
+    return np.concatenate(list(drive.commands(schedule, torques)))
 
 
 def intended(setup, schedule):
@@ -97,23 +96,23 @@ def test_commands_lead_by_torque_and_damping_over_stiffness(scenario):
     schedule = swung(setup)
     steps, joints = schedule.stop - schedule.start, leg_actuators(setup)
     torque = np.full((2, setup.model.nu), 0.3)
-    told = rows(Drive(setup), schedule, Lead(torque, spacing=steps))
+    told = rows(Drive(setup), schedule, FeedForward(torque, spacing=steps))
     wanted = intended(setup, schedule)
     middle = slice(1, -1)
     speed = (wanted[2:] - wanted[:-2]) / (2 * setup.limits.timestep)
-    lead = (0.3 + 1.0 * speed[:, joints]) / 50.0
+    expected = (0.3 + 1.0 * speed[:, joints]) / 50.0
     ahead = told[middle][:, joints] - wanted[middle][:, joints]
     # rounding of differences of angles over a timestep
-    assert ahead == pytest.approx(lead, abs=1e-9)
+    assert ahead == pytest.approx(expected, abs=1e-9)
 
 
 def test_smoothed_torques_keep_constants_and_straight_lines():
     timestep, count = 0.0005, 2000
     line = np.linspace(0, 1, count)[:, None] * [1.0, -2.0]
-    lead = smoothed(line + 3.0, timestep)
+    smooth = smoothed(line + 3.0, timestep)
     inner = np.arange(100, count - 100)
-    assert lead.at(inner) == pytest.approx(line[inner] + 3.0, abs=1e-9)
-    assert lead.at(np.array([0, count - 1])).shape == (2, 2)
+    assert smooth.at(inner) == pytest.approx(line[inner] + 3.0, abs=1e-9)
+    assert smooth.at(np.array([0, count - 1])).shape == (2, 2)
 
 
 @pytest.mark.physics
@@ -123,7 +122,7 @@ def test_a_rehearsal_with_soft_servos_measures_the_torques_of_stiff_ones(scenari
     scheduler.enter("1")
     scheduler.hold(0.5)
     schedule = scheduler.finish()
-    rehearsed = Rehearsal(soft).lead(schedule).torque[-1]
+    rehearsed = Rehearsal(soft).torques(schedule).torque[-1]
     engine = Engine(stiff.model)
     for ctrl in stiff.commands(schedule):
         borne = engine.advance(ctrl).actuator_force[-1]
@@ -138,7 +137,7 @@ def test_soft_servos_with_lead_go_where_stiff_ones_go(scenario):
         return error["farthest"]
 
     led = off(command_rate=50.0, **SOFT)
-    # 14 mm of path; measured 0.22 mm with the lead and 0.97 mm without
+    # 14 mm of path; measured 0.22 mm with feed-forward and 0.97 mm without
     assert led < 0.3e-3
     assert led < off(command_rate=50.0, feed_forward=False, **SOFT) / 3
 
@@ -193,8 +192,8 @@ def test_nobody_knows_the_imperfections_when_torques_are_rehearsed(scenario):
     heavy = {"payload": [0.3, 0.03, 0.0, 0.02], "backlash": 0.01, "slope": [0.05, 0.0]}
     plain, laden = (prepare(scenario(**SOFT | given)) for given in ({}, heavy))
     schedule = swung(plain)
-    leads = [Rehearsal(setup).lead(schedule).torque for setup in (plain, laden)]
-    assert (leads[0] == leads[1]).all()
+    torques = [Rehearsal(setup).torques(schedule).torque for setup in (plain, laden)]
+    assert (torques[0] == torques[1]).all()
 
 
 def test_a_delay_shifts_all_commands_by_as_much(scenario):

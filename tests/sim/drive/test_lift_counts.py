@@ -5,9 +5,8 @@ import pytest
 
 from models.library import load
 from planner.systems.flows import Flow
-from sim.drive.lift_counts import PASSED, LiftCounts
-from sim.drive.rehearsal import Rehearsal
-from sim.drive.statics import lift_torques
+from sim.drive.feed_forward import Rehearsal
+from sim.drive.lift_counts import PASSED, LiftCounts, lift_torques
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
@@ -39,7 +38,7 @@ def lifted(setup):
     scheduler.enter("12")
     _, lift = scheduler.finish().angles()
     lag = np.random.default_rng(1).uniform(-0.004, 0.004, (len(lift), 6))
-    return lift, LiftCounts(setup, leads=True).at(lift, lag)
+    return lift, LiftCounts(setup, feed_forward=True).at(lift, lag)
 
 
 def test_a_standing_leg_keeps_one_count_for_as_long_as_the_same_feet_stand(
@@ -64,7 +63,7 @@ def test_a_foot_passes_the_heights_at_which_it_may_touch_in_one_command(setup, l
 
 
 def test_the_body_stands_at_a_height_where_no_standing_leg_changes_its_count(setup):
-    lift_counts = LiftCounts(setup, leads=True)
+    lift_counts = LiftCounts(setup, feed_forward=True)
     lift = np.array([[0.0, 0.0], [0.0, 0.3], [0.3, 0.0]])
     counts = lift_counts.at(lift, np.zeros((3, 6)))
     standing = lift[:, setup.robot.group_of_leg] == 0
@@ -83,7 +82,7 @@ def test_statics_on_three_feet_are_those_of_the_physics(name):
     scheduler = Scheduler(setup.limits, setup.at_rest)
     scheduler.enter("1")
     scheduler.hold(1.0)
-    borne = Rehearsal(setup).lead(scheduler.finish()).torque[-1]
+    borne = Rehearsal(setup).torques(scheduler.finish()).torque[-1]
     joints = [setup.model.actuator(j).id for j in setup.robot.lift_joints]
     found = lift_torques(setup, setup.robot.planted("1"))
     # what joints bend under the load, a thousandth of a radian; measured 0.2 %
@@ -94,6 +93,6 @@ def test_statics_on_three_feet_are_those_of_the_physics(name):
 def test_the_classroom_robot_walks_on_its_own_servos_without_a_bounce():
     summary = simulate(classroom()).summary
     assert summary["servo"]["name"] == "mg90"
-    assert summary["bounces"] == 0  # 4 with the counts of leads rounded one by one
+    assert summary["bounces"] == 0  # 4 with each joint's feed-forward rounded by itself
     assert summary["achieved"]["min_margin"] > 0.03
     assert load("hexapod-classroom").card.servo.made == "mg90"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.motion.polylines import length_up_to, spaced_rows
+from sim.motion.poses import length_up_to, spaced_rows
 
 CORNER = np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [3.0, 4.0]])
 

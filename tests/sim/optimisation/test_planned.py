@@ -8,7 +8,7 @@ import pytest
 from planner.errors import BoundError, BudgetError
 from planner.support.stopping import limited
 from sim.errors import UsageError
-from sim.motion.sampling import inspections
+from sim.motion.prediction import inspections
 from sim.motion.stability import stability_margin
 from sim.motion.straying import straying
 from sim.optimisation.judging import Judge

@@ -6,8 +6,7 @@ from math import cos, sin
 import pytest
 
 from sim import cli
-from sim.preparation.inspection import Inspected
-from sim.preparation.robot_facts import describe, facts
+from sim.preparation.inspection import Inspected, describe, facts
 from sim.preparation.setup import prepare
 from tests import foreign
 

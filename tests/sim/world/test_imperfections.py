@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from sim.drive.drive import Drive
-from sim.drive.rehearsal import leg_actuators
+from sim.drive.feed_forward import leg_actuators
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
 from sim.simulation import simulate
-from sim.world.imperfections import PLAY
+from sim.world.imperfections import BACKLASH
 
 
 @pytest.fixture(scope="module")
@@ -126,10 +126,12 @@ def test_play_is_a_joint_behind_each_leg_joint(standing):
     model = standing(backlash=0.02).model
     own = [model.joint(i).name for i in range(model.njnt)]
     legs = [n for n in own if n.startswith(("swing", "lift"))]
-    assert [n for n in own if n.startswith(PLAY)]
+    assert [n for n in own if n.startswith(BACKLASH)]
     for name in legs:
-        assert model.joint(PLAY + name).range == pytest.approx([-0.01, 0.01])
-        assert model.joint(PLAY + name).axis == pytest.approx(model.joint(name).axis)
+        assert model.joint(BACKLASH + name).range == pytest.approx([-0.01, 0.01])
+        assert model.joint(BACKLASH + name).axis == pytest.approx(
+            model.joint(name).axis
+        )
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, 0)
     assert data.joint("root").qpos[2] == pytest.approx(0.06)
@@ -200,7 +202,7 @@ def test_standing_legs_give_way_by_half_the_slack_and_what_loads_bend(standing, 
         mujoco.mj_step(model, data)
     for leg in range(1, 7):
         bent = abs(float(data.actuator(f"lift_{leg}").force[0])) / stiffness
-        joints = f"lift_{leg}", f"{PLAY}lift_{leg}"
+        joints = f"lift_{leg}", f"{BACKLASH}lift_{leg}"
         given = sum(float(data.joint(name).qpos[0]) for name in joints)
         # the stop gives way by the torque, 0.3 N m, over some 5,000 N m/rad
         assert given == pytest.approx(width / 2 + bent, abs=1e-4)

@@ -1,0 +1,126 @@
+"""Feed-forward: the torques that a walk takes, and commands that make up for them.
+
+A servo is a spring: a joint that bears a torque rests away from its command by torque
+over stiffness, and a moving one lags by damping times speed over stiffness. Commands
+ahead of the intended angles by as much leave the joints where they should be.
+
+The torques are measured by walking beforehand on very stiff servos, whose joints are
+where they should be; they include the friction between standing feet. They do not
+depend on where on the floor the robot is, so that a walk that is planned on the way is
+rehearsed stretch by stretch. The rehearsing robot has no imperfections, because those
+of the walking robot are not known.
+"""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from models.description import actuator_of
+from planner import Array
+from sim.motion.schedule import Schedule
+from sim.physics.engine import Engine
+from sim.preparation.setup import Setup
+from sim.world.integrator import suitable_integrator
+
+GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
+SMOOTHED = 0.05  # [s]; over which torques are averaged, as servos cannot follow faster
+SPACING = 0.005  # [s]; between torques that are kept
+
+
+@dataclass(frozen=True)
+class FeedForward:
+    """Smooth torques of all actuators along a stretch of a schedule.
+
+    Attributes:
+        torque: At knots, shape (K, nu) [N m].
+        spacing: Steps between knots; the first is at the stretch's first step.
+    """
+
+    torque: Array
+    spacing: int
+
+    def at(self, rows: Array) -> Array:
+        """Torques at steps of the stretch, shape (n, nu)."""
+        where = np.minimum(rows / self.spacing, len(self.torque) - 1.0)
+        before = np.minimum(where.astype(int), max(len(self.torque) - 2, 0))
+        after = np.minimum(before + 1, len(self.torque) - 1)
+        part = (where - before)[:, None]
+        torque: Array = (1 - part) * self.torque[before] + part * self.torque[after]
+        return torque
+
+    @property
+    def largest(self) -> tuple[int, int, float]:
+        """Step, actuator and size of the largest torque."""
+        sizes = np.abs(self.torque)
+        knot, actuator = np.unravel_index(sizes.argmax(), sizes.shape)
+        return int(knot) * self.spacing, int(actuator), float(sizes.max())
+
+
+def smoothed(torque: Array, timestep: float) -> FeedForward:
+    """Torques that were recorded at every step, averaged over 50 ms, every 5 ms.
+
+    Args:
+        torque: Shape (n, nu) [N m].
+        timestep: [s].
+    """
+    from scipy.ndimage import uniform_filter1d  # slow to import, and seldom needed
+
+    window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
+    spacing = max(round(SPACING / timestep), 1)
+    smooth = uniform_filter1d(torque, window, axis=0, mode="nearest")
+    return FeedForward(smooth[::spacing].copy(), spacing)
+
+
+class Rehearsal:
+    """A second robot, on very stiff servos, that walks every stretch beforehand."""
+
+    def __init__(self, setup: Setup) -> None:
+        self._setup = setup.as_planned
+        self._engine = Engine(stiffened(self._setup))
+
+    def torques(self, schedule: Schedule) -> FeedForward:
+        """Walk a schedule and return the torques that it took.
+
+        Raises:
+            SimulationError: If the rehearsal diverges.
+        """
+        torques = [
+            self._engine.advance(ctrl).actuator_force
+            for ctrl in self._setup.commands(schedule)
+        ]
+        return smoothed(np.concatenate(torques), self._setup.limits.timestep)
+
+
+def stiffened(setup: Setup) -> mujoco.MjModel:
+    """The model on very stiff, critically damped servos without a largest torque."""
+    model, joints = copy(setup.model), leg_actuators(setup)
+    stiffness = carried_torque(setup) / GIVES
+    inertia = model.dof_M0[model.jnt_dofadr[model.actuator_trnid[joints, 0]]]
+    model.actuator_gainprm[joints, 0] = stiffness
+    model.actuator_biasprm[joints, 1] = -stiffness
+    model.actuator_biasprm[joints, 2] = -2 * np.sqrt(stiffness * inertia)
+    model.actuator_forcelimited[joints] = 0
+    model.opt.integrator = suitable_integrator(model)
+    return model
+
+
+def leg_actuators(setup: Setup) -> Array:
+    """Actuators of all leg joints, shape (J,)."""
+    joints = setup.robot.card.joints
+    return np.array([actuator_of(setup.model, joint) for joint in joints])
+
+
+def carried_torque(setup: Setup) -> float:
+    """Torque of the whole weight at the end of the longest leg [N m]."""
+    return _reach(setup) * setup.robot.weight_in(setup.model)
+
+
+def _reach(setup: Setup) -> float:
+    """Longest distance of a foot from its swing axis, its way per radian [m]."""
+    stance = setup.kinematics.standing
+    own = np.linalg.norm(stance.rates, axis=-1) / np.abs(setup.robot.swing_gain)
+    return float(own.max())
