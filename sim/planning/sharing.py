@@ -52,7 +52,7 @@ def walk_cache(setup: Setup, shared: Shared | None) -> Cache:
     if shared is None or scenario.replan or not is_shareable(setup):
         return no_cache
     key = (scenario.key(*PLAN), setup.limits, scenario.sample_every)
-    return lambda kind, make: shared.kept(kind, key, make, FEW)
+    return lambda kind, make: shared.cached(kind, key, make, FEW)
 
 
 def world_cache(setup: Setup, shared: Shared | None) -> Cache:
@@ -66,7 +66,7 @@ def world_cache(setup: Setup, shared: Shared | None) -> Cache:
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
     key = scenario.key(*WORLD)
-    return lambda kind, make: shared.kept(kind, key, make)
+    return lambda kind, make: shared.cached(kind, key, make)
 
 
 def shared_plan(setup: Setup, shared: Shared) -> Plan:
@@ -80,4 +80,4 @@ def shared_plan(setup: Setup, shared: Shared) -> Plan:
         PlannerError: If there is none.
     """
     key = setup.scenario.key(*PLAN)
-    return shared.kept("plan", key, lambda: plan_open_loop(setup))
+    return shared.cached("plan", key, lambda: plan_open_loop(setup))

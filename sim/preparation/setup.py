@@ -18,7 +18,7 @@ from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.reach import explained, require_gait
-from sim.preparation.shared import Shared, made
+from sim.preparation.shared import Shared, built
 from sim.scenarios.imperfect import drawn
 from sim.scenarios.scenario import Scenario
 from sim.world.channels import Channels
@@ -57,7 +57,7 @@ class Setup:
         if not self.scenario.is_imperfect:
             return self
         scenario = self.scenario.as_planned
-        world, model = made(self.robot, scenario)
+        world, model = built(self.robot, scenario)
         return replace(self, scenario=scenario, world=world, model=model)
 
     @property
@@ -179,7 +179,7 @@ def prepare(
     require_gait(scenario, robot, described)
     servo = servo_settings(scenario, robot.card)
     world, model = (
-        made(robot, scenario) if shared is None else shared.world(scenario, robot)
+        built(robot, scenario) if shared is None else shared.world(scenario, robot)
     )
     lift = lift_angle(kinematics, scenario.lift_height)
     setup = Setup(
@@ -211,7 +211,7 @@ def _robot(scenario: Scenario, shared: Shared | None) -> Robot:
         return load(scenario.robot, geometry=scenario.geometry)
 
     key = (scenario.robot, str(scenario.geometry))
-    return make() if shared is None else shared.kept("robot", key, make)
+    return make() if shared is None else shared.cached("robot", key, make)
 
 
 def _mathematics(
@@ -227,7 +227,7 @@ def _mathematics(
 
     if shared is None:
         return make()
-    return shared.kept("mathematics", scenario.key("equations"), make)
+    return shared.cached("mathematics", scenario.key("equations"), make)
 
 
 def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:

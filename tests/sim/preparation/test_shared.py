@@ -3,8 +3,6 @@
 from dataclasses import replace
 from typing import Literal, get_args, get_origin
 
-import mujoco
-import numpy as np
 import pytest
 
 from sim.planning.open_loop import plan_open_loop
@@ -85,37 +83,19 @@ def test_plans_whose_strokes_end_on_counts_are_not_shared(plain, hexapod, name):
     assert plan_open_loop(setup).flows != plan_open_loop(other).flows
 
 
-@pytest.mark.parametrize(
-    "names",
-    [
-        ("friction",),
-        ("servo_stiffness",),
-        ("servo_damping",),
-        ("friction", "servo_stiffness", "servo_damping"),
-        ("payload",),
-        ("foot_friction",),
-        ("payload", "foot_friction", "friction", "servo_stiffness"),
-    ],
-)
-def test_a_tuned_model_is_the_one_that_would_be_compiled(plain, hexapod, names):
-    shared, tuned = Shared(), plain
-    shared.world(plain, hexapod)
-    for name in names:
-        tuned = changed(tuned, name)
-    world, model = shared.world(tuned, hexapod)
-    alone = prepare(tuned, hexapod)
-    assert world.servo == alone.world.servo
-    for name in dir(model):
-        value = getattr(model, name)
-        if isinstance(value, np.ndarray):
-            assert np.array_equal(value, getattr(alone.model, name)), name
-    assert isinstance(model, mujoco.MjModel)
+def test_scenarios_that_differ_in_the_way_share_a_model(plain, hexapod):
+    shared = Shared()
+    _, model = shared.world(plain, hexapod)
+    assert shared.world(changed(plain, "path"), hexapod)[1] is model
+    assert shared.world(changed(plain, "friction"), hexapod)[1] is not model
+    bumpy = changed(plain, "bumps")  # which lie along the way
+    assert shared.world(bumpy, hexapod)[1] is not shared.world(bumpy, hexapod)[1]
 
 
 def test_things_are_made_once_and_the_oldest_are_forgotten():
     shared, made = Shared(), []
     for number in (1, 2, 1, *range(2, 40), 1):
-        shared.kept("kind", number, lambda number=number: made.append(number))
+        shared.cached("kind", number, lambda number=number: made.append(number))
     assert made == [1, 2, *range(3, 40), 1]
 
 
