@@ -21,7 +21,6 @@ from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, Summary, evaluate
 from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH
-from sim.preparation.resolve import resolved
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
 from sim.runs.in_memory import run_of
@@ -61,7 +60,7 @@ class Writer:
         card = {CARD: setup.robot.card_text.encode()}
         for name, content in (setup.world.files | card | copies).items():
             self.folder.write_bytes(name, content)
-        self.settings = dumps(resolved(setup, scenario, robot))
+        self.settings = dumps(setup.resolved(scenario, robot))
         self.folder.write_text("scenario.toml", self.settings)
 
     def walked(self, walk: Walker | Walk) -> None:

@@ -171,7 +171,7 @@ def simulate(
 def _prepared(
     scenario: Scenario, planned: PlannedWalk, aside: Aside, shared: Shared | None
 ) -> Prepared:
-    setup = planned.setup.beside(aside)
+    setup = planned.setup.aimed(aside)
     with explained(setup.robot, setup.equations):
         chosen = None if scenario.replan else _chosen(setup, planned, aside, shared)
     plan, fallback = (chosen.plan, chosen.fallback) if chosen else (None, None)

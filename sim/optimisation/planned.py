@@ -64,7 +64,7 @@ class PlannedWalk:
             BoundError: If no plan keeps the tolerances; it says which would be kept.
             BudgetError: If the time is over before there is one.
         """
-        setup = self.setup.beside(aside)
+        setup = self.setup.aimed(aside)
         if setup.scenario.optimise == "none":
             return Chosen(plan_open_loop(setup))
         if self._stratified is None or not self._stratified_keeps:

@@ -21,9 +21,9 @@ from sim.preparation.reach import explained, require_gait
 from sim.preparation.shared import Shared, built
 from sim.scenarios.imperfect import drawn
 from sim.scenarios.scenario import Scenario
-from sim.world.channels import Channels
 from sim.world.model import World
 from sim.world.servo_settings import ServoSettings, servo_settings
+from sim.world.servos import Channels
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Setup:
     model: mujoco.MjModel
     limits: MotionLimits
     servo: ServoSettings
-    aside: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of the goal: where to aim
+    goal_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of where it is aimed
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Setup) and self.model is other.model
@@ -140,9 +140,9 @@ class Setup:
         scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)
         return replace(self, scenario=scenario)
 
-    def beside(self, aside: tuple[float, float, float]) -> Setup:
+    def aimed(self, goal_offset: tuple[float, float, float]) -> Setup:
         """The same setup, aimed a step beside the goal: x, y [m] and yaw [rad]."""
-        return replace(self, aside=aside)
+        return replace(self, goal_offset=goal_offset)
 
     def nominal(self) -> Path:
         """The nominal path as configurations: legs at angle 0, feet on the ground.
@@ -150,10 +150,31 @@ class Setup:
         Where the walk is aimed beside the goal, the path goes there evenly.
         """
         path = self.scenario.path.curve
-        if any(self.aside):
-            step, straight = np.array(self.aside), path
+        if any(self.goal_offset):
+            step, straight = np.array(self.goal_offset), path
             path = Path(lambda s: straight.at(s) + s[:, None] * step, straight.corners)
         return self.equations.configurations(path)
+
+    def resolved(self, scenario: Scenario, robot: str) -> Scenario:
+        """A scenario with the settings that it left to its robot; it walks the same.
+
+        Some settings remain open: the height of a lift, which the card gives as an
+        angle, servos that differ from joint to joint, and bounds that are not asked
+        for.
+
+        Args:
+            scenario: The scenario before its path was divided to keep its bounds.
+            robot: Name or file of the robot.
+        """
+        stiffness, damping = self.world.servo or (None, None)
+        given = scenario.servo_stiffness, scenario.servo_damping
+        return replace(
+            scenario,
+            robot=robot,
+            stance="centred" if self.stance == "stepped" else self.stance,
+            servo_stiffness=stiffness if given[0] is None else given[0],
+            servo_damping=damping if given[1] is None else given[1],
+        )
 
 
 def prepare(

@@ -19,8 +19,8 @@ from planner.systems.flows import Flow
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
 from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
-from sim.world.channels import Channels
 from sim.world.model import build, load
+from sim.world.servos import Channels
 
 UNIT = ((1.0, 0.0), (0.0, 1.0))
 SWEEP = ((0, 0.2), (0, -0.4))  # group, amount: the second runs without a start-up

@@ -19,8 +19,8 @@ from sim.physics.measure import (
     decided,
     last_touched,
 )
-from sim.world.channels import Channels
 from sim.world.model import build, load
+from sim.world.servos import Channels
 
 
 def test_less_than_one_per_cent_of_the_weight_is_no_contact(hexapod, scenario):

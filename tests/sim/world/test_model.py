@@ -7,9 +7,9 @@ import pytest
 from models.description.robot import FOLDER
 from models.errors import ModelError
 from models.library import load as load_robot
-from sim.world.channels import Channels
 from sim.world.model import build, load
 from sim.world.sensors import contact_sensor
+from sim.world.servos import Channels
 
 BARE = """
 <mujoco model="tricycle">
