@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from sim.runs.in_memory import trajectory
 
 from sim.evaluation.assessment import evaluate, summarise
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
+from sim.runs.in_memory import trajectory
 from sim.scenarios.file import load_scenario
 from sim.walking.walker import Walker
 from sim.walking.walks import carry_out

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from sim.runs.in_memory import trajectory
 
 from sim.evaluation.assessment import evaluate, summarise
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.routes import routed
 from sim.preparation.setup import prepare
+from sim.runs.in_memory import trajectory
 from sim.scenarios.file import load_scenario
 from sim.walking.walker import Walker
 from sim.walking.walks import carry_out

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from sim.runs.run import read_run
 
 from sim import palette
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
@@ -12,6 +11,7 @@ from sim.pictures.floor import cell, grid
 from sim.pictures.inset import BOX, FILL, MIDDLE, SIZE, inset, magnification
 from sim.pictures.legend import _lines, nose
 from sim.pictures.worker import _is_held
+from sim.runs.run import read_run
 from tests.finished_runs import predicted_elsewhere
 from tests.screen import on_screen
 

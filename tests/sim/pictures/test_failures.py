@@ -5,13 +5,13 @@ import re
 
 import numpy as np
 import pytest
-from sim.runs.run import read_run
 
 from sim.errors import ExitCode, FilesError, RenderError, UsageError
 from sim.pictures import processes
 from sim.pictures.file import check_encoder, count_pictures, encoding, join
 from sim.pictures.processes import Piece
 from sim.pictures.run_film import film_folder
+from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode
 
 

@@ -6,7 +6,6 @@ import subprocess
 import mujoco
 import numpy as np
 import pytest
-from sim.runs.run import read_run
 
 from sim import palette
 from sim.pictures import gl, processes
@@ -15,6 +14,7 @@ from sim.pictures.clock import clock
 from sim.pictures.file import count_pictures
 from sim.pictures.processes import Piece
 from sim.pictures.run_film import film_folder
+from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode, on_screen
 
 CLOCK = np.s_[20:60, 1110:1260]  # where the time stands

@@ -5,13 +5,13 @@ import json
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
-from sim.runs.run import read_run
 
 from sim.cli import main
 from sim.errors import UsageError
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
 from sim.pictures.clock import FRAME_RATE, TAIL, clock, rows_of
 from sim.pictures.file import count_pictures
+from sim.runs.run import read_run
 from tests.screen import decode, on_screen
 
 

@@ -8,7 +8,6 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from sim.runs.run import read_run
 
 from sim.cli import main
 from sim.errors import UsageError
@@ -18,6 +17,7 @@ from sim.pictures.clock import FRAME_RATE
 from sim.pictures.run_film import film_folder
 from sim.reports.page import NAME, write_report
 from sim.run_folder import run, write
+from sim.runs.run import read_run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate

@@ -1,8 +1,7 @@
 """The table of settings says what the scenario's file says."""
 
-from sim.runs.run import read_run
-
 from sim.reports.tables import settings
+from sim.runs.run import read_run
 
 
 def test_settings_stand_in_the_table_as_in_the_file(folder):

@@ -3,11 +3,11 @@
 import mujoco
 import numpy as np
 import pytest
-from sim.runs.run import read_run
 
 from sim import palette
 from sim.errors import UsageError
 from sim.pictures.legend import entries
+from sim.runs.run import read_run
 from sim.viewing.marks import Marks
 from sim.viewing.playback import Playback
 from sim.viewing.web import TORSO, looked_through
