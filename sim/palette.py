@@ -31,7 +31,7 @@ class Colour(NamedTuple):
     @property
     def ink(self) -> Colour:
         """Colour of words on it: white, or that of text."""
-        return WHITE if self.green < 128 else TEXT
+        return WHITE if 0.3 * self.red + 0.6 * self.green < 128 else TEXT
 
     def tint(self, strength: float) -> Colour:
         """The colour mixed with the paper's, for marks in the background."""
@@ -136,5 +136,5 @@ def leg(group_index: int, place: int, legs: int) -> Colour:
         place: Of the leg within the group, from 0.
         legs: In that group.
     """
-    paler = 1.1 * place / (legs - 1) - 0.5 if legs > 1 else 0.0
+    paler = 1.1 * place / (legs - 1) - 0.5 if legs > 1 else -0.25
     return group(group_index).mixed(PAPER if paler > 0 else TEXT, abs(paler))

@@ -1,8 +1,7 @@
 """The paper's Figs. 1 to 9 drawn again, on its kinematics and beside the physics.
 
 There is one module for each figure, with two sheets: `paper` in the paper's units
-(l = 1) and `metres` with physics beside the prediction. The functions that compute the
-numbers do not draw.
+(l = 1) and `metres` with physics beside the prediction.
 """
 
 NAMES = (
@@ -17,4 +16,4 @@ NAMES = (
     "diagonal",
     "corridor",
 )
-"""Modules of Figs. 1 to 9; each has `WALKS`, `paper()` and `metres(walks)`."""
+"""Modules of Figs. 1 to 9: `paper(axes)`, `metres(axes, walks)`, and their `WALKS`."""

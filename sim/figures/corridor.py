@@ -1,125 +1,124 @@
-"""Fig. 9: an L-shaped passage in which a coarse plan collides."""
+"""Fig. 9: an L-shaped passage in which a coarse plan collides.
+
+In the paper's units the robot is `hexapod` on the paper's kinematics, measured in its
+pivots' distance.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
-from models.morphology import PIVOT
-from planner import Array
-from planner.planning import recut
-from sim.figures.paper import PaperWalk
-from sim.figures.passage import LEAST, Passage, passage
+from models.morphology import KAPPA, PIVOT
+from planner import Array, Path, subdivide
+from planner.planning import Slack, recut
+from sim import palette
+from sim.figures.paper import PaperWalk, walk
 from sim.figures.physics import Job, Walked
-from sim.figures.sheet import Cell, Sheet, Table, words
+from sim.figures.sheet import Shown
 from sim.figures.style import (
     IDEAL,
     MM,
     NOMINAL,
     PATHS,
-    PHYSICS,
-    SWEPT,
-    WALL,
+    Style,
     as_map,
     band,
     draw_walk,
     extremes,
-    letter,
-    sheet_of,
 )
-from sim.obstacles.clearance import Surroundings
+from sim.obstacles.clearance import Surroundings, surroundings
+from sim.preparation.setup import prepare
+from sim.scenarios.file import load_scenario
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
+COARSE_SEGMENTS = 24  # the scenario's own; 22 would leave the joint range
+LEAST = 0.005 / PIVOT  # clearance to keep [l], as the scenario asks for
+POINTS_PER_FLOW = 6  # states looked at
 SWEEPS = 1600  # outlines that make up what is swept
 PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
-
-PAPER_CAPTION = """
-Body centre and outline on eqs. (16) to (18), l = 1, through an L-shaped passage,
-turning uniformly by a quarter. Outlines of the body: at the start, at the end, and
-(broad) where it is closest to a wall.
-(a) {coarse} segments hit the walls and overlap them by {hit:.2f} l. (b) Only the
-segments whose tube is too wide are cut further, {fine} in all, until the swept outline
-stays {least:.3f} l clear. (c), (d) Clearance along the way, from the least to the
-largest within each segment; the nominal path, legs at rest, allows what the tube then
-takes away. The paper gives no dimensions: passage, path
-and outline are those of the scenario `corridor` and the robot `hexapod`, measured in
-the distance of its pivots (l = 67.5 mm).
-"""
-METRES_CAPTION = """
-The scenario `corridor` in the physics, open loop: a passage 0.46 m wide, where
-`hexapod` needs 0.485 m to turn on the spot. Outlines of the body: at the start, at the
-end, and (broad) where it came closest to a wall. (a) The {coarse}
-segments of the scenario uncut, not aimed, since that would leave the joint range:
-{contacts} wall contacts. (b) {fine} segments, steered on the quasi-static prediction.
-(c), (d) Clearance of the outline, from the least to the largest within each segment,
-predicted and achieved. In (a) the physics stops at
-the walls that the prediction goes through. In (b) the plan keeps {least:.1f} mm along
-the prediction; {achieved:.1f} mm were achieved.
-"""
+WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
 WALKS = {
     "corridor-coarse": Job("corridor", {"min_clearance": -1, "steer": "ideal"}),
     "corridor": Job("corridor"),
 }
 
 
-def paper() -> Sheet:
+def paper(axes: Mapping[str, Axes]) -> Shown:
     """In pivots' distances: a coarse plan that hits, and one cut where it must be."""
-    made = passage()
-    cuts = {"coarse": made.coarse, "fine": made.fine}
-    walks = {name: made.through(divided) for name, divided in cuts.items()}
-    figure, axes = sheet_of("ab\ncd", 5.6, height_ratios=[2.4, 1])
-    overlap = 0.0
-    for (above, below), (name, walked) in zip(PANELS, walks.items(), strict=True):
+    made, rows = passage(), []
+    for (above, below), cuts in zip(PANELS, (made.coarse, made.fine), strict=True):
+        walked, slack = made.through(cuts), made.slack(cuts)
         pose, phi = walked.states[:, :3], walked.states[:, 3:]
-        nominal = recut(made.path, cuts[name]).at(SHARE)
+        nominal = recut(made.path, cuts).at(SHARE)
         standing, _ = made.clearance(nominal[:, :3], nominal[:, 3:])
         least, _ = made.clearance(pose, phi)
-        overlap = min(overlap, float(least.min()))
-        draw_place(axes[above], made.around, made.qpos(pose, phi), least, 1 / PIVOT)
+        _draw_place(axes[above], made.around, made.qpos(pose, phi), least, 1 / PIVOT)
         axes[above].plot(*nominal[:, :2].T, "--", color=NOMINAL, label="nominal path")
-        axes[above].plot(
-            *pose[:, :2].T, color=IDEAL, linewidth=0.7, label="body centre, walked"
-        )
+        centre: Style = {
+            "color": IDEAL,
+            "linewidth": 0.7,
+            "label": "body centre, walked",
+        }
+        axes[above].plot(*pose[:, :2].T, **centre)
         as_map(axes[above], "$l$", "box")
-        count = len(walked.plan.segment_ends)
+        count = len(cuts) - 1
         segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
+        course: Style = {"color": NOMINAL, "label": "nominal path, legs at rest"}
+        axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
         spread = extremes(least, segment, count)
-        axes[below].plot(
-            0.5 + count * SHARE, standing, "--", color=NOMINAL,
-            label="nominal path, legs at rest",
-        )  # fmt: skip
         band(axes[below], *spread, color=IDEAL, alpha=0.5, label="walk")
-        finish_clearance(axes[below], "$l$", count, (-0.4, 1.1))
-    key_below(figure, axes["a"])
-    counts = {name: len(w.plan.segment_ends) for name, w in walks.items()}
-    label(axes, tuple(counts.values()))
-    return Sheet(
-        name="fig9-corridor-paper",
-        title="Fig. 9, obstacles, in the paper's units",
-        caption=words(PAPER_CAPTION, **counts, hit=-overlap, least=LEAST),
-        figure=figure,
-        table=_paper_table(made, walks),
-    )
+        _finish_clearance(axes[below], "$l$", count, (-0.4, 1.1))
+        rows.append(
+            (
+                count,
+                float(least.min()),
+                float(walked.share[least.argmin()]),
+                float(slack.walking.min() + LEAST),
+                float(slack.standing.min() + LEAST),
+                float(np.diff(cuts).min()),
+                walked.error,
+            )
+        )
+    hit = -min(row[1] for row in rows)
+    counts: Style = {"coarse": rows[0][0], "fine": rows[1][0]}
+    return Shown(rows, {**counts, "hit": hit, "least": LEAST})
 
 
-def label(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
-    """Titles of the two maps and of the two plots of clearance below them."""
-    coarse, fine = segments
-    first = f"{coarse} segments, hits the walls"
-    second = f"{fine} segments, stays clear of them"
-    below = ("clearance of (a)", "clearance of (b)")
-    letter(axes, dict(zip("abcd", (first, second, *below), strict=True)))
+def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
+    """The scenario as shipped, and with its initial number of segments."""
+    around, rows = passage().around, []
+    coarse, fine = made = [walks[name] for name in WALKS]
+    for (above, below), walked in zip(PANELS, made, strict=True):
+        clearance, summary = walked.clearance, walked.summary
+        _draw_place(axes[above], around, walked.qpos, clearance["achieved"], MM)
+        draw_walk(axes[above], walked)
+        as_map(axes[above], "mm", "box")
+        _draw_clearance(axes[below], walked)
+        least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
+        counts = (int(str(summary[n])) for n in ("wall_contacts", "contact_switches"))
+        margin = float(walked.margin["achieved"].min())
+        rows.append((walked.segments, *map(float, least), *counts, margin))
+    words = {
+        "fine": fine.segments,
+        "coarse": coarse.segments,
+        "contacts": coarse.summary["wall_contacts"],
+        "least": MM * fine.clearance["quasi_static"].min(),
+        "achieved": MM * fine.clearance["achieved"].min(),
+    }
+    return Shown(rows, words)
 
 
-def draw_place(
+def _draw_place(
     axes: Axes, around: Surroundings, qpos: Array, clearance: Array, scale: float
 ) -> None:
     """Walls, what the robot sweeps, and its outline at three places."""
@@ -128,19 +127,19 @@ def draw_place(
     rows = np.linspace(0, len(qpos) - 1, SWEEPS).astype(int)
     swept = outline.solids.swept(qpos[np.append(rows, closest)])
     for area, colour, name in (
-        (swept, SWEPT, "floor that it sweeps over"), (around.area, WALL, "walls"),
-    ):  # fmt: skip
+        (swept, palette.SWEPT.hex, "floor that it sweeps over"),
+        (around.area, WALL, "walls"),
+    ):
         _fill(axes, area, scale, facecolor=colour, edgecolor="none", zorder=0)
         axes.fill([], [], facecolor=colour, label=name)
     for row, colour, width, name in (
-        (0, WALL, 0.5, "_"), (-1, WALL, 0.5, "robot at the start and at the end"),
-        (closest, PHYSICS, 1.2, "robot where it is closest to a wall"),
-    ):  # fmt: skip
+        (0, OUTLINE, 0.9, "_"),
+        (-1, OUTLINE, 0.9, "robot at the start and at the end"),
+        (closest, palette.LIMIT.hex, 1.2, "robot where it is closest to a wall"),
+    ):
         axes.plot([], [], color=colour, linewidth=width, label=name)
-        _fill(
-            axes, outline.solids.swept(qpos[[row]]), scale, facecolor="none", zorder=3,
-            edgecolor=colour, linewidth=width,
-        )  # fmt: skip
+        line: Style = {"facecolor": "none", "edgecolor": colour, "linewidth": width}
+        _fill(axes, outline.solids.swept(qpos[[row]]), scale, zorder=3, **line)
     x, y, right, top = scale * np.array(around.area.bounds)
     rim = 0.02 * (right - x)
     axes.set(xlim=(x - rim, right + rim), ylim=(y - rim, top + rim))
@@ -157,7 +156,7 @@ def _fill(axes: Axes, area: shapely.Geometry, scale: float, **style: object) -> 
         axes.add_patch(PathPatch(Outline.make_compound_path(*paths), **style))
 
 
-def finish_clearance(
+def _finish_clearance(
     axes: Axes, unit: str, count: int, limits: tuple[float, float]
 ) -> None:
     """Scales of a plot of clearance, with the surface of the walls marked."""
@@ -165,71 +164,6 @@ def finish_clearance(
     axes.set(xlabel="segment", ylabel=f"clearance  [{unit}]", ylim=limits)
     axes.set_xlim(0.5, count + 0.5)
     axes.legend(loc="upper center", ncols=2)
-
-
-def key_below(figure: Figure, axes: Axes) -> None:
-    """The key of a map below all panels."""
-    handles, labels = axes.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
-
-
-def _paper_table(made: Passage, walks: Mapping[str, PaperWalk]) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for name, cuts in (("coarse", made.coarse), ("fine", made.fine)):
-        slack, walked = made.slack(cuts), walks[name]
-        least, _ = made.clearance(walked.states[:, :3], walked.states[:, 3:])
-        rows.append(
-            (
-                len(cuts) - 1,
-                float(least.min()),
-                float(walked.share[least.argmin()]),
-                float(slack.walking.min() + LEAST),
-                float(slack.standing.min() + LEAST),
-                float(np.diff(cuts).min()),
-                walked.error,
-            )
-        )
-    return Table(
-        header=(
-            "segments",
-            "least clearance [l]",
-            "after this share of the segments",
-            "no less between samples than [l]",
-            "nominal path's, standing [l]",
-            "shortest segment, of the path",
-            "end error [l]",
-        ),  # fmt: skip
-        rows=tuple(rows),
-    )
-
-
-def metres(walks: Mapping[str, Walked]) -> Sheet:
-    """The scenario as shipped, and with its initial number of segments."""
-    around = passage().around
-    coarse, fine = made = [walks[name] for name in WALKS]
-    figure, axes = sheet_of("ab\ncd", 5.6, height_ratios=[2.4, 1])
-    for (above, below), walked in zip(PANELS, made, strict=True):
-        achieved = walked.clearance["achieved"]
-        draw_place(axes[above], around, walked.qpos, achieved, MM)
-        draw_walk(axes[above], walked)
-        as_map(axes[above], "mm", "box")
-        _draw_clearance(axes[below], walked)
-    key_below(figure, axes["a"])
-    label(axes, [walked.segments for walked in made])
-    return Sheet(
-        name="fig9-corridor-metres",
-        title="Fig. 9, obstacles, in metres",
-        caption=words(
-            METRES_CAPTION,
-            fine=fine.segments,
-            coarse=coarse.segments,
-            contacts=coarse.summary["wall_contacts"],
-            least=MM * fine.clearance["quasi_static"].min(),
-            achieved=MM * fine.clearance["achieved"].min(),
-        ),
-        figure=figure,
-        table=_metres_table(made),
-    )
 
 
 def _draw_clearance(axes: Axes, walked: Walked) -> None:
@@ -244,26 +178,68 @@ def _draw_clearance(axes: Axes, walked: Walked) -> None:
     for rim in spread["quasi_static"]:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
     axes.lines[-1].set_label("_")
-    finish_clearance(axes, "mm", walked.segments, (-15, 75))
+    _finish_clearance(axes, "mm", walked.segments, (-15, 75))
 
 
-def _metres_table(made: Sequence[Walked]) -> Table:
-    rows = []
-    for walked in made:
-        summary, clearance = walked.summary, walked.clearance
-        rows.append(
-            (
-                walked.segments,
-                float(clearance["ideal"].min()),
-                float(clearance["quasi_static"].min()),
-                float(clearance["achieved"].min()),
-                int(str(summary["wall_contacts"])),
-                int(str(summary["contact_switches"])),
-                float(walked.margin["achieved"].min()),
-            )
-        )
-    header = (
-        "segments", "least clearance, ideal [m]", "quasi-static [m]", "achieved [m]",
-        "wall contacts", "contact switches", "least margin [m]",
-    )  # fmt: skip
-    return Table(header=header, rows=tuple(rows))
+@dataclass(frozen=True)
+class Passage:
+    """The scenario's passage, and walks through it on the paper's kinematics."""
+
+    around: Surroundings
+    path: Path  # in pivots' distances
+
+    def qpos(self, pose: Array, phi: Array) -> Array:
+        """The robot's joint positions at states, shape (T, nq)."""
+        swing = phi / KAPPA  # the robot's legs turn farther for the same way
+        metres = pose * (PIVOT, PIVOT, 1.0)
+        return self.around.outline.configurations(metres, swing, np.zeros_like(phi))
+
+    def clearance(self, pose: Array, phi: Array) -> tuple[Array, Array]:
+        """Clearance at states and a lower bound up to each from the one before, [l].
+
+        Args:
+            pose: Shape (T, 3), lengths in pivots' distances.
+            phi: Angles of the paper's legs, shape (T, 2).
+        """
+        found = self.around.clearances(self.qpos(pose, phi))
+        least = found.least / PIVOT
+        bound = np.concatenate([least[:1], found.bound / PIVOT])
+        return least, np.minimum(least, bound)
+
+    def through(self, cuts: Array, samples: int = POINTS_PER_FLOW) -> PaperWalk:
+        """A walk along the path divided at the cuts, with states for each flow."""
+        return walk(recut(self.path, cuts), len(cuts) - 1, samples=samples)
+
+    def slack(self, cuts: Array) -> Slack:
+        """Slack of the least clearance along a walk, and along the nominal path."""
+        walked = self.through(cuts)
+        segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
+        _, bound = self.clearance(walked.states[:, :3], walked.states[:, 3:])
+        walking = np.full(len(cuts) - 1, np.inf)
+        np.minimum.at(walking, segment, bound)
+        s = np.linspace(cuts[:-1], cuts[1:], 9, axis=1)  # (segments, 9)
+        poses = self.path.at(s.ravel())
+        standing, _ = self.clearance(poses[:, :3], poses[:, 3:])
+        standing = standing.reshape(s.shape).min(axis=1)
+        return Slack("clearance", LEAST, standing - LEAST, walking - LEAST)
+
+    @cached_property
+    def fine(self) -> Array:
+        """Cuts of the path that keep the clearance."""
+        return subdivide(self.coarse, lambda cuts: [self.slack(cuts)])
+
+    @property
+    def coarse(self) -> Array:
+        """Cuts of the path to begin with."""
+        return np.linspace(0.0, 1.0, COARSE_SEGMENTS + 1)
+
+
+def passage() -> Passage:
+    """The passage of the scenario, path and all, in the paper's units."""
+    setup = prepare(load_scenario("corridor"))
+    curve, scale = setup.scenario.path.curve, np.array([PIVOT, PIVOT, 1.0])
+
+    def at(s: Array) -> Array:
+        return np.pad(curve.at(s) / scale, ((0, 0), (0, 2)))
+
+    return Passage(surroundings(setup), Path(at, curve.corners))

@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from importlib import import_module
-from types import ModuleType
-
-from matplotlib import rc_context
 
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, begun
-from sim.figures.sheet import Sheet, page, save
-from sim.figures.style import STYLE
+from sim.figures.sheet import Sheet, drawn, page, save
 from sim.folder import RunFolder
 from sim.progress import Progress, silent
 
@@ -41,40 +37,33 @@ def draw(
         FilesError: If the folder cannot be written.
     """
     names = (only,) if only else NAMES
-    chosen = {name: import_module(f"sim.figures.{name}") for name in names}
-    jobs: dict[str, Job] = {}
-    for figure in chosen.values():
-        jobs |= figure.WALKS
-    drawn: dict[tuple[str, str], Sheet] = {}
+    needed: dict[str, Mapping[str, Job]] = {
+        name: getattr(import_module(f"sim.figures.{name}"), "WALKS", {})
+        for name in names
+    }
+    jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
+    done: dict[tuple[str, str], Sheet] = {}
     with begun(jobs, progress) as walks:
-        for name, kind, sheet in _sheets(chosen, walks):
-            with rc_context(STYLE):
-                save(sheet, folder.path)
-            drawn[name, kind] = sheet
-            progress("drawing", len(drawn) / (len(KINDS) * len(chosen)))
+        for name, kind, sheet in _sheets(needed, walks):
+            save(sheet, folder.path)
+            done[name, kind] = sheet
+            progress("drawing", len(done) / (len(KINDS) * len(names)))
             yield sheet
-    in_order = [drawn[name, kind] for name in names for kind in KINDS]
+    in_order = [done[name, kind] for name in names for kind in KINDS]
     folder.write_text("figures.md", page(in_order))
 
 
 def _sheets(
-    figures: Mapping[str, ModuleType], walks: Mapping[str, Future[Walked]]
+    needed: Mapping[str, Mapping[str, Job]], walks: Mapping[str, Future[Walked]]
 ) -> Iterator[tuple[str, str, Sheet]]:
     """Name of the figure, kind and sheet, in the order in which they can be drawn."""
-    for name, figure in figures.items():
-        with rc_context(STYLE):
-            sheet = figure.paper()
-        yield name, "paper", sheet
-    waiting = dict(figures)
+    for name in needed:
+        yield name, "paper", drawn(name, "paper")
+    waiting = dict(needed)
     while waiting:
-        ready = [n for n, f in waiting.items() if all(walks[w].done() for w in f.WALKS)]
+        ready = [n for n, own in waiting.items() if all(walks[w].done() for w in own)]
         for name in ready:
-            figure = waiting.pop(name)
-            made = {walk: walks[walk].result() for walk in figure.WALKS}
-            with rc_context(STYLE):
-                sheet = figure.metres(made)
-            yield name, "metres", sheet
-        left = [walk for f in waiting.values() for walk in f.WALKS]
-        wait(
-            [w for n in left if not (w := walks[n]).done()], return_when=FIRST_COMPLETED
-        )
+            made = {walk: walks[walk].result() for walk in waiting.pop(name)}
+            yield name, "metres", drawn(name, "metres", made)
+        left = [walks[walk] for own in waiting.values() for walk in own]
+        wait([w for w in left if not w.done()], return_when=FIRST_COMPLETED)

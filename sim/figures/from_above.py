@@ -10,11 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from planner import Array
+from sim import palette
 from sim.figures.style import STYLE
 from sim.motion.stability import support_polygons
 from sim.preparation.setup import Setup
 
-COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red")
 SIZE = 5.0  # of the picture's side [inch]
 
 
@@ -34,13 +34,14 @@ def draw(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
         axes = figure.add_subplot(aspect="equal")
         standing = [s for s in dict.fromkeys(card.gait) if s != card.bottom]
         for number, name in enumerate(standing):
-            colour = COLOURS[number % len(COLOURS)]
+            colour = palette.group(number).hex
             on = robot.planted(name)[None]
             hull = support_polygons(stance.feet[None], on)[0]
             if hull.geom_type == "Polygon":
                 axes.fill(*np.array(hull.exterior.coords).T, color=colour, alpha=0.12)
             axes.plot(*stance.feet[on[0]].T, "o", color=colour)
-        for pivot, name, colour in zip(pivots, robot.groups, COLOURS, strict=False):
+        for number, (pivot, name) in enumerate(zip(pivots, robot.groups, strict=False)):
+            colour = palette.group(number).hex
             axes.plot(*pivot, "x", color=colour, label=f"pivot of group {name}")
             for foot in stance.feet[robot.planted(name)]:
                 spoke = np.array([pivot, foot]).T

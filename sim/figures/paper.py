@@ -1,7 +1,9 @@
 """The paper's hexapod in the paper's units (l = 1), walked on its exact kinematics.
 
 It has neither a body nor forces: eqs. (16) to (18) are integrated along the flows of a
-plan.
+plan. Within each segment it deviates from the nominal path by the tube's half width. A
+bracket of size h needs strokes of size sqrt(h) (eq. 20), so the tube's width falls as
+the square root of the segments' length and not as the length itself.
 """
 
 from __future__ import annotations
@@ -12,11 +14,22 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
+import shapely
 
 from models import paper_hexapod
 from models.morphology import FEET, PIVOT, PIVOTS
 from models.systems import AIR_SWINGS
-from planner import Array, Execution, ExtendedSystem, Path, Plan, extend, plan, rollout
+from planner import (
+    Array,
+    Execution,
+    ExtendedSystem,
+    Path,
+    Plan,
+    extend,
+    line,
+    plan,
+    rollout,
+)
 from sim.motion.poses import rotate
 
 Fields = Literal["paper", "lifted"]
@@ -25,7 +38,7 @@ ELEMENTS: Mapping[Fields, tuple[str, ...]] = {
     "paper": ("g12_1", "g12_2", *AIR_SWINGS, "[g12_1,g12_2]"),
     "lifted": ("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),
 }
-SAMPLES = 12  # states drawn a flow, enough for arcs of a radian
+FLOW_STATES = 12  # states drawn a flow, enough for arcs of a radian
 
 
 @dataclass(frozen=True)
@@ -72,7 +85,7 @@ def _extended(fields: Fields) -> ExtendedSystem:
 
 
 def walk(
-    path: Path, segments: int, *, fields: Fields = "paper", samples: int = SAMPLES
+    path: Path, segments: int, *, fields: Fields = "paper", samples: int = FLOW_STATES
 ) -> PaperWalk:
     """Plan a path in the paper's order and walk it.
 
@@ -117,3 +130,99 @@ def standing(walked: PaperWalk) -> Array:
     tripod = np.array(["1" if PIVOTS[leg][1] > 0 else "2" for leg in FEET])
     strata = ["12", *(walked.plan.flows[i].stratum for i in walked.flow)]
     return np.array([[t in stratum for t in tripod] for stratum in strata])
+
+
+@dataclass(frozen=True)
+class Tube:
+    """How a straight line is followed, by the number of its segments."""
+
+    way: float  # length of the line
+    segments: Array  # ascending, (K,)
+    width: Array  # largest distance from the line, (K,)
+    turn: Array  # largest departure from the line's heading, (K,) [rad]
+    error: Array  # distance of the end from the goal, (K,)
+
+    @property
+    def length(self) -> Array:
+        """Of one segment, (K,)."""
+        return self.way / self.segments
+
+    @property
+    def exponent(self) -> float:
+        """Power of the length by which the width grows, over the finer half."""
+        fine = self.segments >= np.median(self.segments)
+        return exponent(self.length[fine], self.width[fine])
+
+    @property
+    def last_exponent(self) -> float:
+        """The same between the two finest divisions."""
+        return exponent(self.length[-2:], self.width[-2:])
+
+
+def follow(
+    goal: Sequence[float], segments: int, samples: int = FLOW_STATES
+) -> PaperWalk:
+    """Walk straight to a goal at constant heading on the paper's kinematics."""
+    path = line(configuration((0, 0, 0)), configuration(goal))
+    return walk(path, segments, samples=samples)
+
+
+def tube(goal: Sequence[float], segments: Sequence[int]) -> Tube:
+    """Walk the line in different numbers of segments."""
+    walks = [follow(goal, n, samples=2) for n in segments]
+    # produced beyond its ends: going past the goal is not leaving the line
+    produced = np.outer([-1.0, 2.0], goal[:2])
+    widths = [swing_out(w.states[:, :2], w.ends, produced).max() for w in walks]
+    return Tube(
+        way=float(np.linalg.norm(goal[:2])),
+        segments=np.array(segments),
+        width=np.array(widths),
+        turn=np.array([np.abs(w.states[:, 2]).max() for w in walks]),
+        error=np.array([w.error for w in walks]),
+    )
+
+
+def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
+    """Largest distance from the nominal curve within each segment.
+
+    Args:
+        points: Positions walked through, shape (N, 2).
+        ends: Index of the point that closes each segment, ascending, shape (segments,).
+        nominal: The curve as a fine chain, shape (M, 2).
+
+    Returns:
+        Shape (segments,), in the unit of the points.
+    """
+    distance = shapely.distance(shapely.points(points), shapely.LineString(nominal))
+    starts = np.concatenate([[0], ends[:-1]])
+    return np.array(
+        [distance[a : b + 1].max() for a, b in zip(starts, ends, strict=True)]
+    )
+
+
+def envelope(points: Array, ends: Array, start: Array, goal: Array) -> Array:
+    """The farthest points of each segment to the right and to the left of a line.
+
+    Args:
+        points: Positions walked through, shape (N, 2).
+        ends: Index of the point that closes each segment, ascending, shape (segments,).
+        start: A point of the line, shape (2,).
+        goal: Another one ahead of it, shape (2,).
+
+    Returns:
+        Shape (2, segments, 2): points to the right, then points to the left.
+    """
+    along = np.asarray(goal, dtype=float) - start
+    left = (points - start) @ np.array([-along[1], along[0]])
+    starts = np.concatenate([[0], ends[:-1]])
+    spans = [slice(a, b + 1) for a, b in zip(starts, ends, strict=True)]
+    extremes = [
+        [span.start + choose(left[span]) for span in spans]
+        for choose in (np.argmin, np.argmax)
+    ]
+    return points[np.array(extremes)]
+
+
+def exponent(lengths: Array, widths: Array) -> float:
+    """Power by which widths grow with lengths: the slope through their logarithms."""
+    return float(np.polyfit(np.log(lengths), np.log(widths), 1)[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,16 +10,9 @@ import numpy as np
 from models import shipped_system
 from planner import Array, Flow, play
 from sim.figures.physics import Job, Walked
-from sim.figures.sheet import Cell, Sheet, Table, words
-from sim.figures.sheets_crossing import STRATA, draw_sheets, draw_way
-from sim.figures.style import (
-    MM,
-    PATHS,
-    TRIPODS,
-    WEIGHT,
-    letter,
-    sheet_of,
-)
+from sim.figures.sheet import Cell, Shown
+from sim.figures.strata import draw_sheets, draw_way
+from sim.figures.style import INK, MM, PATHS, STRATA, TRIPODS, Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,27 +28,10 @@ SEQUENCE = (
 )
 REORDERED = tuple(SEQUENCE[i] for i in (1, 0, 2, 4, 3, 5))
 """Eq. (14): lifts commute with strokes (13), so each is undone by the next flow."""
-SAMPLES = 20  # states a flow
-PAPER_CAPTION = """
-The sequence of flows of eq. (12) on the system `biped`. Six flows, numbered in the
-order of time: lift foot 2 and so leave S12 for S1; turn the body about foot 1, by
-{a:g} rad; set foot 2 down; then the same with the feet exchanged, by {b:g} rad. The
-paper calls the lifts g_(1,1) and g_(2,1) and what moves on the strata g_(1,2) and
-g_(2,2); here they are g1_3 and g2_3, and the strokes g1_1 and g2_2. (a) In the
-configuration space of Fig. 2, along the heading of the body. (b) Heights of the feet
-and (c) the pose of the body along the flows. Lifts commute with strokes, eq. (13), and
-each lift is undone: eq. (14), and the two strokes alone, end at the same pose, here
-within {apart:.0e}. That is why strokes of higher strata may be used as fields on S12.
-"""
-METRES_CAPTION = """
-The same by `hexapod` in MuJoCo, with tripods for feet: tripod 1 stands and swings by
-{a:g} rad, then tripod 2 by {b:g} rad. Each has swung back in the air before, so that
-its stroke is centred. (a) Commanded angles of the tripods; grey: no loaded tripod
-swings; bars below: which tripod is on the ground, planned (thin) and measured (broad).
-(b) The body's centre and (c) its yaw: in the physics, and predicted.
-"""
+STATES = 20  # of a flow
 BARS = -0.5  # [rad], where contacts are drawn
 LOADED = {"1": 0.8, "2": 0.5}  # stroke of each tripod [rad]
+LEGS = {"1": (0, 3, 4), "2": (1, 2, 5)}  # rows of each tripod's feet
 WALKS = {
     "sequence": Job(
         "line",
@@ -70,31 +46,21 @@ WALKS = {
 }
 
 
-def paper() -> Sheet:
+def paper(axes: Mapping[str, Axes]) -> Shown:
     """On the biped, with l = 1."""
     system = shipped_system("biped").system
     start = np.zeros(system.dimension)
-    states = play(system, SEQUENCE, start, SAMPLES)
+    states = play(system, SEQUENCE, start, STATES)
     strokes = [flow for flow in SEQUENCE if not flow.field.endswith("3")]
     ends = [play(system, flows, start)[-1] for flows in (REORDERED, strokes)]
     apart = max(np.abs(end - states[-1]).max() for end in ends)
-    figure, axes = sheet_of(
-        "ab\nac", 3.4, width_ratios=[1.2, 1],
-        per_subplot_kw={"a": {"projection": "3d", "computed_zorder": False}},
-    )  # fmt: skip
     _draw_space(axes["a"], states)
-    flow = np.arange(len(states)) / SAMPLES
-    names = [str(symbol) for symbol in system.state]
-    for coordinate, label in (
-        ("height_1", "$h_1$, foot 1"),
-        ("height_2", "$h_2$, foot 2"),
-    ):
-        axes["b"].plot(
-            flow, states[:, names.index(coordinate)], label=label,
-            color=TRIPODS[coordinate[-1]],
-        )  # fmt: skip
+    flow = np.arange(len(states)) / STATES
+    for foot in (1, 2):  # the last two coordinates are their heights
+        line: Style = {"color": TRIPODS[str(foot)], "label": f"$h_{foot}$, foot {foot}"}
+        axes["b"].plot(flow, states[:, foot - 3], **line)
     for i, (name, style) in enumerate((("x", "-"), ("y", "--"), (r"$\theta$", ":"))):
-        axes["c"].plot(flow, states[:, i], style, color=WEIGHT, label=name)
+        axes["c"].plot(flow, states[:, i], style, color=INK, label=name)
     for name, unit in (("b", "height"), ("c", "pose  [$l$], [rad]")):
         _shade(axes[name])
         axes[name].set(xlabel="flow", ylabel=unit, xlim=(0, len(SEQUENCE)))
@@ -102,15 +68,34 @@ def paper() -> Sheet:
         low, high = axes[name].get_ylim()
         axes[name].set_ylim(low, high + 0.35 * (high - low))  # room for the key
         axes[name].legend(loc="upper left", ncols=3)
-    titles = ("through the strata", "feet", "body")
-    letter(axes, dict(zip("abc", titles, strict=True)))
-    return Sheet(
-        name="fig4-sequence-paper",
-        title="Fig. 4, a sequence of flows, in the paper's units",
-        caption=words(PAPER_CAPTION, a=STROKES[0], b=STROKES[1], apart=apart),
-        figure=figure,
-        table=_paper_table(states[::SAMPLES], names),
-    )
+    rows: list[tuple[Cell, ...]] = [(0, "S12", "start", 0.0, *states[0].tolist())]
+    for number, (step, state) in enumerate(
+        zip(SEQUENCE, states[STATES::STATES], strict=True), start=1
+    ):
+        facts = number, f"S{step.stratum}", step.field, step.duration
+        rows.append((*facts, *state.tolist()))
+    return Shown(rows, {"a": STROKES[0], "b": STROKES[1], "apart": apart})
+
+
+def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
+    """By the hexapod in the physics."""
+    walked = walks["sequence"]
+    _draw_angles(axes["a"], walked)
+    for name, style in PATHS.items():
+        axes["b"].plot(*(MM * walked.pose[name][:, :2].T), **style)
+        axes["c"].plot(walked.time, walked.pose[name][:, 2], **style)
+    axes["b"].set(xlabel="x  [mm]", ylabel="y  [mm]")
+    axes["b"].set_aspect("equal", adjustable="datalim")
+    axes["c"].set(xlabel="time  [s]", ylabel="yaw  [rad]")
+    axes["b"].legend(loc="best")
+    rows: list[tuple[Cell, ...]] = []
+    for group, tripod in enumerate(LEGS):
+        on = np.flatnonzero(walked.moving == group)
+        for name in ("ideal", "quasi_static", "achieved"):
+            first, last = walked.pose[name][[on[0], on[-1]]]
+            stroke = (f"S{tripod}", name.replace("_", "-"), LOADED[tripod])
+            rows.append((*stroke, *(last - first).tolist()))
+    return Shown(rows, {"a": LOADED["1"], "b": LOADED["2"]})
 
 
 def _draw_space(axes: Any, states: Array) -> None:
@@ -118,16 +103,16 @@ def _draw_space(axes: Any, states: Array) -> None:
     span = (heading.min() - 0.15, heading.max() + 0.15)
     draw_sheets(axes, span)
     points = np.column_stack([heading, heights])
-    draw_way(axes, points, [f.stratum for f in SEQUENCE for _ in range(SAMPLES)])
+    draw_way(axes, points, [f.stratum for f in SEQUENCE for _ in range(STATES)])
     for number in range(len(SEQUENCE)):
-        at = points[number * SAMPLES + SAMPLES // 2]
+        at = points[number * STATES + STATES // 2]
         axes.text(
             *at, str(number + 1), fontsize=6.5, color="white", ha="center", va="center",
             bbox={"boxstyle": "circle,pad=0.15", "edgecolor": "none",
                   "facecolor": STRATA[SEQUENCE[number].stratum]},
         )  # fmt: skip
     for at, name in ((points[0], "$x_0$"), (points[-1], "$x_f$")):
-        axes.plot(*at, "o", color=WEIGHT, markersize=3)
+        axes.plot(*at, "o", color=INK, markersize=3)
         axes.text(*(at + [-0.02, 0.0, 0.04]), name, va="bottom", ha="right")
     axes.set_xticks((0.0, 0.4, 0.8))
     axes.set_xlabel(r"heading $\theta$  [rad]", labelpad=-6)
@@ -137,45 +122,6 @@ def _shade(axes: Axes) -> None:
     """Colour the background by the stratum that each flow is on."""
     for number, flow in enumerate(SEQUENCE):
         axes.axvspan(number, number + 1, color=STRATA[flow.stratum], alpha=0.08, lw=0)
-
-
-def _paper_table(states: Array, names: Sequence[str]) -> Table:
-    rows: list[tuple[Cell, ...]] = [(0, "S12", "start", 0.0, *states[0].tolist())]
-    for number, (flow, state) in enumerate(
-        zip(SEQUENCE, states[1:], strict=True), start=1
-    ):
-        facts = number, f"S{flow.stratum}", flow.field, flow.duration
-        rows.append((*facts, *state.tolist()))
-    return Table(
-        header=("flow", "stratum", "field", "duration", *(f"{n} after" for n in names)),
-        rows=tuple(rows),
-    )
-
-
-def metres(walks: Mapping[str, Walked]) -> Sheet:
-    """By the hexapod in the physics."""
-    walked = walks["sequence"]
-    figure, axes = sheet_of("ab\nac", 3.4, width_ratios=[1.2, 1])
-    _draw_angles(axes["a"], walked)
-    for name, style in PATHS.items():
-        axes["b"].plot(*(MM * walked.pose[name][:, :2].T), **style)
-        axes["c"].plot(walked.time, walked.pose[name][:, 2], **style)
-    axes["b"].set(xlabel="x  [mm]", ylabel="y  [mm]")
-    axes["b"].set_aspect("equal", adjustable="datalim")
-    axes["c"].set(xlabel="time  [s]", ylabel="yaw  [rad]")
-    axes["b"].legend(loc="best")
-    titles = ("tripods", "body centre", "yaw")
-    letter(axes, dict(zip("abc", titles, strict=True)))
-    return Sheet(
-        name="fig4-sequence-metres",
-        title="Fig. 4, a sequence of flows, in metres",
-        caption=words(METRES_CAPTION, a=LOADED["1"], b=LOADED["2"]),
-        figure=figure,
-        table=_metres_table(walked),
-    )
-
-
-LEGS = {"1": (0, 3, 4), "2": (1, 2, 5)}  # rows of each tripod's feet
 
 
 def _draw_angles(axes: Axes, walked: Walked) -> None:
@@ -191,25 +137,9 @@ def _draw_angles(axes: Axes, walked: Walked) -> None:
                       solid_capstyle="butt")  # fmt: skip
     switching = walked.moving < 0
     axes.fill_between(
-        walked.time, 0, 1, where=switching, color=WEIGHT, alpha=0.06, linewidth=0,
+        walked.time, 0, 1, where=switching, color=INK, alpha=0.06, linewidth=0,
         transform=axes.get_xaxis_transform(),
     )  # fmt: skip
     axes.set(xlabel="time  [s]", ylabel=r"$\varphi$  [rad]")
     axes.set_ylim(top=0.6)
     axes.legend(loc="upper left", ncols=2)
-
-
-def _metres_table(walked: Walked) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for group, tripod in enumerate(LEGS):
-        on = np.flatnonzero(walked.moving == group)
-        for name in ("ideal", "quasi_static", "achieved"):
-            first, last = walked.pose[name][[on[0], on[-1]]]
-            rows.append(
-                (f"S{tripod}", name.replace("_", "-"), LOADED[tripod],
-                 *(last - first).tolist())
-            )  # fmt: skip
-    return Table(
-        header=("stratum", "pose", "stroke [rad]", "x [m]", "y [m]", "yaw [rad]"),
-        rows=tuple(rows),
-    )

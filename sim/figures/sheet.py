@@ -1,22 +1,44 @@
-"""A sheet: one drawing with its numbers and its caption."""
+"""A sheet: one drawing with its numbers and its caption.
+
+`sheets.toml` says what a sheet shows, names its panels and the columns of its table,
+and holds its caption; the module of its figure computes the numbers and draws them.
+"""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from sim.figures.style import STYLE
+from sim.figures.physics import Walked
+from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, whole
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg")
+LAYOUTS = Path(__file__).with_name("sheets.toml")
 Cell = str | int | float
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The numbers of a sheet.
+
+    Attributes:
+        rows: Of its table.
+        words: Numbers that its caption and its titles mention, by their names there.
+    """
+
+    rows: Sequence[tuple[Cell, ...]]
+    words: Mapping[str, object] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -59,13 +81,42 @@ def _rounded(cell: Cell) -> str:
 
 
 @dataclass(frozen=True)
+class Layout:
+    """What `sheets.toml` says of a sheet.
+
+    Attributes:
+        name: Of its files, such as `fig6-line-paper`.
+        title: Its content in a few words.
+        caption: What it shows, what the paper leaves open, and what was chosen.
+        mosaic: Arrangement of the panels, as matplotlib's `subplot_mosaic` takes it.
+        height: Of the drawing [in].
+        panels: Titles of the panels in the order of their letters.
+        columns: Name and unit of each column of the table.
+        options: For `subplot_mosaic`.
+        key: Letter of the panel whose key stands below all of them, if any.
+        key_columns: Of that key; 0 for a single row.
+    """
+
+    name: str
+    title: str
+    caption: str
+    mosaic: str
+    height: float
+    panels: Sequence[str]
+    columns: Sequence[str]
+    options: Mapping[str, Any] = field(default_factory=dict)
+    key: str = ""
+    key_columns: int = 0
+
+
+@dataclass(frozen=True)
 class Sheet:
     """One of the two drawings of a figure.
 
     Attributes:
         name: Of its files, such as `fig6-line-paper`.
         title: Its content in a few words.
-        caption: What it shows, what the paper leaves open, and what was chosen.
+        caption: What it shows, numbers filled in.
         figure: The drawing.
         table: Its numbers.
     """
@@ -77,17 +128,61 @@ class Sheet:
     table: Table
 
 
-def words(text: str, **values: object) -> str:
-    """A caption written over several lines as one, with values filled in."""
-    return " ".join(text.split()).format(**values)
+def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> Sheet:
+    """Compute and draw a sheet.
+
+    Args:
+        figure: One of `sim.figures.NAMES`.
+        kind: `paper` or `metres`.
+        walks: In the physics, by their names; the kind `metres` needs those of the
+            figure's `WALKS`.
+    """
+    from matplotlib import rc_context
+
+    layout, module = _layouts()[figure][kind], import_module(f"sim.figures.{figure}")
+    with rc_context(STYLE):
+        canvas, axes = sheet_of(layout.mosaic, layout.height, **layout.options)
+        if kind == "paper":
+            shown: Shown = module.paper(axes)
+        else:
+            shown = module.metres(axes, walks or {})
+        for (letter, panel), title in zip(axes.items(), layout.panels, strict=True):
+            words = title.format(**shown.words)
+            panel.set_title(f"({letter}) {words}", loc="left")  # also in 3-D
+        if layout.key:
+            handles, labels = axes[layout.key].get_legend_handles_labels()
+            place, columns = "outside lower center", layout.key_columns or len(labels)
+            canvas.legend(handles, labels, loc=place, ncols=columns)
+    return Sheet(
+        name=layout.name,
+        title=layout.title,
+        caption=" ".join(layout.caption.split()).format(**shown.words),
+        figure=canvas,
+        table=Table(tuple(layout.columns), tuple(shown.rows)),
+    )
+
+
+def rows_of(*columns: Iterable[Any]) -> list[tuple[Cell, ...]]:
+    """Rows of a table from its columns, numpy's numbers as Python's."""
+    plain = [getattr(column, "tolist", lambda c=column: c)() for column in columns]
+    return list(zip(*plain, strict=True))
+
+
+@cache
+def _layouts() -> Mapping[str, Mapping[str, Layout]]:
+    figures = tomllib.loads(LAYOUTS.read_text(encoding="utf-8"))
+    return {
+        figure: {kind: Layout(**layout) for kind, layout in kinds.items()}
+        for figure, kinds in figures.items()
+    }
 
 
 def save(sheet: Sheet, folder: Path) -> None:
     """Write the drawing under its title as PNG and SVG, and its numbers as CSV."""
     from matplotlib import rc_context
 
-    sheet.figure.suptitle(sheet.title, x=0.01, ha="left", fontweight="bold")
     with rc_context(STYLE):
+        sheet.figure.suptitle(sheet.title, x=0.01, ha="left", fontweight="bold")
         for kind in FORMATS:
             with whole(folder / f"{sheet.name}.{kind}") as part:
                 undated = {"Date": None} if kind == "svg" else {"Software": None}

@@ -1,4 +1,4 @@
-"""The style of figures: sizes for print, and colours for the colour-blind."""
+"""The style of figures: sizes for print, and drawing that several of them share."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from planner import Array
+from sim import palette
+from sim.palette import ACHIEVED, GROUPS, PREDICTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,29 +19,23 @@ if TYPE_CHECKING:
     from sim.figures.physics import Walked
 
 
-MM = 1e3  # [mm/m]
-WIDTH = 7.0  # [in], two columns of a page
+Style = dict[str, Any]  # of a line, as matplotlib takes it
 
-# Okabe and Ito's palette; meanings are the same in all figures.
-NOMINAL = "#666666"
-IDEAL = "#0072B2"
-QUASI_STATIC = "#009E73"
-PHYSICS = "#D55E00"
-WEIGHT = "#000000"
-DASHES = (0, (4, 1.5))
-PATHS: Mapping[str, Mapping[str, Any]] = {  # of a walk, the broad ones below
-    "achieved": {"color": "#F2B48C", "linewidth": 2.2, "label": "physics"},
-    "ideal": {"color": IDEAL, "linewidth": 0.6, "label": "predicted, ideal"},
-    "quasi_static": {
-        "color": QUASI_STATIC,
-        "linewidth": 0.7,
-        "linestyle": DASHES,  # told from the ideal one in greyscale
-        "label": "predicted, quasi-static",
-    },
+MM = 1e3  # [mm/m]
+PAPER_WIDTH = 7.0  # [in], two columns of a page
+
+NOMINAL = palette.NOMINAL.colour.hex
+IDEAL = PREDICTED["ideal"].colour.hex
+QUASI_STATIC = PREDICTED["quasi_static"].colour.hex
+PHYSICS = ACHIEVED.colour.hex
+INK = palette.TEXT.hex  # also the centre of mass
+TRIPODS: Mapping[str, str] = {"1": GROUPS[0].hex, "2": GROUPS[1].hex}
+STRATA: Mapping[str, str] = {"12": INK, **TRIPODS}  # of what happens on each
+PATHS: Mapping[str, Style] = {  # of a walk, the broad ones below
+    "achieved": ACHIEVED.line(color=ACHIEVED.colour.tint(0.45).hex, label="physics"),
+    "ideal": PREDICTED["ideal"].line(linewidth=0.6, label="predicted, ideal"),
+    "quasi_static": PREDICTED["quasi_static"].line(label="predicted, quasi-static"),
 }
-WALL = "#4D4D4D"
-SWEPT = "#A9CBE3"
-TRIPODS: Mapping[str, str] = {"1": "#0072B2", "2": "#CC3311"}
 
 STYLE: dict[Any, Any] = {
     "font.size": 8,
@@ -51,7 +47,7 @@ STYLE: dict[Any, Any] = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
-    "grid.color": "#E6E6E6",
+    "grid.color": palette.GRID.hex,
     "grid.linewidth": 0.5,
     "axes.axisbelow": True,
     "xtick.labelsize": 7,
@@ -84,7 +80,7 @@ def sheet_of(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = Figure(figsize=(PAPER_WIDTH, height), layout="constrained")
     FigureCanvasAgg(figure)
     axes: dict[str, Axes] = figure.subplot_mosaic(mosaic, **options)
     return figure, axes
@@ -144,9 +140,3 @@ def band(axes: Axes, low: Array, high: Array, **style: Any) -> None:
     """
     segment = np.arange(1, len(low) + 1)
     axes.fill_between(segment, low, high, step="mid", linewidth=0.4, **style)
-
-
-def letter(axes: Mapping[str, Axes], titles: Mapping[str, str]) -> None:
-    """Head panels with their letters and titles."""
-    for name, title in titles.items():
-        axes[name].set_title(f"({name}) {title}", loc="left")  # also in 3-D

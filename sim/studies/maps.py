@@ -13,6 +13,7 @@ import numpy as np
 from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
+from sim.palette import FAINT, OUTCOMES
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
@@ -20,12 +21,10 @@ from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-COLOURS = ("#009E73", "#56B4E9", "#E69F00", "#D55E00", "#000000", "#BBBBBB")
 LEAST = 1e-6  # share of the path; what is smaller is drawn there
 MOST = 12  # maps
 FEW = 12  # values at most that are places of a table
 CELL = 0.92  # of the way from one place to the next
-DARK = (0, 3, 4)  # classes on which white letters stand
 SHAPE = "geometry."
 UNITS = {
     "kappa": "", "body_mass": "[kg]", "leg_mass": "[kg]", "swing_range": "[rad]",
@@ -83,7 +82,7 @@ def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
         _fill_cells(axes, results, there, worst)
     else:
         size = float(np.clip(9000 / len(worst), 9, 260))
-        colours = [COLOURS[results.classes[point]] for point in worst.values()]
+        colours = [OUTCOMES[results.classes[point]].hex for point in worst.values()]
         places = np.array(list(worst))
         axes.scatter(places[:, 0], places[:, 1], s=size, c=colours, linewidths=0)
 
@@ -101,13 +100,13 @@ def _fill_cells(
     for (x, y), point in worst.items():
         found, share = results.classes[point], 100 * results.off[point]
         corner = x - CELL / 2, y - CELL / 2
-        axes.add_patch(Rectangle(corner, CELL, CELL, color=COLOURS[found], linewidth=0))
+        colour = OUTCOMES[found]
+        axes.add_patch(Rectangle(corner, CELL, CELL, color=colour.hex, linewidth=0))
         told = f"{share:.2g}" if np.isfinite(share) else "no walk"
         lost = sum(results.classes[one] == NO_WALK for one in there[x, y])
         if 0 < lost < len(there[x, y]):
             told = f"{lost} of {len(there[x, y])}:\n{told}"
-        ink = "white" if found in DARK else "black"
-        axes.text(x, y, told, color=ink, ha="center", va="center")
+        axes.text(x, y, told, color=colour.ink.hex, ha="center", va="center")
 
 
 def _badness(results: Results, point: int) -> tuple[int, float]:
@@ -117,11 +116,11 @@ def _badness(results: Results, point: int) -> tuple[int, float]:
 def _draw_curve(axes: Axes, results: Results, key: str) -> None:
     x = _place(axes, results, key, "x")
     share = np.maximum(np.nan_to_num(results.off, nan=1.0), LEAST)
-    colours = [COLOURS[found] for found in results.classes]
+    colours = [OUTCOMES[found].hex for found in results.classes]
     axes.scatter(x, share, s=12, c=colours, linewidths=0)
     axes.set_yscale("log")
     for limit in LIMITS:
-        axes.axhline(limit, color="#999999", linewidth=0.6)
+        axes.axhline(limit, color=FAINT.hex, linewidth=0.6)
     axes.set_ylabel("farthest, as a share of the path")
     axes.set_title(f"off the {_words(results)} prediction")
 
@@ -169,9 +168,12 @@ def _legend(axes: Axes, results: Results) -> None:
     from matplotlib.lines import Line2D
 
     counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
+    square: dict[str, Any] = {"marker": "s", "linestyle": ""}
     marks = [
-        Line2D([], [], color=colour, marker="s", linestyle="", label=f"{name}: {count}")
-        for name, colour, count in zip(CLASSES, COLOURS, counts, strict=True)
+        Line2D(
+            [], [], color=colour.hex, marker="s", linestyle="", label=f"{name}: {count}"
+        )
+        for name, colour, count in zip(CLASSES, OUTCOMES, counts, strict=True)
         if count
     ]
     axes.legend(handles=marks, loc="center left", bbox_to_anchor=(1.0, 0.5))

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-from matplotlib import rc_context
 from PIL import Image
 
 from planner.errors import PlannerError, RangeError
@@ -12,23 +11,18 @@ from sim.cli import main
 from sim.commands.parsing import COMMANDS
 from sim.figures import (
     NAMES,
-    biped,
     corridor,
     diagonal,
-    ellipse,
     line,
-    mechanism,
     panels,
-    quadruped,
     sequence,
     stability,
 )
+from sim.figures.diagonal import footprints
 from sim.figures.draw import draw
-from sim.figures.footprints import footprints
 from sim.figures.physics import Job, begun, perform
-from sim.figures.sheet import save
-from sim.figures.signs import polygon_margin
-from sim.figures.style import STYLE
+from sim.figures.sheet import drawn, save
+from sim.figures.stability import polygon_margin
 from sim.folder import RunFolder
 from sim.progress import silent
 
@@ -58,19 +52,6 @@ SHORT = {
         )
     },
 }
-FIGURES = {
-    "mechanism": mechanism,
-    "biped": biped,
-    "quadruped": quadruped,
-    "sequence": sequence,
-    "panels": panels,
-    "stability": stability,
-    "line": line,
-    "ellipse": ellipse,
-    "diagonal": diagonal,
-    "corridor": corridor,
-}
-
 pytestmark = pytest.mark.physics
 
 
@@ -84,14 +65,13 @@ def walks():
 
 
 def test_every_figure_can_be_asked_for():
-    assert tuple(FIGURES) == NAMES
+    assert tuple(SHORT) == NAMES
     assert "figures" in COMMANDS
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_figure_in_metres_is_drawn_with_its_numbers(walks, name, tmp_path):
-    with rc_context(STYLE):
-        sheet = FIGURES[name].metres(walks[name])
+    sheet = drawn(name, "metres", walks[name])
     save(sheet, tmp_path)
     with Image.open(tmp_path / f"{sheet.name}.png") as picture:
         assert picture.width > 1500

@@ -5,21 +5,28 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
-from matplotlib import rc_context
 from PIL import Image
 
 from planner.planning.paths import ellipse, line
-from sim.figures import corridor, diagonal, ellipse as fig7, line as fig6, stability
-from sim.figures.footprints import footprints
+from sim.figures import stability
+from sim.figures.diagonal import footprints
 from sim.figures.line import GOAL
-from sim.figures.paper import configuration, feet, standing, walk
-from sim.figures.sheet import Table, page, save
-from sim.figures.signs import sign_map
-from sim.figures.style import STYLE, extremes
-from sim.figures.tube import envelope, exponent, swing_out, tube
+from sim.figures.paper import (
+    configuration,
+    envelope,
+    exponent,
+    feet,
+    standing,
+    swing_out,
+    tube,
+    walk,
+)
+from sim.figures.sheet import Table, drawn, page, save
+from sim.figures.stability import sign_map
+from sim.figures.style import extremes
 
 ROUNDING = 1e-12
-ALL = {"line": fig6, "ellipse": fig7, "diagonal": diagonal, "corridor": corridor}
+ALL = ("line", "ellipse", "diagonal", "corridor")
 
 
 @pytest.fixture(scope="module")
@@ -81,8 +88,7 @@ def test_closed_form_and_polygon_disagree_nowhere_in_the_drawing():
 
 @pytest.fixture(scope="module")
 def sheet():
-    with rc_context(STYLE):
-        return diagonal.paper()
+    return drawn("diagonal", "paper")
 
 
 def test_a_sheet_is_saved_as_pictures_and_numbers(sheet, tmp_path):
@@ -138,8 +144,7 @@ def test_a_band_lies_between_the_extremes_of_each_segment():
 
 @pytest.fixture(scope="module")
 def papers():
-    with rc_context(STYLE):
-        return {name: figure.paper() for name, figure in ALL.items()}
+    return {name: drawn(name, "paper") for name in ALL}
 
 
 def test_panels_are_in_reading_order(papers):

@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from models.systems.catalogue import shipped_system
 from planner.extension.height_functions import stratified_panels
 from planner.planning.rollouts import play
-from sim.figures import biped, mechanism, panels, quadruped, sequence
-from sim.figures.graphs import draw_graph, graph_of
-from sim.figures.style import STYLE
+from sim.figures import panels, sequence
+from sim.figures.sheet import drawn
+from sim.figures.strata import draw_graph, graph_of
 
 WALKERS = (
     "biped",
@@ -66,10 +65,11 @@ def test_strata_one_foot_higher_are_drawn_one_row_higher():
     assert len(set(places)) == len(places)
 
 
-@pytest.fixture(scope="module", params=[mechanism, biped, quadruped, sequence, panels])
+@pytest.fixture(
+    scope="module", params=["mechanism", "biped", "quadruped", "sequence", "panels"]
+)
 def sheet(request):
-    with rc_context(STYLE):
-        return request.param.paper()
+    return drawn(request.param, "paper")
 
 
 def test_every_sheet_has_panels_a_key_and_numbers(sheet):
@@ -85,8 +85,7 @@ def test_every_sheet_has_panels_a_key_and_numbers(sheet):
 
 
 def test_robots_have_legs_that_meet_in_their_pivots_only_if_they_do():
-    with rc_context(STYLE):
-        rows = mechanism.metres({}).table.rows
+    rows = drawn("mechanism", "metres").table.rows
     for name, meet in (("hexapod", True), ("hexapod-parallel", False)):
         legs = [row for row in rows if row[0] == name and row[2] == "1"]
         lines = [np.array(row[3:7], dtype=float).reshape(2, 2) for row in legs]
@@ -97,8 +96,7 @@ def test_robots_have_legs_that_meet_in_their_pivots_only_if_they_do():
 
 
 def test_margins_of_robots_stand_with_their_strata():
-    with rc_context(STYLE):
-        rows = {row[1]: row[-1] for row in quadruped.metres({}).table.rows}
+    rows = {row[1]: row[-1] for row in drawn("quadruped", "metres").table.rows}
     assert set(rows) == {"S1234", "S123", "S124", "S134", "S234"}
     assert rows["S123"] < 0 < rows["S134"] < rows["S1234"]  # as its caption says
 
@@ -114,8 +112,7 @@ def test_lifts_commute_with_strokes_so_that_the_sequence_is_its_strokes():
 
 
 def test_the_sequence_leaves_the_bottom_stratum_and_comes_back():
-    with rc_context(STYLE):
-        rows = sequence.paper().table.rows
+    rows = drawn("sequence", "paper").table.rows
     heights = np.array([row[-2:] for row in rows], dtype=float)
     assert heights[[0, 3, 6]] == pytest.approx(0.0, abs=ROUNDING)
     assert [row[1] for row in rows] == ["S12", *["S1"] * 3, *["S2"] * 3]
@@ -126,12 +123,11 @@ def test_the_sequence_leaves_the_bottom_stratum_and_comes_back():
 def test_the_loops_drawn_change_the_pose_by_the_heights_drawn():
     system = shipped_system("paper-hexapod").system
     made = stratified_panels(system, panels.STROKES)
-    with rc_context(STYLE):
-        drawn = panels.paper()
-    for first, second, x, y, *flows, alone in drawn.table.rows:
+    sheet = drawn("panels", "paper")
+    for first, second, x, y, *flows, alone in sheet.table.rows:
         assert flows == pytest.approx([x, y], abs=ROUNDING)
         by_hand = made.change("y", (0, 0), (first, second))
         assert y == by_hand != pytest.approx(alone, rel=1e-3)
-    coloured = drawn.figure.axes[0].collections[0]
+    coloured = sheet.figure.axes[0].collections[0]
     low, high = coloured.get_array().min(), coloured.get_array().max()
     assert (low, high) == pytest.approx((-2, 2), rel=0.1)  # between levels

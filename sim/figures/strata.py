@@ -1,7 +1,9 @@
-"""Graphs of strata, drawn from systems: Figs. 2 and 3.
+"""Strata as graphs of systems and as sheets of configurations: Figs. 2 to 4.
 
 Every set of feet on the ground is a node, placed by the number of these feet; the
 system has a stratum for some of them. A gait is a closed walk along the edges.
+The configurations of a biped near both feet on the ground are two sheets: on S1 foot 1
+stands and foot 2 may rise, on S2 the other way about; they cross in S12.
 """
 
 from __future__ import annotations
@@ -11,16 +13,18 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from planner import Gait, StratifiedSystem
-from sim.figures.sheet import Cell, Table
-from sim.figures.style import IDEAL, NOMINAL, WEIGHT
+import numpy as np
+
+from planner import Array, Gait, StratifiedSystem
+from sim import palette
+from sim.figures.sheet import Cell
+from sim.figures.style import INK, NOMINAL, STRATA, Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-ABSENT = "#C8C8C8"
-GAIT = "#D55E00"
+ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
+VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
 BOW = 0.16  # of the arrows of a gait, so that there and back are two lines
 
 
@@ -138,15 +142,14 @@ def draw_graph(
 
 
 def _draw_node(axes: Axes, node: Node, note: str) -> None:
-    colour = WEIGHT if node.present else ABSENT
     text = f"$S_{{{node.name}}}$" + (f"\n{note}" if note else "")
     axes.annotate(
         text, node.at, ha="center", va="center", zorder=4,
-        fontsize=8 if node.present else 6, color=WEIGHT if node.present else NOMINAL,
+        fontsize=8 if node.present else 6, color=INK if node.present else NOMINAL,
         bbox={
             "boxstyle": "round,pad=0.35" if node.present else "round,pad=0.2",
             "facecolor": "white",
-            "edgecolor": IDEAL if node.present else colour,
+            "edgecolor": NOMINAL if node.present else ABSENT,
             "linewidth": 1.2 if node.present else 0.5,
         },
     )  # fmt: skip
@@ -162,7 +165,7 @@ def _draw_step(
     """An arrow that ends some points clear of the middle of its nodes."""
     (x0, y0), (x1, y1) = start, end
     arrow = {
-        "arrowstyle": "-|>", "color": GAIT, "linewidth": 1.0, "shrinkA": clear,
+        "arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": clear,
         "shrinkB": clear, "connectionstyle": f"arc3,rad={BOW}",
     }  # fmt: skip
     axes.annotate("", end, start, arrowprops=arrow, zorder=2)
@@ -173,32 +176,22 @@ def _draw_step(
     axes.annotate(
         str(number), (x, y), ha="center", va="center", fontsize=6.5, color="white",
         zorder=3,
-        bbox={"boxstyle": "circle,pad=0.15", "facecolor": GAIT, "edgecolor": "none"},
+        bbox={"boxstyle": "circle,pad=0.15", "facecolor": INK, "edgecolor": "none"},
     )  # fmt: skip
 
 
-def key(figure: Figure, absent: bool) -> None:
-    """Write the key of graphs below them.
-
-    Args:
-        figure: Figure that shows the graphs.
-        absent: Whether they have sets of feet that are no strata.
-    """
-    from matplotlib.lines import Line2D
-
-    box: dict[str, Any] = {"marker": "s", "markerfacecolor": "white", "linestyle": ""}
-    handles = [
-        Line2D([], [], color=IDEAL, markersize=7, label="stratum", **box),
-        Line2D([], [], color=NOMINAL, linewidth=1.2, label="lift-off or touchdown"),
-        Line2D([], [], color=GAIT, marker=">", label="steps of the gait, in order"),
-    ]
-    if absent:
-        name = "feet on the ground that are no stratum of the system"
-        handles.append(Line2D([], [], color=ABSENT, markersize=5, label=name, **box))
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+def add_key(axes: Axes) -> None:
+    """Enter the signs of graphs in the key of a panel."""
+    box: Style = {"marker": "s", "markerfacecolor": "white", "linestyle": ""}
+    step: Style = {"color": INK, "marker": ">", "label": "steps of the gait, in order"}
+    other = "feet on the ground that are no stratum of the system"
+    axes.plot([], [], color=NOMINAL, markersize=7, label="stratum", **box)
+    axes.plot([], [], color=NOMINAL, linewidth=1.2, label="lift-off or touchdown")
+    axes.plot([], [], **step)
+    axes.plot([], [], color=ABSENT, markersize=5, label=other, **box)
 
 
-def table_of(graphs: Mapping[str, Graph]) -> Table:
+def rows_of_graphs(graphs: Mapping[str, Graph]) -> list[tuple[Cell, ...]]:
     """The strata of several systems and the places of their gaits.
 
     Args:
@@ -224,15 +217,54 @@ def table_of(graphs: Mapping[str, Graph]) -> Table:
                     " ".join(places) or "none",
                 )
             )
-    return Table(
-        header=(
-            "system",
-            "stratum",
-            "feet on the ground, its codimension",
-            "dimension",
-            "fields",
-            "neighbours",
-            "places in the gait",
-        ),
-        rows=tuple(rows),
-    )
+    return rows
+
+
+def draw_sheets(axes: Any, span: tuple[float, float], top: float = 1.25) -> None:
+    """Draw S1 and S2 as rectangles that share the line S12.
+
+    Args:
+        axes: Axes with a 3-D projection.
+        span: Lowest and highest value of the coordinate along S12.
+        top: Largest height of a foot.
+    """
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    low, high = span
+    first = [(low, 0, 0), (high, 0, 0), (high, 0, top), (low, 0, top)]
+    second = [(low, 0, 0), (high, 0, 0), (high, top, 0), (low, top, 0)]
+    for corners, stratum in ((first, "1"), (second, "2")):
+        axes.add_collection3d(
+            Poly3DCollection(
+                [corners], facecolor=STRATA[stratum], alpha=0.12, edgecolor="none"
+            )
+        )
+    axes.plot([low, high], [0, 0], [0, 0], color=INK, linewidth=1.2)
+    axes.text(high, 0, top, "$S_1$", color=STRATA["1"], ha="right", va="top")
+    axes.text(high, top, 0.02, "$S_2$", color=STRATA["2"], ha="right")
+    axes.text(high, 0, 0, " $S_{12}$", ha="left", va="top")
+    axes.text(high, top, top, "$h_2$", ha="center", va="bottom")
+    axes.set(xlim=span, ylim=(0, top), zlim=(0, top))
+    axes.set_ylabel("$h_1$", labelpad=-10)
+    axes.set(yticks=(1,), zticks=(1,))
+    axes.tick_params(pad=-4)
+    axes.view_init(**VIEW)
+    axes.set_box_aspect((1.5, 1.1, 1.0), zoom=1.2)
+    axes.grid(visible=False)
+    for pane in (axes.xaxis, axes.yaxis, axes.zaxis):
+        pane.set_pane_color((1, 1, 1, 0))
+
+
+def draw_way(axes: Axes, points: Array, strata: Sequence[str]) -> None:
+    """Draw a way through both sheets, coloured by the stratum it is on.
+
+    Args:
+        axes: Axes with a 3-D projection.
+        points: The further coordinate and the heights of feet 1 and 2, shape (N, 3).
+        strata: Of each step from one point to the next, N - 1 of them.
+    """
+    changes = [0, *(np.flatnonzero(np.array(strata[1:]) != strata[:-1]) + 1)]
+    for begin, end in zip(changes, [*changes[1:], len(strata)], strict=True):
+        axes.plot(
+            *points[begin : end + 1].T, color=STRATA[strata[begin]], linewidth=1.6
+        )
