@@ -151,8 +151,8 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
             panel.set_title(f"({letter}) {words}", loc="left")  # also in 3-D
         if layout.key:
             handles, labels = axes[layout.key].get_legend_handles_labels()
-            place, columns = "outside lower center", layout.key_columns or len(labels)
-            canvas.legend(handles, labels, loc=place, ncols=columns)
+            columns = layout.key_columns or len(labels)
+            canvas.legend(handles, labels, loc="outside lower center", ncols=columns)
     return Sheet(
         name=layout.name,
         title=layout.title,

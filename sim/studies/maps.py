@@ -170,9 +170,7 @@ def _legend(axes: Axes, results: Results) -> None:
     counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
     square: dict[str, Any] = {"marker": "s", "linestyle": ""}
     marks = [
-        Line2D(
-            [], [], color=colour.hex, marker="s", linestyle="", label=f"{name}: {count}"
-        )
+        Line2D([], [], label=f"{name}: {count}", color=colour.hex, **square)
         for name, colour, count in zip(CLASSES, OUTCOMES, counts, strict=True)
         if count
     ]
