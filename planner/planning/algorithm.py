@@ -55,6 +55,14 @@ class Plan:
 
     Raises:
         ValueError: A value is misshapen or not finite, or names what the system lacks.
+
+    Example:
+        >>> from planner import StratifiedSystem, line, plan
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> found = plan(system, line((0, 0, 0), (0, 0, 1)), 1)
+        >>> found.elements, found.hall_coordinates
+        (('f', 'g', '[f,g]'), array([[0., 0., 1.]]))
     """
 
     system: StratifiedSystem
@@ -201,6 +209,13 @@ def plan(
         PlannerError: The elements lose rank on the path, or do not reach its velocity,
             or the path has a corner for every segment.
         RangeError: The plan leaves the limits; it suggests a number of segments.
+
+    Example:
+        >>> from planner import StratifiedSystem, line, plan
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> [str(flow) for flow in plan(system, line((0, 0, 0), (0, 0, 1)), 1).flows]
+        ['S0: +1 f', 'S0: +1 g', 'S0: -1 f', 'S0: -1 g']
     """
     nominal = as_path(path)
     if not isinstance(system, StratifiedSystem | ExtendedSystem):

@@ -99,6 +99,14 @@ def save_plan(plan: Plan, path: Path | str) -> None:
     Raises:
         ValueError: The plan's system has fields known as functions only.
         OSError: The file cannot be written.
+
+    Example:
+        >>> from planner import StratifiedSystem, line, load_plan, plan, save_plan
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> save_plan(plan(system, line((0, 0, 0), (0, 0, 1)), 1), "plan.npz")
+        >>> len(load_plan("plan.npz").flows)
+        4
     """
     table = {
         "format": FORMAT,
@@ -123,6 +131,14 @@ def load_plan(path: Path | str) -> Plan:
     Raises:
         ValueError: The file does not hold a plan.
         OSError: The file cannot be read.
+
+    Example:
+        >>> from planner import StratifiedSystem, line, load_plan, plan, save_plan
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> save_plan(plan(system, line((0, 0, 0), (1, 0, 0)), 2), "plan.npz")
+        >>> load_plan("plan.npz").hall_coordinates.shape
+        (2, 3)
     """
     try:
         table = json.loads(read_file(path, LARGEST))

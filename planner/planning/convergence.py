@@ -120,6 +120,14 @@ def convergence_order(
     Raises:
         ValueError: The path is not finite or not on the bottom stratum.
         PlannerError: The elements do not follow the path.
+
+    Example:
+        >>> from planner import StratifiedSystem, convergence_order, extend, line
+        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
+        >>> extended = extend(car, ["drive", "turn", "[drive,turn]"])
+        >>> print(convergence_order(extended, line((0, 0, 0), (0, 1, 0))))
+        the miss falls as n^-0.5 with n segments (degree 2 for brackets of degree 2)
     """
     (samples,) = sample(path, extended.system, 1, default_nodes(1))
     (inputs,) = fictitious_inputs_along(extended, samples[None])
@@ -217,6 +225,13 @@ def critical_step(
 
     Raises:
         ValueError: The direction is zero, or something is misshapen or not finite.
+
+    Example:
+        >>> from planner import StratifiedSystem, critical_step
+        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
+        >>> round(critical_step(car, at=(0, 0, 0), direction=(0, 1, 0)), 2)
+        1.06
     """
     if np.shape(at) != np.shape(direction):
         raise ValueError(

@@ -21,6 +21,11 @@ class Path:
     Attributes:
         at: Maps parameters of shape (k,) to configurations of shape (k, n).
         corners: Parameters in (0, 1) where the direction jumps, ascending.
+
+    Example:
+        >>> from planner import line
+        >>> line((0, 0), (1, 2))(0.5)
+        array([0.5, 1. ])
     """
 
     at: Callable[[Array], Array]
@@ -32,7 +37,13 @@ class Path:
 
 
 def line(start: ArrayLike, goal: ArrayLike) -> Path:
-    """The straight line between two configurations (Figs. 6 and 8)."""
+    """The straight line between two configurations (Figs. 6 and 8).
+
+    Example:
+        >>> from planner import line
+        >>> line((0, 0), (1, 2))(0.5)
+        array([0.5, 1. ])
+    """
     return waypoints([start, goal])
 
 
@@ -56,6 +67,11 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
 
     Raises:
         ValueError: Fewer than two points, unequal sizes, or values not finite.
+
+    Example:
+        >>> from planner import waypoints
+        >>> waypoints([(0, 0), (1, 0), (1, 1)]).corners
+        (0.5,)
     """
     knots = _configurations(points)
     lengths = np.linalg.norm(np.diff(knots, axis=0), axis=1)
@@ -87,6 +103,11 @@ def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
 
     Raises:
         ValueError: The configuration has fewer than two coordinates or is not finite.
+
+    Example:
+        >>> from planner import ellipse
+        >>> ellipse((0, 0), (2, 1))(0.25)
+        array([-2.,  1.])
     """
     (origin,) = _configurations([start], least=1)
     if origin.size < 2:

@@ -28,6 +28,13 @@ def rollout(plan: Plan, samples: int = 1) -> Array:
 
     Returns:
         Shape (1 + samples * flows, n): the start, then `samples` rows for each flow.
+
+    Example:
+        >>> from planner import StratifiedSystem, line, plan, rollout
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> rollout(plan(system, line((0, 0, 0), (0, 0, 1)), 1))[-1]
+        array([0., 0., 1.])
     """
     return play(plan.system, plan.flows, plan.start, samples)
 
@@ -47,6 +54,13 @@ def play(
         ValueError: A flow names a field that its stratum does not have, or the start
             is misshapen.
         ConvergenceError: A flow escapes to infinity.
+
+    Example:
+        >>> from planner import Flow, StratifiedSystem, play
+        >>> fields = {"f": [1, 0, 0], "g": [0, 1, "x"]}
+        >>> system = StratifiedSystem("x y z", {"0": fields}, "0")
+        >>> play(system, [Flow("0", "f", 1), Flow("0", "g", 1)], (0, 0, 0))[-1]
+        array([1., 1., 1.])
     """
     if samples < 1:
         raise ValueError(f"samples is {samples}; at least 1 is needed")

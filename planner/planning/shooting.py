@@ -84,6 +84,16 @@ def aim(
         ConvergenceError: A segment is too long for aiming to converge.
         RangeError: The plan leaves the limits; the number of segments that it suggests
             is that of an open-loop plan.
+
+    Example:
+        >>> from planner import Execution, StratifiedSystem, aim, extend, line, rollout
+        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
+        >>> extended = extend(car, ["drive", "turn", "[drive,turn]"])
+        >>> sideways = line((0, 0, 0), (0, 1, 0))
+        >>> found = aim(extended, sideways, 4, Execution(coordinates="backward"))
+        >>> bool(abs(rollout(found)[-1] - (0, 1, 0)).max() < 1e-8)
+        True
     """
     nominal = as_path(path)
     require_segments(segments, nominal)
@@ -163,6 +173,16 @@ def steer(
         ValueError: The execution leaves the choice of coordinates open, or an end is
             misshapen or not finite.
         ConvergenceError: The shots do not come closer, or not within `max_shots`.
+
+    Example:
+        >>> from planner import Execution, StratifiedSystem, extend, steer
+        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
+        >>> extended = extend(car, ["drive", "turn", "[drive,turn]"])
+        >>> execution = Execution(coordinates="backward")
+        >>> shots = steer(extended, (0, 0, 0), (0, 1, 0), execution)
+        >>> bool(shots.distances[-1] < 1e-9)
+        True
     """
     way = line(start, goal)
     here, end = way(0.0), way(1.0)

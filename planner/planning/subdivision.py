@@ -46,6 +46,16 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
 
     Raises:
         BoundError: More than `MOST_SEGMENTS` segments would be needed.
+
+    Example:
+        >>> import numpy as np
+        >>> from planner import subdivide
+        >>> from planner.planning import Slack
+        >>> def slacks(cuts):
+        ...     lengths = np.diff(cuts)
+        ...     return [Slack("length", 0.0, np.full(len(lengths), 0.4), 0.4 - lengths)]
+        >>> subdivide(np.array([0.0, 1.0]), slacks).round(2)
+        array([0.  , 0.33, 0.67, 1.  ])
     """
     while True:
         found = slacks(cuts)
