@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby, pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.numerics.collector import uncollected
 from planner.planning.nominal import (
+    Steerable,
     default_nodes,
     extend_along,
     fictitious_inputs_along,
@@ -151,29 +151,6 @@ class Plan:
             )
             lines.append(f"{k:4d}  " + " | ".join(stays))
         return "\n".join(lines)
-
-
-class Steerable(Protocol):
-    """A system that knows how it is best steered, such as the equations of a robot."""
-
-    @property
-    def system(self) -> StratifiedSystem:
-        """The stratified system."""
-        ...
-
-    @property
-    def elements(self) -> tuple[str, ...]:
-        """Elements of the extended system to steer with."""
-        ...
-
-    @property
-    def execution(self) -> Execution:
-        """How plans are carried out: order of flows, joint ranges, static stability."""
-        ...
-
-    def configurations(self, path: Path) -> Path:
-        """The path as one of configurations, if it consists of poses of the body."""
-        ...
 
 
 def plan(

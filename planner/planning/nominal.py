@@ -10,11 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from numbers import Integral
+from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 from planner.errors import PlannerError, ResolutionError, point
+from planner.execution.execution import Execution
 from planner.extension.choice import choose_elements
 from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import ROUNDING, Array
@@ -29,12 +31,27 @@ TAIL = 1e-3  # part of inputs in the last terms of their series that needs a che
 MISSED = 0.2  # relative part of a velocity; resolved inputs miss a hundredth
 
 
+class Steerable(Protocol):
+    """A system that knows how it is best steered, such as the equations of a robot."""
+
+    @property
+    def system(self) -> StratifiedSystem:
+        """The stratified system."""
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Elements of the extended system to steer with."""
+
+    @property
+    def execution(self) -> Execution:
+        """How plans are carried out: order of flows, joint ranges, static stability."""
+
+    def configurations(self, path: Path) -> Path:
+        """The path as one of configurations, if it consists of poses of the body."""
+
+
 def require_segments(segments: int, path: Path) -> None:
     """Check the number of segments of a path.
-
-    Args:
-        segments: The number.
-        path: Path that is divided into segments.
 
     Raises:
         ValueError: It is not a whole number from 1 to `MOST_SEGMENTS`.
