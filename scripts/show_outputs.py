@@ -1,7 +1,8 @@
 """Write down what the commands shown in README and docs print today.
 
 Every `$ stratawalk ...` in a console block that has output under it is run again, and
-its output replaced. Look at the difference before you keep it.
+its output replaced; so is the table of settings. Look at the difference before you keep
+it.
 
 Example:
     python -m scripts.show_outputs docs/commands.md
@@ -16,13 +17,20 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import MISSING
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from planner.support import whole_file
+from sim.scenarios.file import toml_value
+from sim.scenarios.settings import SETTINGS
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
+SETTINGS_TABLE = re.compile(
+    r"(?<=^<!-- settings -->\n).*?(?=^<!-- end of settings -->$)",
+    re.DOTALL | re.MULTILINE,
+)
 COMMAND = re.compile(r"^\$ stratawalk (.*)\n((?:(?!\$ ).*\n)+)", re.MULTILINE)
 
 
@@ -52,6 +60,17 @@ def shown_again(command: re.Match[str]) -> str:
     return f"$ stratawalk {line}\n{printed(shlex.split(line, comments=True))}"
 
 
+def settings_table() -> str:
+    """Every setting of a scenario with its values, default, meaning and effects."""
+    rows = ["setting | values | default | meaning | affects", " | ".join(["---"] * 5)]
+    for name, item in SETTINGS.items():
+        given = item.default is not None and item.default is not MISSING
+        default = f"`{toml_value(item.default)}`" if given else ""
+        affects = ", ".join(sorted(item.affects)) + " *" * item.imperfection
+        rows.append(f"`{name}` | {item.allowed} | {default} | {item.about} | {affects}")
+    return "".join(f"| {row} |\n" for row in rows)
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
     """Rewrite the pages that are named."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
@@ -59,6 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for page in parser.parse_args(arguments).page:
         text = page.read_text()
         again = BLOCK.sub(lambda block: COMMAND.sub(shown_again, block[0]), text)
+        again = SETTINGS_TABLE.sub(lambda table: settings_table(), again)
         with whole_file(page) as part:
             part.write_text(again)
 

@@ -119,13 +119,7 @@ class Drive:
     def commands(
         self, schedule: Schedule, torques: FeedForward | None, steps: int | None = None
     ) -> Iterator[Array]:
-        """Rows of ctrl of one stretch, shape (n, nu), n to `STRETCH`.
-
-        Args:
-            schedule: Intended angles.
-            torques: Torques to make up for, if any.
-            steps: How many of its steps; all if not given.
-        """
+        """Rows of ctrl of a stretch, or of its first steps, (n, nu), n to `STRETCH`."""
         if self.plain:
             yield from self._setup.commands(schedule, steps)
             return

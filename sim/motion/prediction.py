@@ -119,9 +119,6 @@ class Predictor:
         """Predict the motion at steps whose commands are known already.
 
         Several predictions of one schedule share them.
-
-        Args:
-            given: What `commanded` gives for the schedule.
         """
         clock = _clock(self.schedule, self._loaded, given.phase, given.swing)
         return Prediction(

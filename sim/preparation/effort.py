@@ -20,10 +20,6 @@ COPIES = 2  # of each row during evaluation and writing; 1.8 were measured
 def check_effort(setup: Setup, steps: int) -> None:
     """Refuse a simulation that takes too many steps or too much memory.
 
-    Args:
-        setup: What is simulated, and how often its state is kept.
-        steps: Physics steps that it will take.
-
     Raises:
         UsageError: Saying how many steps, what memory, and which setting to change.
     """
@@ -46,9 +42,6 @@ def check_effort(setup: Setup, steps: int) -> None:
 
 def check_distance(setup: Setup) -> None:
     """Refuse a path that no walk could follow to its end, before a plan is looked for.
-
-    Args:
-        setup: What is to be planned.
 
     Raises:
         UsageError: Saying how far legs would swing at least.

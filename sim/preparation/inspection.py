@@ -75,10 +75,6 @@ class Inspected:
 def inspected(scenario: Scenario, robot: Robot) -> Inspected:
     """Look at a robot; what keeps it from walking is told, not refused.
 
-    Args:
-        scenario: Settings of the physics in which it is to stand.
-        robot: Robot to look at.
-
     Raises:
         ModelError: If it does not stand.
         UsageError: If a setting asks for what the robot cannot do.
@@ -125,11 +121,7 @@ def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
 
 
 def facts(subject: Inspected) -> Facts:
-    """Mass, legs, groups, fields and margins of a robot that stands.
-
-    Args:
-        subject: The robot.
-    """
+    """Mass, legs, groups, fields and margins of a robot that stands."""
     robot, kinematics = subject.robot, subject.kinematics
     stance = kinematics.standing
     lifting, lift = kinematics.lifting, subject.lift_angle

@@ -21,12 +21,7 @@ LOOKING = 30.0  # [s] for the reason and the remedy
 
 
 def immobile(robot: Robot, found: Mobility) -> Iterator[str]:
-    """Why a robot cannot go everywhere, and what would change that, in sentences.
-
-    Args:
-        robot: Robot in question.
-        found: What its swings can do.
-    """
+    """Why a robot cannot go everywhere, and what would change that, in sentences."""
     if found.lacking:
         yield f"it cannot {' or '.join(found.lacking)}: {found.reason}"
         yield f"what would help: {_remedy(robot)}"
@@ -35,10 +30,6 @@ def immobile(robot: Robot, found: Mobility) -> Iterator[str]:
 @contextmanager
 def explained(robot: Robot, described: Equations) -> Iterator[None]:
     """Explain why there is no plan, where the robot cannot go everywhere.
-
-    Args:
-        robot: Robot that is to follow a plan.
-        described: Its equations.
 
     Raises:
         SimulationError: There is no plan, because a direction is out of reach.
@@ -55,11 +46,6 @@ def explained(robot: Robot, described: Equations) -> Iterator[None]:
 
 def require_reach(robot: Robot, described: Equations, path: Path) -> None:
     """Refuse a path that would take thousands of strokes, before it is planned.
-
-    Args:
-        robot: Robot that is to walk it.
-        described: Its equations.
-        path: Poses of the body.
 
     Raises:
         SimulationError: A direction in which the path leads is out of reach.
@@ -105,11 +91,6 @@ def _remedy(robot: Robot) -> str:
 
 def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None:
     """Check that plans can follow the scenario's gait, if it gives one.
-
-    Args:
-        scenario: The scenario.
-        robot: Robot that it walks.
-        described: The robot's equations.
 
     Raises:
         UsageError: If the gait is none of the robot, or something else decides the

@@ -112,12 +112,7 @@ class Setup:
         return Channels(self.robot, self.model)
 
     def commands(self, schedule: Schedule, steps: int | None = None) -> Iterator[Array]:
-        """The rows of ctrl that carry out a schedule, shape (n, nu), n to `STRETCH`.
-
-        Args:
-            schedule: What to carry out.
-            steps: How many of its steps; all if not given.
-        """
+        """The rows of ctrl that carry out a schedule, shape (n, nu), n to `STRETCH`."""
         count = schedule.stop - schedule.start if steps is None else steps
         channels = self.channels
         for begin in range(0, count, STRETCH):

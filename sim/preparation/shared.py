@@ -35,14 +35,7 @@ class Shared:
     def cached(
         self, kind: str, key: Hashable, build: Callable[[], T], most: int = CACHED
     ) -> T:
-        """A thing that was built before, or that is built now.
-
-        Args:
-            kind: What kind of thing.
-            key: Everything that it depends on.
-            build: Builds it.
-            most: How many of its kind are cached.
-        """
+        """A thing that was built before, or that is built now."""
         of_kind = self._cached.setdefault(kind, OrderedDict())
         if key not in of_kind:
             of_kind[key] = build()

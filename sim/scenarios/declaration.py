@@ -86,10 +86,6 @@ class Setting:
     def accept(self, value: object, where: str) -> object:
         """A value in its own type.
 
-        Args:
-            value: As it is given.
-            where: Place of the value in words.
-
         Raises:
             UsageError: If it is not allowed.
         """

@@ -54,9 +54,6 @@ def load_scenario(
 def scenario_table(source: str) -> tuple[dict[str, Any], str]:
     """A scenario as its file gives it, found from anywhere, and its place in words.
 
-    Args:
-        source: Name of a shipped scenario, or path of a TOML file.
-
     Raises:
         UsageError: If there is no such file, or it is not TOML.
     """
@@ -86,12 +83,7 @@ def scenario_from(
 
 
 def anchor(table: dict[str, Any], folder: Path) -> None:
-    """Make the files that a scenario names findable from wherever it is read next.
-
-    Args:
-        table: As a file gives it; changed in place.
-        folder: Folder of that file.
-    """
+    """Make the files that a scenario names findable from wherever it is read next."""
     _anchor_robot(table, folder)
     _anchor_poses(table.get("path"), folder)
 

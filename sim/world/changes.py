@@ -20,12 +20,7 @@ from sim.world.servos import (
 
 
 def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
-    """One sentence for each change.
-
-    Args:
-        robot: Robot as its file has it.
-        scenario: Settings that replace the file's.
-    """
+    """One sentence for each change."""
     spec = robot.read()
     feet = [spec.geom(name) for name in robot.card.feet]
     return tuple(
@@ -80,11 +75,7 @@ def _friction(feet: list[mujoco.MjsGeom], scenario: Scenario) -> Iterator[str]:
 
 
 def overlaps(robot: Robot) -> Iterator[str]:
-    """Soles of different legs that are inside one another, contact or not.
-
-    Args:
-        robot: Robot as its file has it.
-    """
+    """Soles of different legs that are inside one another, contact or not."""
     model = robot.model
     data = mujoco.MjData(model)
     data.qpos[:] = robot.start_qpos

@@ -145,11 +145,6 @@ def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
     """Turn the plane of the floor into a field of smooth bumps, as high as asked for.
 
     Their tops are where the plane was, so that no foot starts within a bump.
-
-    Args:
-        spec: World with the floor.
-        floor: The plane.
-        scenario: Its bumps, its draw, and the path that must lie on the field.
     """
     way = scenario.path.curve.at(np.linspace(0.0, 1.0, 101))[:, :2]
     low, high = way.min(axis=0) - MARGIN, way.max(axis=0) + MARGIN

@@ -33,12 +33,6 @@ def add_imperfections(
 ) -> None:
     """Add those that a scenario asks for.
 
-    Args:
-        spec: World with the robot on its floor.
-        robot: The robot.
-        floor: Name of the floor.
-        scenario: Its settings.
-
     Raises:
         UsageError: If there are not as many frictions as feet, or as many zeros of
             servos as joints.

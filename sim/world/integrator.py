@@ -20,11 +20,7 @@ STABLE = 1.9  # of `explicitness`, whose limit is 2 where the robot starts
 
 
 def suitable_integrator(model: mujoco.MjModel) -> mujoco.mjtIntegrator:
-    """Euler's where it is stable, and the engine's fast implicit one elsewhere.
-
-    Args:
-        model: World with its timestep and a keyframe in which the robot starts.
-    """
+    """Euler's where it is stable, and the engine's fast implicit one elsewhere."""
     stable = explicitness(model) < STABLE
     kinds = mujoco.mjtIntegrator
     return kinds.mjINT_EULER if stable else kinds.mjINT_IMPLICITFAST

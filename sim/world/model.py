@@ -50,10 +50,6 @@ class World:
 def build(robot: Robot, scenario: Scenario) -> World:
     """Robot and world, self-contained.
 
-    Args:
-        robot: Robot to put on the floor.
-        scenario: Settings of solver, friction and servos.
-
     Raises:
         ModelError: If the robot cannot be given floor or servos.
     """
@@ -108,11 +104,6 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     """Write keyframe `start`: the robot's own, at x = y = yaw = 0, feet on the floor.
 
     Other keyframes go, since their commands may no longer fit.
-
-    Args:
-        spec: World with the robot in it and its servos in place.
-        robot: Robot that starts.
-        floor: Floor that its feet are put on.
 
     Returns:
         How far the robot was let down onto the floor, or lifted out of it if negative,

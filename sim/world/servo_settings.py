@@ -45,11 +45,7 @@ class ServoSettings:
         return stiffness < SOFT if self.feed_forward is None else self.feed_forward
 
     def table(self, simulated: tuple[float, float] | None) -> dict[str, Any]:
-        """As summary.json has it.
-
-        Args:
-            simulated: Stiffness and damping in the model, where all servos are alike.
-        """
+        """As summary.json has it."""
         table = asdict(self)
         del table["damping_ratio"]  # what it came to stands under damping
         if simulated is not None:

@@ -151,9 +151,6 @@ def other_drives(robot: Robot) -> list[str]:
 
     Those that are on legs of the card are found by their moments about the leg joints,
     where the robot starts.
-
-    Args:
-        robot: Robot as its file has it.
     """
     model = robot.model
     data, dofs = _at_start(model, robot)
@@ -168,11 +165,7 @@ def other_drives(robot: Robot) -> list[str]:
 
 
 def couplings(robot: Robot) -> list[int]:
-    """Which of the file's equations tie leg joints to others, directly or by tendons.
-
-    Args:
-        robot: Robot as its file has it.
-    """
+    """Equations of the file that tie leg joints to others, directly or by tendons."""
     model = copy(robot.model)
     model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
     data, dofs = _at_start(model, robot)

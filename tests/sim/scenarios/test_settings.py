@@ -1,10 +1,13 @@
 """Declared settings: defaults that are allowed, and names that they had before."""
 
+import re
 from dataclasses import MISSING
 from typing import get_args
 
 import pytest
 
+from scripts.show_outputs import ROOT, SETTINGS_TABLE, settings_table
+from sim.cli import main
 from sim.errors import UsageError
 from sim.scenarios.declaration import Effect
 from sim.scenarios.file import announce, load_scenario
@@ -33,3 +36,14 @@ def test_a_default_is_a_value_that_the_setting_may_have(name):
     if declared.default is not MISSING:
         assert declared.accept(declared.default, "here") == declared.default
     assert declared.affects <= set(get_args(Effect))
+
+
+def test_the_table_of_settings_in_the_documentation_is_the_declaration():
+    page = (ROOT / "docs" / "scenarios.md").read_text()
+    assert SETTINGS_TABLE.findall(page) == [settings_table()]
+
+
+@pytest.mark.parametrize("command", ["run", "plan"])
+def test_help_of_set_names_every_setting(command, capsys):
+    main([command, "--help"])
+    assert {*SETTINGS} <= set(re.findall(r"\w+", capsys.readouterr().out))
