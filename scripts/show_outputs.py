@@ -11,6 +11,7 @@ Example:
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import shlex
@@ -22,8 +23,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from planner.support import whole_file
-from sim.scenarios.file import toml_value
-from sim.scenarios.settings import SETTINGS
+from sim import Scenario
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
@@ -63,9 +63,9 @@ def shown_again(command: re.Match[str]) -> str:
 def settings_table() -> str:
     """Every setting of a scenario with its values, default, meaning and effects."""
     rows = ["setting | values | default | meaning | affects", " | ".join(["---"] * 5)]
-    for name, item in SETTINGS.items():
+    for name, item in Scenario.declarations().items():
         given = item.default is not None and item.default is not MISSING
-        default = f"`{toml_value(item.default)}`" if given else ""
+        default = f"`{json.dumps(item.default)}`" if given else ""
         affects = ", ".join(sorted(item.affects)) + " *" * item.imperfection
         rows.append(f"`{name}` | {item.allowed} | {default} | {item.about} | {affects}")
     return "".join(f"| {row} |\n" for row in rows)

@@ -6,12 +6,12 @@ The settings are declared in `scenarios.settings`. Reading and writing files is 
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.declaration import Effect
+from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.predictions import prediction_key
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
@@ -45,6 +45,11 @@ class Scenario(Settings):
         """The same without imperfections: the robot and its floor as they should be."""
         none: dict[str, Any] = {n: SETTINGS[n].default for n in IMPERFECTIONS}
         return replace(self, **none)
+
+    @staticmethod
+    def declarations() -> Mapping[str, Setting]:
+        """What is declared about every setting, by its name."""
+        return SETTINGS
 
     def key(self, *effects: Effect) -> Hashable:
         """All in it that has some of the effects; equal in scenarios that share them.
