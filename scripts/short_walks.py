@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim import Judge, PlannedWalk, least_time, load_scenario, prepare
+from sim import Judge, ScenarioProblem, least_time, load_scenario, prepare
 
 SCENARIOS = ("line", "ellipse", "diagonal")
 SEGMENTS: Mapping[str, Sequence[int]] = {
@@ -59,7 +59,7 @@ def planned(name: str, way: str, detail: str, changes: Mapping[str, object]) -> 
         changes: Settings.
     """
     setup = prepare(load_scenario(name, dict(changes)))
-    plan, judge = PlannedWalk(setup).plan(), Judge(setup)
+    plan, judge = ScenarioProblem(setup).solve().plan, Judge(setup)
     strays, seconds = judge.strays(plan), judge.duration(plan.flows)
     return Point(name, way, detail, seconds, strays["position"], strays["yaw"])
 

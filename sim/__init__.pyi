@@ -19,8 +19,8 @@ from .figures.style import (
 )
 from .optimisation.judging import Judge as Judge
 from .optimisation.lower_bound import least_time as least_time
-from .optimisation.planned import PlannedWalk as PlannedWalk
 from .preparation.setup import prepare as prepare
+from .problems.scenario import ScenarioProblem as ScenarioProblem
 from .run_folder import (
     film as film,
     write as write,

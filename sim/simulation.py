@@ -7,7 +7,7 @@ import time
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -18,22 +18,16 @@ from planner.support import limited
 from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
 from sim.evaluation.comparison import describe
 from sim.motion.poses import wrap
-from sim.optimisation.planned import Chosen, PlannedWalk
-from sim.planning.bounds import within_bounds
-from sim.planning.routes import routed
-from sim.planning.sharing import is_shareable, shared_plan, walk_cache
-from sim.planning.soundness import require_sound
-from sim.preparation.effort import check_distance, check_effort
-from sim.preparation.reach import explained, require_reach
-from sim.preparation.setup import Setup, prepare
+from sim.planning.sharing import walk_cache
+from sim.preparation.effort import check_effort
+from sim.preparation.setup import GoalOffset, Setup, prepare
 from sim.preparation.shared import Shared
+from sim.problems.scenario import ScenarioProblem
 from sim.progress import Progress, at_most, silent, stage
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
 from sim.walking.walker import Walker
 from sim.walking.walks import carry_out, expected_steps
-
-Aside = tuple[float, float, float]  # of the goal: x, y [m] and yaw [rad]
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,21 +126,16 @@ def simulate(
             legs collide, or the physics diverges.
     """
     timing: dict[str, float] = {}
-    aside: Aside = (0.0, 0.0, 0.0)
     with _timed(timing, "compile"), stage(progress, "compiling"):
         setup = prepare(scenario, robot, shared)
     with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
-        check_distance(setup)
-        way = setup.robot, setup.equations, setup.nominal()
-        walk_cache(setup, shared)("reach", partial(require_reach, *way))
-        setup = routed(setup)
-        scenario = setup.scenario
-        planned = PlannedWalk(within_bounds(setup), progress)
+        problem = ScenarioProblem.ready(setup, progress, shared)
+    scenario = problem.scenario
     timing["simulate"] = 0.0
     missed: list[float] = []
     for attempt in range(scenario.correct):
         with _timed(timing, "plan"), limited(scenario.plan_time):
-            prepared = _prepared(scenario, planned, aside, shared)
+            prepared = _prepared(problem)
         if witness is not None and attempt == 0:
             witness.prepared(prepared)
         cache = walk_cache(prepared.setup, shared)
@@ -162,40 +151,27 @@ def simulate(
         timing["plan"] += walk.seconds["plan"]
         timing["simulate"] += walk.seconds["simulate"]
         missed.append(math.dist(walker.pose[:2], scenario.path.goal[:2]))
-        aside = _further(aside, scenario, walker.pose)
+        problem = problem.beside(_further(walker.setup, walker.pose))
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
     return Simulation(prepared, evaluation, timing, tuple(missed))
 
 
-def _prepared(
-    scenario: Scenario, planned: PlannedWalk, aside: Aside, shared: Shared | None
-) -> Prepared:
-    setup = planned.setup.aimed(aside)
-    with explained(setup.robot, setup.equations):
-        chosen = None if scenario.replan else _chosen(setup, planned, aside, shared)
-    plan, fallback = (chosen.plan, chosen.fallback) if chosen else (None, None)
-    if plan is not None and not scenario.allow_unstable:
-        cache = walk_cache(setup, shared)
-        cache("sound", partial(require_sound, setup, plan))
+def _prepared(problem: ScenarioProblem) -> Prepared:
+    setup = problem.setup
+    solution = None if problem.replan else problem.solve()
+    plan, fallback = (solution.plan, solution.fallback) if solution else (None, None)
     steps = expected_steps(setup, plan)
     check_effort(setup, steps)
-    return Prepared(scenario, setup, plan, steps, fallback)
+    return Prepared(problem.scenario, setup, plan, steps, fallback)
 
 
-def _chosen(
-    setup: Setup, planned: PlannedWalk, aside: Aside, shared: Shared | None
-) -> Chosen:
-    if shared is not None and is_shareable(setup):
-        return Chosen(shared_plan(setup, shared))
-    return planned.choose(aside)
-
-
-def _further(aside: Aside, scenario: Scenario, reached: Array) -> Aside:
-    """Where to aim next, from where the walk aimed at that has just ended."""
-    miss = np.array(scenario.path.goal) - reached
-    x, y, yaw = np.array(aside) + [*miss[:2], float(wrap(miss[2]))]
-    return float(x), float(y), float(yaw)
+def _further(setup: Setup, reached: Array) -> GoalOffset:
+    """Where to aim next, from where a walk has ended."""
+    miss = np.array(setup.scenario.path.goal) - reached
+    offset = np.array(setup.goal_offset) + [*miss[:2], float(wrap(miss[2]))]
+    x, y, yaw = offset.tolist()
+    return x, y, yaw
 
 
 @contextmanager

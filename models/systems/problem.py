@@ -9,9 +9,27 @@ from typing import Literal
 
 import numpy as np
 
-from planner import Array, Execution, Gait, Path, StratifiedSystem, StratumError, line
+from planner import (
+    Array,
+    Execution,
+    ExtendedSystem,
+    Gait,
+    Path,
+    Plan,
+    StratifiedSystem,
+    StratumError,
+    aim,
+    line,
+    plan,
+)
 from planner.execution import Coordinates, StanceRule
-from planner.planning import FlatOutputs, require_segments
+from planner.planning import (
+    FlatOutputs,
+    extend_along,
+    plan_between,
+    require_segments,
+    stratum_at,
+)
 from planner.support import unknown
 from planner.systems import ShapeCoordinates, ShapeLimits
 
@@ -88,6 +106,34 @@ class Problem:
     def path(self) -> Path:
         """The straight line from start to goal."""
         return line(*self.states)
+
+    @cached_property
+    def extended(self) -> ExtendedSystem:
+        """The extended system, its elements chosen along the path where none are named.
+
+        Raises:
+            ValueError: An element is unknown or no element.
+            PlannerError: The elements do not serve.
+        """
+        found = extend_along(self.system, self.elements or None, self.path)
+        return found if self.degree is None else found.to_degree(self.degree)
+
+    def plan(self, aimed: bool = False) -> Plan:
+        """The plan from start to goal.
+
+        Args:
+            aimed: Whether each segment is to end where it should, instead of near it.
+
+        Raises:
+            ValueError: The problem asks for the impossible.
+            PlannerError: There is no plan.
+        """
+        if aimed:
+            return aim(self.extended, self.path, self.segments, self.execution)
+        if any(stratum_at(self.system, x) != self.system.bottom for x in self.states):
+            ends = self.states
+            return plan_between(self.extended, *ends, self.segments, self.open_loop)
+        return plan(self.extended, self.path, self.segments, execution=self.open_loop)
 
     @property
     def open_loop(self) -> Execution:

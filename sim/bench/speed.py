@@ -24,13 +24,13 @@ from sim.bench import planner_speed
 from sim.bench.row import Row, median, paired, seconds
 from sim.motion.schedule import Scheduler
 from sim.optimisation.judging import Judge
-from sim.optimisation.planned import PlannedWalk
 from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup, prepare
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 
 STEPS = 20_000  # of physics in each measurement: a third of a second
@@ -70,7 +70,7 @@ def optimised() -> Iterator[Row]:
     for name, (changes, most) in WALKS.items():
         setup = prepare(load_scenario("line", changes | {"optimise": "time"}))
         judge, began = Judge(setup), time.process_time()
-        found = PlannedWalk(setup).plan()
+        found = ScenarioProblem(setup).solve().plan
         took = time.process_time() - began
         seconds = judge.duration(found.flows)
         printed = judge.duration(plan_open_loop(setup).flows)
@@ -84,7 +84,7 @@ def _first() -> float:
     setup = prepare(load_scenario("line", {"optimise": "time"}))
     began = time.process_time()
     with suppress(_FoundError), limited(FIRST_PLAN_LIMIT):
-        PlannedWalk(setup, _stop_if_found).plan()
+        ScenarioProblem(setup, _stop_if_found).solve()
     return time.process_time() - began
 
 

@@ -48,7 +48,7 @@ def execute(options: argparse.Namespace) -> None:
     from models.systems import configuration
     from planner import gait_controllability
     from planner.controllability import MAX_DEPTH
-    from sim.commands.problems import coordinates, refused
+    from sim.commands.systems import coordinates, refused
     from sim.progress import bar, stage
 
     with bar(quiet=options.json) as progress, stage(progress, "reading the fields"):
@@ -134,7 +134,7 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
 
 def _subject(options: argparse.Namespace) -> _Subject:
     """The system that is named."""
-    from sim.commands.problems import find, is_system
+    from sim.commands.systems import find, is_system
 
     source, settings = options.system, options.set
     if not source.endswith(".xml") and is_system(source, _robots(), "robot"):

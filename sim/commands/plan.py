@@ -4,229 +4,234 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
+import os
 import time
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from sim.commands import system_plan
-from sim.commands.convergence import (
-    convergence,
-    describe as convergence_lines,
-    step_lengths,
-)
 from sim.commands.options import add_scenario_arguments, scenario_of
+from sim.commands.plan_report import (
+    Accuracy,
+    Facts,
+    Prospect,
+    Steps,
+    SystemFacts,
+    WalkFacts,
+)
 from sim.commands.trusted import robot_of
+from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from planner import Flow, StratifiedSystem
-    from sim.preparation.setup import Setup
+    from models import Robot
+    from planner import Plan
+    from sim.problems.problem import Problem, Solution
+    from sim.problems.system import SystemProblem
     from sim.progress import Progress
+    from sim.scenarios.scenario import Scenario
 
-GAIT = (
-    "A stratum is the set of configurations in which the same groups of",
-    "legs stand on the ground; it is named after these groups. A gait is",
-    "the closed sequence of strata that the robot visits again and again.",
-)
-STROKE = ("A stroke is a swing of legs that stand on the ground and move the body.",)
+Outcome = tuple["Plan", Facts, Prospect | None]
 HELP = "plan a scenario or a system and play it on the exact kinematics"
+FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
+FOR_SYSTEMS = {
+    "start": "leave it out, scenarios start at the origin",
+    "goal": "set a scenario's path.goal",
+    "elements": "set a scenario's fields",
+    "save": "leave it out, run keeps what it walks",
+}
+BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
+SETTLED = dict.fromkeys(
+    ("start", "goal", *BY_ELEMENTS, "segments", "set", "gait", "optimise"),
+    "leave it out",
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_scenario_arguments(parser, "SCENARIO|SYSTEM")
-    system_plan.add_arguments(parser)
+    group = parser.add_argument_group("for systems")
+    for option in ("start", "goal"):
+        group.add_argument(
+            f"--{option}",
+            metavar="NAME=VALUE",
+            nargs="+",
+            help=f"coordinates at the {option}",
+        )
+    group.add_argument(
+        "--elements",
+        metavar="ELEMENT",
+        nargs="+",
+        help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
+    )
+    group.add_argument("--save", metavar="FILE.json", help="keep the plan")
     parser.add_argument("--flows", action="store_true", help="print every flow as well")
 
 
 def execute(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
-    if system_plan.is_for_systems(options):
-        system_plan.execute(options)
-        return
-    scenario = scenario_of(options)
+    from sim.progress import bar
 
-    # slow imports; a scenario that is refused does not wait for them
-    from sim.planning.bounds import within_bounds
-    from sim.planning.routes import routed
-    from sim.preparation.effort import check_distance
-    from sim.preparation.reach import explained, require_reach
-    from sim.preparation.setup import prepare
-    from sim.progress import at_most, bar, stage
-
-    began = time.perf_counter()
-    robot = robot_of(options, scenario.robot)
-    with bar(quiet=options.json) as progress, stage(progress, "compiling"):
-        setup = prepare(scenario, robot)
-    compiled = time.perf_counter()
-    with (
-        bar(quiet=options.json) as progress,
-        explained(setup.robot, setup.equations),
-    ):
-        with at_most(progress, "planning", scenario.plan_time):
-            check_distance(setup)
-            require_reach(setup.robot, setup.equations, setup.nominal())
-            setup = within_bounds(routed(setup))
-        system, flows, fallback = _planned(setup, progress)
-        planning = time.perf_counter() - compiled
-        with stage(progress, "measuring the accuracy"):
-            outlook = _outlook(setup)
-        facts = summarise(setup, system, flows) | outlook
-        with stage(progress, "trying what would help"):
-            facts["helps"] = _helps(setup, facts)
-    facts["fallback"] = fallback
-    facts["timing"] = {"compile": compiled - began, "plan": planning}
+    if not _is_for_systems(options):
+        scenario = scenario_of(options)
+        robot = robot_of(options, scenario.robot)
+        with bar(quiet=options.json) as progress:
+            planned, facts, prospect = _walk(scenario, robot, progress)
+    elif options.scenario.endswith(".json"):
+        planned, facts, prospect = _saved(options.scenario)
+    else:
+        with bar(quiet=options.json) as progress:
+            planned, facts, prospect = _system(options, progress)
+    _save(planned, options.save)
     if options.json:
-        print(json.dumps(facts | ({"flows": flows} if options.flows else {})))
+        flows = {"flows": planned.flows} if options.flows else {}
+        print(json.dumps(facts.table(prospect) | flows))
         return
     if options.flows:
-        print(*flows, "", sep="\n")
-    print(_describe(facts, scenario.gait or setup.robot.card.gait))
+        print(*planned.flows, "", sep="\n")
+    print(*facts.lines(prospect), sep="\n")
 
 
-def _planned(
-    setup: Setup, progress: Progress
-) -> tuple[StratifiedSystem, Sequence[Flow], str | None]:
-    """System and flows of the scenario's plan, and why it is not the shortest."""
-    from planner import PlannerError, RangeError
-    from sim.optimisation.planned import PlannedWalk
-    from sim.planning.remedies import tried
-    from sim.planning.replanned import replanned
-    from sim.planning.soundness import require_sound
-    from sim.planning.walk_remedies import offers
+def _is_for_systems(options: argparse.Namespace) -> bool:
+    """Whether a system, or a plan saved of one, is to be planned and not a scenario.
+
+    Raises:
+        UsageError: There is no such thing, or an option is for the other kind.
+    """
+    from sim.commands.systems import is_system
+    from sim.scenarios.file import shipped_scenarios
+
+    source = options.scenario
+    if source.endswith(".json"):
+        _refuse(options, SETTLED, "cannot change a saved plan")
+    elif not is_system(source, shipped_scenarios()):
+        _refuse(options, FOR_SYSTEMS, "is for systems")
+        return False
+    _refuse(options, FOR_ROBOTS, "is for robots")
+    if options.save == "":
+        raise UsageError("an empty name", "--save", "name a file, or leave it out")
+    if options.save and os.path.lexists(options.save):
+        raise UsageError("already exists", options.save, "give --save another name")
+    return True
+
+
+def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> None:
+    for name, remedy in names.items():
+        if getattr(options, name) not in (None, []):
+            raise UsageError(f"--{name} {why}", options.scenario, remedy)
+
+
+def _saved(source: str) -> Outcome:
+    from planner import load_plan
+    from sim.commands.systems import refused
+
+    with refused(source):
+        planned = load_plan(source)
+    return planned, SystemFacts.of(Path(source).stem, planned), None
+
+
+def _save(planned: Plan, file: str | None) -> None:
+    from planner import save_plan
+    from sim.commands.systems import refused
+
+    if file:
+        with refused(file):
+            save_plan(planned, file)
+
+
+def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
+    from sim.preparation.setup import prepare
+    from sim.problems.scenario import ScenarioProblem
+    from sim.progress import at_most, stage
+
+    began = time.perf_counter()
+    with stage(progress, "compiling"):
+        setup = prepare(scenario, robot)
+    compiled = time.perf_counter()
+    with at_most(progress, "planning", scenario.plan_time):
+        problem = ScenarioProblem.ready(setup, progress)
+    solution = _solved(problem, progress)
+    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
+    facts = WalkFacts.of(problem.setup, solution.plan)
+    return solution.plan, facts, _prospect(problem, solution, timing, progress)
+
+
+def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
+    from sim.commands.systems import refused
+    from sim.progress import stage
+
+    source, began = options.scenario, time.perf_counter()
+    with refused(source):
+        with stage(progress, "compiling"):
+            problem = _system_problem(options)
+        compiled = time.perf_counter()
+        solution = _solved(problem, progress)
+    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
+    facts = SystemFacts.of(Path(source).stem, solution.plan)
+    return solution.plan, facts, _prospect(problem, solution, timing, progress)
+
+
+def _system_problem(options: argparse.Namespace) -> SystemProblem:
+    """The problem of the command line, compiled."""
+    from planner import StratumError
+    from planner.support import limited
+    from sim.commands.systems import coordinates, find
+    from sim.problems.system import PLAN_TIME, SystemProblem
+
+    problem = find(options.scenario, options.set)
+    by_elements = any(getattr(options, name) not in (None, []) for name in BY_ELEMENTS)
+    chained = problem.flat is not None and not by_elements
+    changes = {
+        "start": options.start and coordinates(options.start, "--start"),
+        "goal": options.goal and coordinates(options.goal, "--goal"),
+        "segments": options.segments or (1 if chained else None),
+        "elements": options.elements,
+        "degree": options.degree,
+        "words": options.words,
+        "gait": options.gait and tuple(options.gait),
+        "in_gait": bool(options.gait) or None,
+    }
+    given = {name: value for name, value in changes.items() if value is not None}
+    try:
+        problem = replace(problem, **given)
+    except StratumError as error:
+        raise ValueError(str(error)) from error
+    with limited(PLAN_TIME):
+        return SystemProblem(
+            problem,
+            replan=bool(options.replan),
+            objective=options.optimise or "none",
+            chained=chained,
+        )
+
+
+def _solved(problem: Problem, progress: Progress) -> Solution:
+    """The plan; where no number of segments makes one fit, what was tried is said."""
+    from planner import RangeError
     from sim.progress import at_most
 
-    seconds = setup.scenario.plan_time
     try:
-        with at_most(progress, "planning", seconds):
-            if setup.scenario.replan:
-                return setup.equations.system, replanned(setup), None
-            chosen = PlannedWalk(setup, progress).choose()
-            require_sound(setup, chosen.plan)
-            return chosen.plan.system, chosen.plan.flows, chosen.fallback
+        with at_most(progress, "planning", problem.plan_time):
+            return problem.solve()
     except RangeError as error:
         if error.segments is not None:
             raise
-        helps = tried(offers(setup), math.inf, seconds)
-        raise PlannerError(f"{error}; tried: {helps}") from error
+        raise problem.refusal(error) from error
 
 
-def _outlook(setup: Setup) -> dict[str, Any]:
-    """What finer plans would bring; nothing where that takes too long to find out."""
+def _prospect(
+    problem: Problem, solution: Solution, timing: dict[str, float], progress: Progress
+) -> Prospect:
     from planner import BudgetError
     from planner.support import limited
+    from sim.progress import stage
 
-    extended, path = setup.extended, setup.nominal()
-    try:
-        with limited(setup.scenario.plan_time):
-            accuracy = convergence(extended, path, setup.coordinates)
-            steps = step_lengths(extended, path, setup.scenario.segments)
-    except BudgetError:
-        return {}
-    return {"accuracy": accuracy, "steps": steps}
-
-
-def _helps(setup: Setup, facts: Mapping[str, Any]) -> str:
-    """What would help a plan that ends far off its goal; empty for others."""
-    import numpy as np
-
-    from models import mobility_of
-    from sim.planning.remedies import FAR, tried
-    from sim.planning.walk_remedies import miss_of, offers
-    from sim.preparation.reach import immobile
-
-    scenario, robot = setup.scenario, setup.robot
-    miss = miss_of(setup, np.array(facts["pose"]), np.array(scenario.path.goal))
-    if miss <= FAR:
-        return ""
-    lacking = "; ".join(immobile(robot, mobility_of(robot, setup.equations)))
-    return lacking or str(tried(offers(setup), miss, scenario.plan_time))
-
-
-def summarise(
-    setup: Setup, system: StratifiedSystem, flows: Sequence[Flow]
-) -> dict[str, Any]:
-    """Results of flows on the exact kinematics, under the names of summary.json.
-
-    Args:
-        setup: What is to be walked.
-        system: Fields that the flows follow.
-        flows: The plan.
-    """
-    from planner import play
-    from sim.motion.poses import wrap
-
-    scenario = setup.scenario
-    states = play(system, flows, setup.nominal()(0.0))
-    pose, goal = states[-1, :3], scenario.path.goal
-    return {
-        "scenario": scenario.name,
-        "robot": setup.robot.name,
-        "fields": scenario.fields,
-        "stance": setup.stance,
-        "segments": scenario.segments,
-        "replan": scenario.replan,
-        "goal": goal,
-        "path_length": scenario.path.length,
-        "pose": [*pose[:2].tolist(), float(wrap(pose[2]))],
-        "error": {
-            "position": math.dist(pose[:2], goal[:2]),
-            "yaw": abs(float(wrap(pose[2] - goal[2]))),
-        },
-        "contact_switches": _switches(setup, system, flows),
-        "largest_swing": float(abs(states[:, 3 : 3 + len(setup.robot.groups)]).max()),
-        **_travel(setup, flows),
-    }
-
-
-def _switches(setup: Setup, system: StratifiedSystem, flows: Sequence[Flow]) -> int:
-    """Lift-offs and touchdowns, also on strata that a gait visits without a flow."""
-    from planner import contact_switches
-    from planner.systems import gait_walk, walk_switches
-
-    gait = setup.scenario.gait
-    if not gait:
-        return contact_switches(system, flows)
-    ends = system.bottom, system.bottom
-    return walk_switches(system, gait_walk(system, flows, gait, ends))
-
-
-def _travel(setup: Setup, flows: Sequence[Flow]) -> dict[str, float]:
-    """Swing travel of loaded and of lifted groups, and distance walked."""
-    groups, equations = setup.robot.groups, setup.equations
-    travel = {"swing_travel": 0.0, "air_travel": 0.0, "distance_walked": 0.0}
-    for flow in flows:
-        for group, share in zip(groups, equations.swings[flow.field], strict=True):
-            loaded = group in flow.stratum
-            way = abs(share * flow.duration)
-            travel["swing_travel" if loaded else "air_travel"] += way
-        travel["distance_walked"] += equations.stride(flow.field) * abs(flow.duration)
-    return travel
-
-
-def _describe(facts: Mapping[str, Any], gait: Sequence[str]) -> str:
-    """The facts in lines for a terminal, with the paper's words explained."""
-    x, y, yaw = facts["pose"]
-    error, timing = facts["error"], facts["timing"]
-    why = facts["fallback"]
-    fell_back = [f"{'fell back':10}on the stratified plan: {why}"] if why else []
-    return "\n".join(
-        [
-            f"{facts['scenario']}: {facts['robot']}, {facts['fields']} fields, "
-            f"{facts['stance']} stance, {facts['segments']} segments, "
-            f"{facts['contact_switches']} contact switches",
-            *fell_back,
-            f"{'gait':10}{' '.join(gait)}",
-            *(f"{'':10}{line}" for line in GAIT),
-            f"{'strokes':10}{facts['swing_travel']:.3f} rad in all",
-            *(f"{'':10}{line}" for line in STROKE),
-            f"{'walks':10}{facts['distance_walked']:.3f} m for a path of "
-            f"{facts['path_length']:.3f} m, legs to {facts['largest_swing']:.3f} rad",
-            f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad",
-            f"{'off goal':10}{1e3 * error['position']:.2f} mm, {error['yaw']:.4f} rad",
-            *([f"{'helps':10}{facts['helps']}"] if facts["helps"] else []),
-            *convergence_lines(facts),
-            f"{'took':10}{1e3 * timing['plan']:.1f} ms to plan, after "
-            f"{1e3 * timing['compile']:.0f} ms to load and compile",
-        ]
-    )
+    accuracy = steps = None
+    with stage(progress, "measuring the accuracy"), suppress(BudgetError):
+        with limited(problem.plan_time):
+            found = Accuracy.of(problem), Steps.of(problem)
+        accuracy, steps = found
+    with stage(progress, "trying what would help"):
+        helps = problem.helps(solution.plan)
+    return Prospect(helps, solution.fallback, timing, accuracy, steps)

@@ -1,11 +1,24 @@
-"""`stratawalk systems`: the systems that come with the package."""
+"""`stratawalk systems`, and systems of the command line: shipped ones, or files."""
 
 from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from models import ProblemError
+from models.description import parse_toml
+from planner.support import did_you_mean, read_file
+from sim.errors import StratawalkError, UsageError
+from sim.scenarios.file import parse_override
+
+if TYPE_CHECKING:
+    from models import Problem
+
+SUFFIXES = (".toml", ".py")
 HELP = "list the shipped systems and their parameters"
 
 
@@ -15,20 +28,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> None:
     """Print names, descriptions and parameters."""
-    from models import SYSTEMS
+    from models import SYSTEMS, shipped_system
+    from models.systems import parameters
 
-    systems = [_facts(name) for name in SYSTEMS]
     if options.json:
-        print(json.dumps(systems, indent=1))
+        print(json.dumps([_facts(name) for name in SYSTEMS], indent=1))
         return
-    for facts in systems:
-        print(f"{facts['name']:18}{facts['description']}")
-        if facts["parameters"]:
-            given = (f"{k}={json.dumps(v)}" for k, v in facts["parameters"].items())
+    for name in SYSTEMS:
+        print(f"{name:18}{shipped_system(name).description}")
+        if defaults := parameters(name):
+            given = (f"{k}={json.dumps(v)}" for k, v in defaults.items())
             print(f"{'':18}--set {' '.join(given)}")
 
 
-def _facts(name: str) -> dict[str, Any]:
+def _facts(name: str) -> dict[str, object]:
     from models import shipped_system
     from models.systems import parameters
 
@@ -43,3 +56,97 @@ def _facts(name: str) -> dict[str, Any]:
         "elements": problem.elements,
         "goal": problem.goal,
     }
+
+
+def is_system(source: str, others: Collection[str], kind: str = "scenario") -> bool:
+    """Whether a word of the command line means a system.
+
+    Args:
+        source: The word.
+        others: Names of the shipped things of the other kind.
+        kind: That kind.
+
+    Raises:
+        UsageError: It is a name of neither.
+    """
+    path = Path(source)
+    if path.suffix == ".toml":
+        return kind != "scenario" or _has_strata(path)
+    if path.suffix or len(path.parts) > 1 or source in others:
+        return path.suffix == ".py"
+    from models import SYSTEMS
+
+    if source not in SYSTEMS:
+        remedy = did_you_mean(source, [*others, *SYSTEMS])
+        raise UsageError(f"unknown {kind} or system {source!r}", kind.upper(), remedy)
+    return True
+
+
+def _has_strata(path: Path) -> bool:
+    try:
+        return "strata" in parse_toml(read_file(path).decode())
+    except (OSError, ValueError):
+        return False
+
+
+def find(source: str, settings: Sequence[str] = ()) -> Problem:
+    """A system and its problem.
+
+    Args:
+        source: Name of a shipped system, or path of a TOML or Python file.
+        settings: `KEY=VALUE` for parameters that are not to have their defaults.
+
+    Raises:
+        UsageError: There is no such file, or a setting sets nothing, or comes twice.
+        ProblemError: There is no such system, or its file says something impossible.
+    """
+    values: dict[str, object] = {}
+    for key, value in map(parse_override, settings):
+        if key in values:
+            raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
+        values[key] = value
+    path = Path(source)
+    if path.suffix not in SUFFIXES:
+        from models import shipped_system
+
+        return shipped_system(source, values)
+    if not path.is_file():
+        raise UsageError("no such system file", source, "give a file that exists")
+    from models import load_system
+
+    return load_system(path, values)
+
+
+def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
+    """Values of coordinates from words `NAME=VALUE`.
+
+    Raises:
+        UsageError: A word is not of that form, or a coordinate comes twice.
+    """
+    values: dict[str, float] = {}
+    for word in words:
+        name, _, value = (part.strip() for part in word.partition("="))
+        if name in values:
+            raise UsageError(f"{name} is given twice", option, "keep one of them")
+        try:
+            values[name] = float(value)
+        except ValueError:
+            raise UsageError(
+                f"{word!r} is not a coordinate", option, "write NAME=VALUE, as in x=1"
+            ) from None
+    return values
+
+
+@contextmanager
+def refused(where: str) -> Iterator[None]:
+    """Turn errors of bad arguments into errors of the command line.
+
+    Raises:
+        UsageError: A `ValueError` came up, with its words.
+    """
+    try:
+        yield
+    except (StratawalkError, ProblemError):
+        raise
+    except ValueError as error:
+        raise UsageError.at(where, error, "see docs/systems.md") from error

@@ -14,7 +14,7 @@ from math import inf, pi
 
 from models import Equations
 from models.motion import contact_equations, contact_fields
-from planner import Flow, Path, Plan, plan, play
+from planner import Execution, ExtendedSystem, Flow, Path, Plan, plan, play
 from planner.optimisation import Criterion, Inequality, Task, Tolerance, cycle
 from sim.experiments.predictions import twist_model
 from sim.motion.straying import straying
@@ -27,7 +27,8 @@ ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
 LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
 ROUGH = 1e-6  # [m/rad], [rad/rad] of fields; the aim makes up for what they leave out
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
-SAMPLES = 8  # of a flow of the stratified plan
+FLOW_SAMPLES = 8  # of a flow of the stratified plan
+PATH_POINTS = 1001  # that a plan's deviation is measured from
 GUARD = 1e-4  # [m] of margin and clearance, for what lies between the ends of strokes
 
 
@@ -71,7 +72,7 @@ def tolerances(setup: Setup, stratified: Plan | None) -> tuple[float, float]:
 
 def straying_of(setup: Setup, plan: Plan) -> dict[str, float]:
     """How far a plan itself strays from the nominal path, by the fields it is of."""
-    states = play(plan.system, plan.flows, plan.start, SAMPLES)
+    states = play(plan.system, plan.flows, plan.start, FLOW_SAMPLES)
     return straying(setup.scenario.path.curve, states[:, :3])
 
 
@@ -153,13 +154,13 @@ def _inequalities(setup: Setup, within: float) -> Iterator[Inequality]:
 
 @dataclass(frozen=True)
 class Coarse:
-    """Stratified plans of pieces of the path, in few segments."""
+    """Stratified plans of pieces of a path, in few segments."""
 
-    setup: Setup
+    extended: ExtendedSystem
     path: Path
+    execution: Execution
 
     def __call__(self, begin: float, end: float, segments: int) -> Sequence[Flow]:
         """Flows from one place on the path to another."""
         piece = Path(lambda s: self.path.at(begin + (end - begin) * s))
-        execution = self.setup.equations.execution
-        return plan(self.setup.extended, piece, segments, execution=execution).flows
+        return plan(self.extended, piece, segments, execution=self.execution).flows

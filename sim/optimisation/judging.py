@@ -8,17 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from models import TwistModel
-from planner import Array, BoundError, Flow, Plan, contact_switches
+from planner import Array, Flow, Plan, contact_switches
 from planner.execution import stepped
-from sim.errors import SimulationError
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule, Scheduler
 from sim.motion.straying import straying
 from sim.obstacles.clearance import surroundings
-from sim.planning.clearance_bound import ClearanceBound
+from sim.planning.bounds import ClearanceBound
 from sim.planning.forecast import ForeseenStretch
-from sim.planning.soundness import require_sound
 from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
 from sim.scenarios.predictions import IDEAL, QUASI_STATIC
@@ -112,17 +110,6 @@ class Judge:
         bound = ClearanceBound(surroundings(self.setup), least)
         stretch = ForeseenStretch(self._predictor(schedule))
         return max(0.0, least - bound.least_of(stretch))
-
-    def require_sound(self, plan: Plan) -> None:
-        """Refuse a plan that tips the robot over, or makes its legs collide.
-
-        Raises:
-            BoundError: If it does.
-        """
-        try:
-            require_sound(self.setup, plan)
-        except SimulationError as error:
-            raise BoundError(f"the shortest plan found is refused: {error}") from error
 
     def schedule(self, segments: Sequence[Sequence[Flow]]) -> Schedule:
         """The commands of flows, without holds."""

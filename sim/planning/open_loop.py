@@ -1,20 +1,29 @@
 """Plans for walks: of the whole path, or of the next segment.
 
 The scenario names the prediction to steer on. The planner itself uses the ideal one.
+
+Servos with a resolution move to whole counts. The effect of rounding the end of each
+stroke is known beforehand, so the next segment is planned from the pose that is then
+predicted, and errors do not add up. Nothing is measured: the walk is still open loop.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from models import TwistModel
-from planner import Plan
+from planner import Array, Flow, Plan, merged, rollout
 from planner.planning import Step, grid, require_segments
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, nearest_turn, relative
 from sim.planning.aiming import plan_along, segment_ends, steer_along, steer_towards
-from sim.planning.counts import angles_after, joined, on_counts
 from sim.preparation.setup import Setup
+
+MOST_COUNTS = 4  # that are tried as one, for legs of other gains
+ON_COUNT = 0.02  # counts, by which a leg may be off
+RANGE_ROUNDING = 1e-9  # [rad], beyond the joint range
 
 
 def plan_open_loop(setup: Setup) -> Plan:
@@ -30,6 +39,20 @@ def plan_open_loop(setup: Setup) -> Plan:
     if twists is None:
         return plan_along(setup, setup.nominal())
     return steer_along(setup, twists)
+
+
+def plan_replanned(setup: Setup) -> Plan:
+    """All segments, each planned from the state that the exact kinematics reached.
+
+    Raises:
+        PlannerError: If a target cannot be approached.
+    """
+    groups, state, plans = len(setup.robot.groups), setup.nominal()(0.0), list[Plan]()
+    for segment in range(setup.scenario.segments):
+        pose, swing = state[:3], tuple(state[3 : 3 + groups])
+        plans.append(plan_segment(setup, segment, pose, swing).plan)
+        state = rollout(plans[-1])[-1]
+    return joined(setup, plans)
 
 
 def plan_segment(
@@ -106,3 +129,73 @@ def _steered_on(setup: Setup) -> TwistModel | None:
     if scenario.steer == "ideal" and scenario.words == "printed":
         return None
     return twist_model(setup, scenario.steered_on)
+
+
+def on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
+    """A step whose flows end on counts; as it is where servos have none."""
+    if not setup.servo.resolution:
+        return step
+    angles, flows = np.array(swing), list[Flow]()
+    for flow in merged(step.plan.flows):
+        direction = np.array(setup.equations.swings[flow.field])
+        leading = int(np.abs(direction).argmax())
+        wanted = angles[leading] + direction[leading] * flow.duration
+        reached = _count(setup, leading, wanted)
+        duration = float((reached - angles[leading]) / direction[leading])
+        angles = angles + direction * duration
+        flows.append(flow._replace(duration=duration))
+    flows = [flow for flow in flows if flow.duration]
+    plan = replace(step.plan, flows=tuple(flows), segment_ends=(len(flows),))
+    return replace(step, plan=plan)
+
+
+def angles_after(
+    setup: Setup, plan: Plan, swing: tuple[float, ...]
+) -> tuple[float, ...]:
+    """Angle of every group after a plan, from that before it [rad]."""
+    changes: list[Array] = [
+        np.multiply(setup.equations.swings[flow.field], flow.duration)
+        for flow in plan.flows
+    ]
+    return tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
+
+
+def _count(setup: Setup, group: int, angle: float) -> float:
+    """The angle nearest to one of a group at which its legs are on counts.
+
+    Where gains allow it that is so of all of them, else of the one that swings most.
+    """
+    robot, resolution = setup.robot, setup.servo.resolution
+    legs = np.flatnonzero(robot.group_of_leg == group)
+    fastest = legs[np.abs(robot.swing_gain[legs]).argmax()]
+    gain = robot.swing_gain[fastest]
+    joint = robot.card.legs[robot.legs[fastest]].swing
+    standing = robot.standing_angle(joint)
+    resolution *= _together(np.abs(robot.swing_gain[legs] / gain))
+    low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
+    count = np.round((standing + gain * angle) / resolution)
+    around = (resolution * (count + np.array([0, 1, -1])) - standing) / gain
+    within = (around >= low - RANGE_ROUNDING) & (around <= high + RANGE_ROUNDING)
+    return float(around[within][np.abs(around[within] - angle).argmin()])
+
+
+def _together(gains: Array) -> int:
+    """Counts of the fastest leg after which all legs of a group are on counts; or 1."""
+    for counts in range(1, MOST_COUNTS + 1):
+        if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
+            return counts
+    return 1
+
+
+def joined(setup: Setup, plans: list[Plan]) -> Plan:
+    """Plans of consecutive segments as one."""
+    nominal = setup.nominal()
+    between: Array = nominal.at(grid(nominal, setup.scenario.segments))
+    return replace(
+        plans[0],
+        flows=tuple(flow for plan in plans for flow in plan.flows),
+        segment_ends=tuple(np.cumsum([len(plan.flows) for plan in plans]).tolist()),
+        inputs=np.concatenate([plan.inputs for plan in plans]),
+        hall_coordinates=np.concatenate([plan.hall_coordinates for plan in plans]),
+        nominal=between,
+    )

@@ -25,6 +25,8 @@ from sim.world.model import World
 from sim.world.servo_settings import ServoSettings, servo_settings
 from sim.world.servos import Channels
 
+GoalOffset = tuple[float, float, float]  # from the goal to the aim: x, y [m], yaw [rad]
+
 
 @dataclass(frozen=True, eq=False)
 class Setup:
@@ -43,7 +45,7 @@ class Setup:
     model: mujoco.MjModel
     limits: MotionLimits
     servo: ServoSettings
-    goal_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of where it is aimed
+    goal_offset: GoalOffset = (0.0, 0.0, 0.0)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Setup) and self.model is other.model
@@ -135,8 +137,8 @@ class Setup:
         scenario = replace(self.scenario, path=path, segments=len(cuts) - 1)
         return replace(self, scenario=scenario)
 
-    def aimed(self, goal_offset: tuple[float, float, float]) -> Setup:
-        """The same setup, aimed a step beside the goal: x, y [m] and yaw [rad]."""
+    def aimed(self, goal_offset: GoalOffset) -> Setup:
+        """The same setup, aimed beside the goal."""
         return replace(self, goal_offset=goal_offset)
 
     def nominal(self) -> Path:

@@ -7,8 +7,8 @@ from sim.obstacles.clearance import surroundings
 from sim.optimisation.clearances import SOFT, clearances, near_pieces
 from sim.optimisation.judging import Judge
 from sim.optimisation.outlines import BODY, moving_parts
-from sim.optimisation.planned import PlannedWalk
 from sim.preparation.setup import prepare
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 
 ca = pytest.importorskip("casadi")
@@ -72,11 +72,11 @@ def test_parts_of_the_body_do_not_swing(passage):
 def test_a_plan_keeps_away_from_a_wall_that_it_would_come_too_close_to(monkeypatch):
     monkeypatch.setattr("planner.optimisation.windows.CLOSELY", 1)
     free = prepare(load_scenario("line", BESIDE | {"min_clearance": -1.0}))
-    close = PlannedWalk(free).plan()
+    close = ScenarioProblem(free).solve().plan
     asked = {"min_clearance": 0.02}
     setup = prepare(load_scenario("line", BESIDE | asked))
     judge = Judge(setup)
     assert judge.clearance_lack(list(close.segments())) > 0.002
-    chosen = PlannedWalk(setup).choose()
+    chosen = ScenarioProblem(setup).solve()
     assert chosen.fallback is None
     assert judge.clearance_lack(list(chosen.plan.segments())) == 0.0

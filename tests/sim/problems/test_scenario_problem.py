@@ -13,10 +13,10 @@ from sim.motion.stability import stability_margin
 from sim.motion.straying import straying
 from sim.optimisation.judging import Judge
 from sim.optimisation.margins import margins
-from sim.optimisation.planned import PlannedWalk
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.soundness import require_sound
 from sim.preparation.setup import prepare
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 
 SHORT = {
@@ -40,12 +40,12 @@ def setup():
 
 @pytest.fixture(scope="module")
 def walk(setup):
-    return PlannedWalk(setup)
+    return ScenarioProblem(setup)
 
 
 @pytest.fixture(scope="module")
 def chosen(walk):
-    return walk.choose()
+    return walk.solve()
 
 
 @pytest.fixture(scope="module")
@@ -74,9 +74,9 @@ def test_segments_stay_those_of_the_scenario(setup, found):
 
 
 def test_a_plan_beside_the_goal_ends_there(setup, walk):
-    aside = (0.001, -0.002, 0.004)
-    end = Judge(setup).end(walk.plan(aside).flows)
-    assert end[:3] == pytest.approx(np.array([0.06, 0.06, 0.0]) + aside, abs=1e-6)
+    offset = (0.001, -0.002, 0.004)
+    end = Judge(setup).end(walk.beside(offset).solve().plan.flows)
+    assert end[:3] == pytest.approx(np.array([0.06, 0.06, 0.0]) + offset, abs=1e-6)
 
 
 def test_margins_as_expressions_are_those_of_the_prediction(setup):
@@ -101,7 +101,7 @@ def test_margins_as_expressions_are_those_of_the_prediction(setup):
 def test_a_least_margin_is_kept(monkeypatch):
     monkeypatch.setattr("planner.optimisation.windows.CLOSELY", 1)
     setup = setup_of(min_margin=0.045)
-    found = PlannedWalk(setup).plan()
+    found = ScenarioProblem(setup).solve().plan
     assert Judge(setup).margin_lack(list(found.segments())) == 0.0
 
 
@@ -110,7 +110,7 @@ def test_a_tolerance_that_cannot_be_kept_is_refused(monkeypatch):
     monkeypatch.setattr("planner.optimisation.windows.MOST_STAGES", 6)
     setup = setup_of(path_tolerance=0.0005, yaw_tolerance=0.005)
     with pytest.raises(BoundError, match="nearest found there keeps"):
-        PlannedWalk(setup).plan()
+        ScenarioProblem(setup).solve()
 
 
 WIDE = 10.0  # [m], more than any of these walks strays
@@ -129,7 +129,7 @@ def test_a_plan_that_falls_back_says_why(monkeypatch, error, reason):
 
     monkeypatch.setattr("planner.optimisation.optimise.Optimiser.plan", refused)
     setup = setup_of(path_tolerance=WIDE)
-    chosen = PlannedWalk(setup).choose()
+    chosen = ScenarioProblem(setup).solve()
     assert chosen.fallback.startswith(reason)
     assert chosen.plan.flows == plan_open_loop(setup).flows
 

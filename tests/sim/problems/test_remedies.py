@@ -10,9 +10,9 @@ import pytest
 from planner.errors import PlannerError
 from planner.support.stopping import tick
 from sim import cli
-from sim.planning.remedies import tried
-from sim.planning.walk_remedies import miss_of
 from sim.preparation.setup import prepare
+from sim.problems.problem import tried
+from sim.problems.scenario import miss_of
 from tests import radial
 
 SHORT = ("--segments", "1", "--set", "path.goal=[0.02, 0.02, 0]")

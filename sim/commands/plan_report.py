@@ -1,0 +1,316 @@
+"""What `stratawalk plan` reports: facts under the names of JSON, and lines of them."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from planner import Array, Plan
+    from planner.planning import ConvergenceOrder
+    from sim.preparation.setup import Setup
+    from sim.problems.problem import Problem
+
+GAIT = (
+    "A stratum is the set of configurations in which the same groups of",
+    "legs stand on the ground; it is named after these groups. A gait is",
+    "the closed sequence of strata that the robot visits again and again.",
+)
+STROKE = ("A stroke is a swing of legs that stand on the ground and move the body.",)
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How fast plans converge; orders are None where plans are exact."""
+
+    degree: int
+    bracket_degree: int
+    order: float | None
+    faster: Mapping[str, float | None]
+
+    @classmethod
+    def of(cls, problem: Problem) -> Accuracy:
+        """The order to expect, and that of what is faster."""
+        from planner import convergence_order
+        from planner.planning import faster
+
+        if problem.is_exact:
+            degree = problem.extended.steering.degree
+            return cls(degree, degree, None, {})
+        asked = problem.extended, problem.path, problem.coordinates
+        expected, offers = convergence_order(*asked), faster(*asked)
+        return cls(
+            expected.degree,
+            expected.bracket_degree,
+            _order(expected),
+            {what: _order(offer) for what, offer in offers.items()},
+        )
+
+    def lines(self) -> Iterator[str]:
+        """The order to expect and what raises it."""
+        degree = f"degree {self.degree}"
+        if self.order is None:
+            yield f"{'accuracy':10}exact at {degree}: no brackets are left out"
+            return
+        yield (
+            f"{'accuracy':10}n segments miss by n^-{self.order:.3g} ({degree}, "
+            f"brackets of degree {self.bracket_degree})"
+        )
+        if self.faster:
+            offers = (f"{what} {_power(order)}" for what, order in self.faster.items())
+            yield f"{'faster':10}{', '.join(offers)}; redundant elements miss less"
+
+
+@dataclass(frozen=True)
+class Steps:
+    """The first step of a path and the critical one; None if twice the first serves."""
+
+    first: float
+    critical: float | None
+
+    @classmethod
+    def of(cls, problem: Problem) -> Steps | None:
+        """Steps of a problem; None where it has no way, or is met in any step."""
+        import numpy as np
+
+        from planner import critical_step
+        from planner.planning import grid
+
+        start, end = problem.path.at(grid(problem.path, problem.segments)[:2])
+        length = float(np.linalg.norm(end - start))
+        if problem.is_exact or not length:
+            return None
+        extended = problem.extended
+        critical = critical_step(extended, start, end - start, within=2 * length)
+        return cls(length, _finite(critical))
+
+    def line(self, segments: int, exact: bool) -> str:
+        """The number of segments beside the one that the critical step asks for."""
+        first, critical = self.first, self.critical
+        if exact and critical is None:
+            return f"{'steps':10}of any length are halved at least by one plan"
+        if critical == 0:
+            return f"{'steps':10}of no length converge in this direction"
+        length = "beyond twice that" if critical is None else f"{critical:.3g}"
+        of = f"{'steps':10}of {first:.3g}, the critical step is {length}"
+        if critical is None or first <= critical:
+            return f"{of}: short enough to converge when repeated"
+        needed = math.ceil(segments * first / critical)
+        return f"{of}: too long to converge when repeated, {needed} would do"
+
+
+def _order(found: ConvergenceOrder) -> float | None:
+    return _finite(found.order)
+
+
+def _finite(value: float) -> float | None:
+    return None if math.isinf(value) else value
+
+
+def _power(order: float | None) -> str:
+    return "is exact" if order is None else f"n^-{order:.3g}"
+
+
+@dataclass(frozen=True)
+class Prospect:
+    """What the planner expects beyond one plan, and what it took.
+
+    Attributes:
+        helps: What would help a plan that ends far off its goal; empty for others.
+        fallback: Why the plan is not the optimised one that was asked for.
+        timing: Seconds to compile and to plan.
+        accuracy: How fast plans converge; None if that takes too long to find out.
+        steps: The first step beside the critical one; likewise.
+    """
+
+    helps: str
+    fallback: str | None
+    timing: Mapping[str, float]
+    accuracy: Accuracy | None = None
+    steps: Steps | None = None
+
+    def lines(self, segments: int, loaded: str) -> Iterator[str]:
+        """Lines below those of the plan itself."""
+        if self.accuracy:
+            yield from self.accuracy.lines()
+            if self.steps:
+                yield self.steps.line(segments, self.accuracy.order is None)
+        yield (
+            f"{'took':10}{1e3 * self.timing['plan']:.1f} ms to plan, after "
+            f"{1e3 * self.timing['compile']:.0f} ms to {loaded}"
+        )
+
+    def remarks(self) -> dict[str, str]:
+        """Why there is no optimised plan, and what would help, by their labels."""
+        fell_back = f"on the stratified plan: {self.fallback}" if self.fallback else ""
+        texts = {"fell back": fell_back, "helps": self.helps}
+        return {name: f"{name:10}{text}" for name, text in texts.items() if text}
+
+
+class Facts(ABC):
+    """Results of a plan on the exact kinematics."""
+
+    @abstractmethod
+    def lines(self, prospect: Prospect | None) -> Iterator[str]:
+        """The facts in lines for a terminal."""
+
+    def table(self, prospect: Prospect | None) -> dict[str, object]:
+        """The facts for JSON."""
+        return vars(self) | (asdict(prospect) if prospect else {})
+
+
+@dataclass(frozen=True)
+class WalkFacts(Facts):
+    """Results of a robot's plan, under the names of summary.json."""
+
+    scenario: str
+    robot: str
+    fields: str
+    stance: str
+    segments: int
+    replan: bool
+    goal: tuple[float, float, float]
+    path_length: float
+    pose: tuple[float, float, float]
+    error: Mapping[str, float]
+    contact_switches: int
+    largest_swing: float
+    swing_travel: float
+    air_travel: float
+    distance_walked: float
+    gait: tuple[str, ...]
+
+    @classmethod
+    def of(cls, setup: Setup, planned: Plan) -> WalkFacts:
+        """Play the plan of a scenario."""
+        from planner import play
+        from sim.motion.poses import wrap
+
+        scenario, robot = setup.scenario, setup.robot
+        states = play(planned.system, planned.flows, setup.nominal()(0.0))
+        x, y, yaw = states[-1, :3].tolist()
+        goal = scenario.path.goal
+        return cls(
+            scenario=scenario.name,
+            robot=robot.name,
+            fields=scenario.fields,
+            stance=setup.stance,
+            segments=scenario.segments,
+            replan=scenario.replan,
+            goal=goal,
+            path_length=scenario.path.length,
+            pose=(x, y, float(wrap(yaw))),
+            error={
+                "position": math.dist((x, y), goal[:2]),
+                "yaw": abs(float(wrap(yaw - goal[2]))),
+            },
+            contact_switches=planned.contact_switches,
+            largest_swing=float(abs(states[:, 3 : 3 + len(robot.groups)]).max()),
+            gait=tuple(scenario.gait or robot.card.gait),
+            **_travel(setup, planned),
+        )
+
+    def table(self, prospect: Prospect | None) -> dict[str, object]:
+        """The facts for JSON."""
+        table = super().table(prospect)
+        del table["gait"]
+        return table
+
+    def lines(self, prospect: Prospect | None) -> Iterator[str]:
+        """The facts, with the paper's words explained."""
+        x, y, yaw = self.pose
+        remarks = prospect.remarks() if prospect else {}
+        yield (
+            f"{self.scenario}: {self.robot}, {self.fields} fields, {self.stance} "
+            f"stance, {self.segments} segments, {self.contact_switches} contact "
+            "switches"
+        )
+        yield from filter(None, [remarks.get("fell back")])
+        yield f"{'gait':10}{' '.join(self.gait)}"
+        yield from (f"{'':10}{line}" for line in GAIT)
+        yield f"{'strokes':10}{self.swing_travel:.3f} rad in all"
+        yield from (f"{'':10}{line}" for line in STROKE)
+        yield (
+            f"{'walks':10}{self.distance_walked:.3f} m for a path of "
+            f"{self.path_length:.3f} m, legs to {self.largest_swing:.3f} rad"
+        )
+        yield f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad"
+        off, turned = self.error["position"], self.error["yaw"]
+        yield f"{'off goal':10}{1e3 * off:.2f} mm, {turned:.4f} rad"
+        yield from filter(None, [remarks.get("helps")])
+        if prospect:
+            yield from prospect.lines(self.segments, "load and compile")
+
+
+def _travel(setup: Setup, planned: Plan) -> dict[str, float]:
+    """Swing travel of loaded and of lifted groups, and distance walked."""
+    groups, equations = setup.robot.groups, setup.equations
+    travel = {"swing_travel": 0.0, "air_travel": 0.0, "distance_walked": 0.0}
+    for flow in planned.flows:
+        for group, share in zip(groups, equations.swings[flow.field], strict=True):
+            loaded = group in flow.stratum
+            way = abs(share * flow.duration)
+            travel["swing_travel" if loaded else "air_travel"] += way
+        travel["distance_walked"] += equations.stride(flow.field) * abs(flow.duration)
+    return travel
+
+
+@dataclass(frozen=True)
+class SystemFacts(Facts):
+    """Results of a system's plan; coordinates by name."""
+
+    system: str
+    segments: int
+    elements: tuple[str, ...]
+    start: Mapping[str, float]
+    goal: Mapping[str, float]
+    end: Mapping[str, float]
+    distance: float
+    error: float
+    flow_count: int
+    flow_time: float
+    contact_switches: int
+
+    @classmethod
+    def of(cls, name: str, planned: Plan) -> SystemFacts:
+        """Play the plan of a system."""
+        from planner import rollout
+
+        end = rollout(planned)[-1]
+
+        def named(state: Array) -> dict[str, float]:
+            names = map(str, planned.system.state)
+            return dict(zip(names, state.tolist(), strict=True))
+
+        return cls(
+            system=name,
+            segments=len(planned.segment_ends),
+            elements=planned.elements,
+            start=named(planned.start),
+            goal=named(planned.goal),
+            end=named(end),
+            distance=math.dist(planned.start, planned.goal),
+            error=math.dist(end, planned.goal),
+            flow_count=len(planned.flows),
+            flow_time=sum(abs(flow.duration) for flow in planned.flows),
+            contact_switches=planned.contact_switches,
+        )
+
+    def lines(self, prospect: Prospect | None) -> Iterator[str]:
+        """The facts, with every coordinate at the end."""
+        ends = ", ".join(f"{name} {value:z.4f}" for name, value in self.end.items())
+        share = self.error / self.distance if self.distance else 0.0
+        yield (
+            f"{self.system}: {self.segments} segments, {self.flow_count} flows for a "
+            f"time of {self.flow_time:.4g} in all, {self.contact_switches} contact "
+            "switches"
+        )
+        yield f"{'steers by':10}{', '.join(self.elements)}"
+        yield f"{'ends at':10}{ends}"
+        yield f"{'off goal':10}{self.error:.3g}, {100 * share:.3g} % of the way"
+        if prospect:
+            yield from prospect.remarks().values()
+            yield from prospect.lines(self.segments, "compile")

@@ -1,0 +1,167 @@
+"""The problem of a system without a body, from one configuration to another.
+
+The duration of a plan is the time that its flows take at unit speed. Coordinates that
+every field moves at a constant rate, such as the angles of legs, are not bound to the
+path on the way of the shortest plans.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import get_args
+
+import numpy as np
+
+import models
+from planner import Execution, Flow, Plan, line, rollout
+from planner.optimisation import (
+    Criterion,
+    Objective,
+    Optimiser,
+    Task,
+    Tolerance,
+    cycle,
+    deviation,
+)
+from planner.planning import chained_form, set_down
+from sim.errors import UsageError
+from sim.optimisation.formulation import CHEAP, FLOW_SAMPLES, PATH_POINTS, Coarse
+from sim.problems.problem import Problem
+
+LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan strays less
+PLAN_TIME = 300.0  # [s]
+OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
+
+
+class SystemProblem(Problem):
+    """A system's problem, to be planned.
+
+    Args:
+        problem: What to reach.
+        replan: Whether each segment is aimed to end where it should, not near it.
+        objective: What is to be least: time, strokes or switches, or none.
+        chained: Whether it is steered in chained form, which is exact.
+        plan_time: Time that planning may take [s].
+
+    Raises:
+        UsageError: The objective is unknown.
+    """
+
+    def __init__(
+        self,
+        problem: models.Problem,
+        *,
+        replan: bool = False,
+        objective: str = "none",
+        chained: bool = False,
+        plan_time: float = PLAN_TIME,
+    ) -> None:
+        if objective not in (*OBJECTIVES, "none"):
+            wanted = f"give {', '.join(OBJECTIVES)} or none"
+            raise UsageError(f"unknown objective {objective!r}", "--optimise", wanted)
+        self.problem, self.replan, self.is_exact = problem, replan, chained
+        self.objective = "none" if chained else objective
+        self.words, self.segments = problem.words, problem.segments
+        self.plan_time = plan_time
+        self.form = chained_form(problem.system, problem.flat) if chained else None
+        self.extended = self.form.model if self.form else problem.extended
+        self.path = line(*(set_down(problem.system, x) for x in problem.states))
+        self.coordinates = problem.open_loop.coordinates
+
+    @cached_property
+    def stratified(self) -> Plan:
+        """The plan from start to goal."""
+        if self.form:
+            return self.form.plan(*self.problem.states, self.segments)
+        return self.problem.plan(aimed=self.replan)
+
+    def miss(self, plan: Plan) -> float:
+        """Distance from the goal over that of the start."""
+        distance = math.dist(plan.start, plan.goal)
+        return math.dist(rollout(plan)[-1], plan.goal) / distance if distance else 0.0
+
+    def changed(
+        self,
+        *,
+        words: str | None = None,
+        degree: int | None = None,
+        segments: int | None = None,
+        replan: bool | None = None,
+    ) -> SystemProblem:
+        """The same problem with other options."""
+        given = {"words": words, "degree": degree, "segments": segments}
+        new = {name: value for name, value in given.items() if value is not None}
+        problem = replace(self.problem, **new)  # type: ignore[arg-type]
+        return SystemProblem(problem, replan=self.replan if replan is None else replan)
+
+    def attempt(self, share: float = 1.0) -> float:
+        """What a stratified plan for the first part of the line misses of its end."""
+        if share == 1:
+            return self.miss(self.stratified)
+        start, goal = self.problem.states
+        names = map(str, self.problem.system.state)
+        part = dict(zip(names, (start + share * (goal - start)).tolist(), strict=True))
+        nearer = replace(self.problem, goal=part)
+        return SystemProblem(nearer, replan=self.replan).attempt()
+
+    def worth(self, plan: Plan) -> float:
+        """What is to be least; the shorter of two plans with as many switches."""
+        if self.objective == "switches":
+            return plan.contact_switches + 1e-6 * duration(plan.flows)
+        return sum(self._task.cost(f.field) * abs(f.duration) for f in plan.flows)
+
+    def shortest(self) -> Plan:
+        """The shortest plan found that strays no farther than the stratified one."""
+        (objective,) = (known for known in OBJECTIVES if known == self.objective)
+        return Optimiser(
+            self._task,
+            Criterion(objective, duration),
+            self.extended,
+            self.problem.path,
+            self.segments,
+            coarse=Coarse(self.extended, self.problem.path, Execution()),
+        ).plan()
+
+    @cached_property
+    def _task(self) -> Task:
+        problem, system = self.problem, self.problem.system
+        names = [str(symbol) for symbol in system.state]
+        stages = cycle(system, problem.elements)
+        airs = {
+            recovery.field
+            for stage in stages
+            for recovery in stage.recoveries
+            if stage.stratum != system.bottom
+        }
+        cheap = CHEAP if self.objective == "strokes" else 1.0
+        return Task(
+            system=system,
+            stages=stages,
+            tolerances=self._tolerances(),
+            limits={names.index(name): span for name, span in problem.limits.items()},
+            price={name: cheap if name in airs else 1.0 for name in system.fields},
+        )
+
+    def _tolerances(self) -> tuple[Tolerance, ...]:
+        """The stratified plan's own deviations, of x and y together and of the rest."""
+        names = [str(s) for s in self.problem.system.state]
+        angles = self.extended.shape.coordinates
+        compared = [i for i in range(len(names)) if i not in angles]
+        place = [names.index(n) for n in ("x", "y") if n in names]
+        groups = [place] if place else []
+        groups += [[i] for i in compared if i not in place]
+        points = self.problem.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
+        found = deviation(rollout(self.stratified, FLOW_SAMPLES), points, groups)
+        least = LEAST_TOLERANCE * float(np.abs(points - points[0]).max())
+        return tuple(
+            Tolerance(tuple(group), max(most, least))
+            for group, most in zip(groups, found, strict=True)
+        )
+
+
+def duration(flows: Sequence[Flow]) -> float:
+    """Time of flows at unit speed."""
+    return sum(abs(flow.duration) for flow in flows)
