@@ -299,6 +299,13 @@ class SystemFacts(Facts):
             contact_switches=planned.contact_switches,
         )
 
+    def table(self, prospect: Prospect | None) -> dict[str, object]:
+        """The facts for JSON; systems are seldom optimised."""
+        table = super().table(prospect)
+        if not table.get("fallback"):
+            table.pop("fallback", None)
+        return table
+
     def lines(self, prospect: Prospect | None) -> Iterator[str]:
         """The facts, with every coordinate at the end."""
         ends = ", ".join(f"{name} {value:z.4f}" for name, value in self.end.items())
