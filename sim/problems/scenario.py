@@ -9,7 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from models.motion import mobility_of
+from models import mobility_of
 from planner import Array, Plan, PlannerError, play
 from planner.optimisation import Optimiser
 from planner.planning import recut
