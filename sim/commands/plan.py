@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from sim.commands.options import add_scenario_arguments, scenario_of
 from sim.commands.plan_report import (
     Accuracy,
-    Facts,
     Prospect,
     Steps,
     SystemFacts,
@@ -32,7 +31,9 @@ if TYPE_CHECKING:
     from sim.progress import Progress
     from sim.scenarios.scenario import Scenario
 
-Outcome = tuple["Plan", Facts, Prospect | None]
+Outcome = tuple["Plan", dict[str, object], list[str]]
+"""A plan, its facts for JSON, and lines of them."""
+
 HELP = "plan a scenario or a system and play it on the exact kinematics"
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
@@ -77,20 +78,20 @@ def execute(options: argparse.Namespace) -> None:
         scenario = scenario_of(options)
         robot = robot_of(options, scenario.robot)
         with bar(quiet=options.json) as progress:
-            planned, facts, prospect = _walk(scenario, robot, progress)
+            planned, facts, lines = _walk(scenario, robot, progress)
     elif options.scenario.endswith(".json"):
-        planned, facts, prospect = _saved(options.scenario)
+        planned, facts, lines = _saved(options.scenario)
     else:
         with bar(quiet=options.json) as progress:
-            planned, facts, prospect = _system(options, progress)
+            planned, facts, lines = _system(options, progress)
     _save(planned, options.save)
     if options.json:
         flows = {"flows": planned.flows} if options.flows else {}
-        print(json.dumps(facts.table(prospect) | flows))
+        print(json.dumps(facts | flows))
         return
     if options.flows:
         print(*planned.flows, "", sep="\n")
-    print(*facts.lines(prospect), sep="\n")
+    print(*lines, sep="\n")
 
 
 def _is_for_systems(options: argparse.Namespace) -> bool:
@@ -128,7 +129,8 @@ def _saved(source: str) -> Outcome:
 
     with refused(source):
         planned = load_plan(source)
-    return planned, SystemFacts.of(Path(source).stem, planned), None
+    facts = SystemFacts.of(Path(source).stem, planned)
+    return planned, facts.table(None), list(facts.lines(None))
 
 
 def _save(planned: Plan, file: str | None) -> None:
@@ -154,7 +156,8 @@ def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
     solution = _solved(problem, progress)
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     facts = WalkFacts.of(problem.setup, solution.plan)
-    return solution.plan, facts, _prospect(problem, solution, timing, progress)
+    prospect = _prospect(problem, solution, timing, progress)
+    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
 
 
 def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
@@ -169,7 +172,8 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         solution = _solved(problem, progress)
     timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
     facts = SystemFacts.of(Path(source).stem, solution.plan)
-    return solution.plan, facts, _prospect(problem, solution, timing, progress)
+    prospect = _prospect(problem, solution, timing, progress)
+    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
 
 
 def _system_problem(options: argparse.Namespace) -> SystemProblem:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from planner import Array, Plan
-    from planner.planning import ConvergenceOrder
     from sim.preparation.setup import Setup
     from sim.problems.problem import Problem
 
@@ -45,8 +43,8 @@ class Accuracy:
         return cls(
             expected.degree,
             expected.bracket_degree,
-            _order(expected),
-            {what: _order(offer) for what, offer in offers.items()},
+            _finite(expected.order),
+            {what: _finite(offer.order) for what, offer in offers.items()},
         )
 
     def lines(self) -> Iterator[str]:
@@ -102,10 +100,6 @@ class Steps:
         return f"{of}: too long to converge when repeated, {needed} would do"
 
 
-def _order(found: ConvergenceOrder) -> float | None:
-    return _finite(found.order)
-
-
 def _finite(value: float) -> float | None:
     return None if math.isinf(value) else value
 
@@ -116,15 +110,7 @@ def _power(order: float | None) -> str:
 
 @dataclass(frozen=True)
 class Prospect:
-    """What the planner expects beyond one plan, and what it took.
-
-    Attributes:
-        helps: What would help a plan that ends far off its goal; empty for others.
-        fallback: Why the plan is not the optimised one that was asked for.
-        timing: Seconds to compile and to plan.
-        accuracy: How fast plans converge; None if that takes too long to find out.
-        steps: The first step beside the critical one; likewise.
-    """
+    """What the planner says beyond a plan itself; None where that takes too long."""
 
     helps: str
     fallback: str | None
@@ -150,20 +136,8 @@ class Prospect:
         return {name: f"{name:10}{text}" for name, text in texts.items() if text}
 
 
-class Facts(ABC):
-    """Results of a plan on the exact kinematics."""
-
-    @abstractmethod
-    def lines(self, prospect: Prospect | None) -> Iterator[str]:
-        """The facts in lines for a terminal."""
-
-    def table(self, prospect: Prospect | None) -> dict[str, object]:
-        """The facts for JSON."""
-        return vars(self) | (asdict(prospect) if prospect else {})
-
-
 @dataclass(frozen=True)
-class WalkFacts(Facts):
+class WalkFacts:
     """Results of a robot's plan, under the names of summary.json."""
 
     scenario: str
@@ -213,16 +187,16 @@ class WalkFacts(Facts):
             **_travel(setup, planned),
         )
 
-    def table(self, prospect: Prospect | None) -> dict[str, object]:
+    def table(self, prospect: Prospect) -> dict[str, object]:
         """The facts for JSON."""
-        table = super().table(prospect)
+        table = vars(self) | asdict(prospect)
         del table["gait"]
         return table
 
-    def lines(self, prospect: Prospect | None) -> Iterator[str]:
+    def lines(self, prospect: Prospect) -> Iterator[str]:
         """The facts, with the paper's words explained."""
         x, y, yaw = self.pose
-        remarks = prospect.remarks() if prospect else {}
+        remarks = prospect.remarks()
         yield (
             f"{self.scenario}: {self.robot}, {self.fields} fields, {self.stance} "
             f"stance, {self.segments} segments, {self.contact_switches} contact "
@@ -241,8 +215,7 @@ class WalkFacts(Facts):
         off, turned = self.error["position"], self.error["yaw"]
         yield f"{'off goal':10}{1e3 * off:.2f} mm, {turned:.4f} rad"
         yield from filter(None, [remarks.get("helps")])
-        if prospect:
-            yield from prospect.lines(self.segments, "load and compile")
+        yield from prospect.lines(self.segments, "load and compile")
 
 
 def _travel(setup: Setup, planned: Plan) -> dict[str, float]:
@@ -259,7 +232,7 @@ def _travel(setup: Setup, planned: Plan) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class SystemFacts(Facts):
+class SystemFacts:
     """Results of a system's plan; coordinates by name."""
 
     system: str
@@ -301,7 +274,7 @@ class SystemFacts(Facts):
 
     def table(self, prospect: Prospect | None) -> dict[str, object]:
         """The facts for JSON; systems are seldom optimised."""
-        table = super().table(prospect)
+        table = vars(self) | (asdict(prospect) if prospect else {})
         if not table.get("fallback"):
             table.pop("fallback", None)
         return table
