@@ -9,11 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from models import ProblemError
-from models.description import parse_toml
-from planner.support import did_you_mean, read_file
 from sim.errors import StratawalkError, UsageError
-from sim.scenarios.file import parse_override
 
 if TYPE_CHECKING:
     from models import Problem
@@ -75,6 +71,7 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
     if path.suffix or len(path.parts) > 1 or source in others:
         return path.suffix == ".py"
     from models import SYSTEMS
+    from planner.support import did_you_mean
 
     if source not in SYSTEMS:
         remedy = did_you_mean(source, [*others, *SYSTEMS])
@@ -83,6 +80,9 @@ def is_system(source: str, others: Collection[str], kind: str = "scenario") -> b
 
 
 def _has_strata(path: Path) -> bool:
+    from models.description import parse_toml
+    from planner.support import read_file
+
     try:
         return "strata" in parse_toml(read_file(path).decode())
     except (OSError, ValueError):
@@ -100,6 +100,8 @@ def find(source: str, settings: Sequence[str] = ()) -> Problem:
         UsageError: There is no such file, or a setting sets nothing, or comes twice.
         ProblemError: There is no such system, or its file says something impossible.
     """
+    from sim.scenarios.file import parse_override
+
     values: dict[str, object] = {}
     for key, value in map(parse_override, settings):
         if key in values:
@@ -144,6 +146,8 @@ def refused(where: str) -> Iterator[None]:
     Raises:
         UsageError: A `ValueError` came up, with its words.
     """
+    from models import ProblemError
+
     try:
         yield
     except (StratawalkError, ProblemError):
