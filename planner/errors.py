@@ -105,13 +105,6 @@ class RankError(PlannerError):
     def __init__(
         self, configuration: Iterable[float], needed: int, missing: Sequence[str]
     ) -> None:
-        """Compose the message.
-
-        Args:
-            configuration: Configuration at which they do not.
-            needed: Dimension of the bottom stratum.
-            missing: Directions that they lack, as text.
-        """
         self.rank, self.needed = needed - len(missing), needed
         self.missing = tuple(missing)
         super().__init__(
@@ -125,7 +118,8 @@ class RangeError(PlannerError):
     """A plan that leaves the range of a shape coordinate.
 
     Attributes:
-        segments: Number of segments that keep the range; None if none was found.
+        segments: Number of segments that keep the range; None if none was found, for
+            the reason that `hopeless` gives.
 
     Example:
         >>> from planner import RangeError
@@ -142,16 +136,6 @@ class RangeError(PlannerError):
         segments: int | None = None,
         hopeless: str = "",
     ) -> None:
-        """Compose the message.
-
-        Args:
-            name: Name of the shape coordinate.
-            reached: Value that it would reach.
-            low: Lowest value of its range.
-            high: Highest value of its range.
-            segments: Number of segments that keep the range.
-            hopeless: Why there is no such number, as far as is known.
-        """
         self.name, self.reached, self.low, self.high = name, reached, low, high
         self.segments = segments
         widen = "widen the range or shorten the path"
@@ -178,12 +162,6 @@ class BudgetError(PlannerError):
     """
 
     def __init__(self, seconds: float, best: str) -> None:
-        """Compose the message.
-
-        Args:
-            seconds: How long it may take [s].
-            best: What it had come to, in words; empty if nothing was found yet.
-        """
         come_to = f"it had come to {best}" if best else "nothing was found yet"
         super().__init__(
             f"none within {seconds:g} s; {come_to}; ask for less, or for fewer segments"

@@ -118,4 +118,5 @@ def _price(tree: Tree, strokes: Mapping[str, float]) -> float:
 
 
 def _letters(tree: Tree) -> int:
+    """Number of flows in the word of an element."""
     return 1 if isinstance(tree, str) else 2 * (_letters(tree[0]) + _letters(tree[1]))

@@ -12,11 +12,12 @@ from typing import Any
 
 from planner.lie.free_lie import LieAlgebra
 
-Terms = dict[int, Any]  # coefficients by index in the basis
+Number = Any  # float, array or polynomial
+Terms = dict[int, Number]  # coefficients by index in the basis
 
 
 def coordinate_rates(
-    algebra: LieAlgebra, terms: Terms, coordinate: Callable[[int, Any], Any]
+    algebra: LieAlgebra, terms: Terms, coordinate: Callable[[int, Number], Number]
 ) -> Terms:
     """Rates h' for which S^-1 S' is the given sum of terms, eq. (7).
 
@@ -47,7 +48,7 @@ def coordinate_rates(
 
 
 def adjoint_action(
-    structure: Mapping[int, Mapping[int, int]], h: Any, terms: Terms
+    structure: Mapping[int, Mapping[int, int]], h: Number, terms: Terms
 ) -> Terms:
     """Ad(e^(h B)) of a sum of terms, e^(h B) (sum) e^(-h B), eq. (8).
 

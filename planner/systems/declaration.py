@@ -22,10 +22,11 @@ from planner.systems.formulas import RESERVED, read_formula
 from planner.systems.level_sets import LevelSet
 
 HUGE = 1e100  # magnitude of a number; a product of three still fits a float
+Written = Any  # a field or formula as a caller writes it: numbers, strings, functions
 NAME = re.compile(r"[A-Za-z_]\w*")
 
 
-def checked_state(state: Iterable[Any]) -> Symbols:
+def checked_state(state: Iterable[str | sp.Symbol]) -> Symbols:
     """Symbols of a state from symbols, from names, or from one string of names.
 
     Raises `ValueError` if there are none, or a name is invalid or used twice.
@@ -49,7 +50,7 @@ def checked_state(state: Iterable[Any]) -> Symbols:
 
 
 def checked_strata(
-    strata: Mapping[str, Mapping[str, Any]], state: Symbols
+    strata: Mapping[str, Mapping[str, Written]], state: Symbols
 ) -> dict[str, dict[str, VectorField]]:
     """Fields of each stratum as immutable columns, or as numeric fields.
 
@@ -77,7 +78,7 @@ def checked_strata(
     return checked
 
 
-def _field(what: str, value: Any, state: Symbols) -> VectorField:
+def _field(what: str, value: Written, state: Symbols) -> VectorField:
     if callable(value) and not isinstance(value, sp.Basic):
         field = value if isinstance(value, NumericField) else NumericField(value)
         _require_differentiable(what, field, len(state))
@@ -104,7 +105,7 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
             )
 
 
-def _expression(what: str, value: Any, state: Symbols) -> sp.Expr:
+def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
     """A number or expression unchanged, a string as the formula that it writes."""
     try:
         text = isinstance(value, str)
@@ -153,7 +154,7 @@ def _is_real(number: sp.Expr) -> bool:
 
 
 def checked_level_sets(
-    level_sets: Mapping[str, Any], strata: Mapping[str, Any], state: Symbols
+    level_sets: Mapping[str, Written], strata: Iterable[str], state: Symbols
 ) -> dict[str, tuple[sp.Expr, ...]]:
     """Expressions that vanish on each stratum, given as one or several or as strings.
 

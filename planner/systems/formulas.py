@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import operator
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
 
 import sympy as sp
 from sympy.printing.str import StrPrinter
@@ -29,14 +28,14 @@ FUNCTIONS: Mapping[str, Callable[..., sp.Expr]] = {
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
 RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # names that coordinates cannot have
-BINARY: Mapping[type, Callable[[Any, Any], Any]] = {
+BINARY: Mapping[type, Callable[[sp.Expr, sp.Expr], sp.Expr]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
     ast.Pow: lambda base, exponent: _power(base, exponent),
 }
-UNARY: Mapping[type, Callable[[Any], Any]] = {
+UNARY: Mapping[type, Callable[[sp.Expr], sp.Expr]] = {
     ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }
