@@ -35,14 +35,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit code, `errors.ExitCode`.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    interruption.listen()
     gl.choose()
-    try:
-        code = _execute(words)
-        print(end="", flush=True)  # a reader that left must be noticed here
-    except BaseException as error:  # a user's own Python may raise anything
-        return _fail(interruption.meant(error), words)
-    return code
+    with interruption.listening():
+        try:
+            code = _execute(words)
+            print(end="", flush=True)  # a reader that left must be noticed here
+        except BaseException as error:  # a user's own Python may raise anything
+            return _fail(interruption.meant(error), words)
+        return code
 
 
 def _execute(words: Sequence[str]) -> int:

@@ -8,33 +8,17 @@ from __future__ import annotations
 
 import errno
 import traceback
-from enum import IntEnum
 from pathlib import Path
 from typing import ClassVar, Self
 
 from models import MeasurementError, ModelError, ProblemError, UnknownRobotError
 from planner import PlannerError
+from sim.endings import ENDS, ExitCode as ExitCode
 from sim.interruption import Terminated
 
 LONGEST = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("planner", "models", "sim")
-
-
-class ExitCode(IntEnum):
-    """How the command ended."""
-
-    OK = 0
-    USAGE = 2  # bad usage or configuration
-    MODEL = 3  # a robot that cannot be used
-    SIMULATION = 4  # planning or simulation failed
-    RENDER = 5  # pictures cannot be drawn
-    FILES = 6  # disk, permissions
-    TOLERANCE = 7  # a comparison came out larger than allowed
-    SWEEP = 8  # a sweep ended with failed points
-    BUG = 70  # ours
-    INTERRUPTED = 130  # SIGINT
-    TERMINATED = 143  # SIGTERM
 
 
 class StratawalkError(Exception):
@@ -112,10 +96,7 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     MemoryError: ExitCode.SIMULATION,
 }
 
-_SIGNALS = {
-    ExitCode.INTERRUPTED: "interrupted: Ctrl-C",
-    ExitCode.TERMINATED: "terminated: SIGTERM",
-}
+_SIGNALS = dict(ENDS.values())  # what ended the command, by its exit code
 
 
 def exit_code(error: BaseException) -> ExitCode:
@@ -139,30 +120,22 @@ def one_line(error: BaseException) -> str:
 def _describe(error: BaseException) -> str:
     code = exit_code(error)
     if code is ExitCode.BUG:
-        return _describe_bug(error)
+        return (
+            f"a bug of ours, {type(error).__name__}: {error}: {_place(error)}; "
+            "please report it with the output of --debug"
+        )
     if code in _SIGNALS:
         notes = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
         return f"{_SIGNALS[code]}{notes}; written files are complete, start again"
     if isinstance(error, OSError):
-        return _describe_os_error(error)
+        place = error.filename or "no file named"
+        remedy = "free some space" if error.errno == errno.ENOSPC else "check the path"
+        return f"{error.strerror or error}: {place}; {remedy}"
     if isinstance(error, MemoryError):
         return "out of memory: this machine; ask for less at once"
     if isinstance(error, PlannerError):
         return f"no plan: {error}"
     return str(error)
-
-
-def _describe_os_error(error: OSError) -> str:
-    place = error.filename or "no file named"
-    remedy = "free some space" if error.errno == errno.ENOSPC else "check the path"
-    return f"{error.strerror or error}: {place}; {remedy}"
-
-
-def _describe_bug(error: BaseException) -> str:
-    return (
-        f"a bug of ours, {type(error).__name__}: {error}: {_place(error)}; "
-        "please report it with the output of --debug"
-    )
 
 
 def _place(error: BaseException) -> str:

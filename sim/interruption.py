@@ -25,26 +25,36 @@ from planner.support import (
     remove_unfinished,
     unanswered_interruption,
 )
+from sim.endings import ENDS
 
-ENDS = {
-    signal.SIGINT: (130, "interrupted: Ctrl-C"),
-    signal.SIGTERM: (143, "terminated: SIGTERM"),
-}
-PATIENCE = 0.6  # [s] in which the command has to notice a signal
+NOTICE_TIME = 0.6  # [s] in which the command has to notice a signal
 
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
 
 
-_noticed = [-PATIENCE]  # when the command noticed the last signal [s]
+_noticed = [-NOTICE_TIME]  # when the command noticed the last signal [s]
 
 
-def listen() -> None:
-    """Answer signals from now on; whoever sends SIGINT to a background job means it."""
+@contextmanager
+def listening() -> Iterator[None]:
+    """Answer signals meanwhile; afterwards whoever answered them before does again.
+
+    Whoever sends SIGINT to a background job means it. Only the main thread may handle
+    signals; in another one nothing changes.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
     forget_interruption()
-    for number in ENDS:
-        signal.signal(number, _raise)
+    before = {number: signal.signal(number, _raise) for number in ENDS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)  # None: not of Python's
+        forget_interruption()
 
 
 def watch() -> None:
@@ -84,11 +94,11 @@ def _raise(number: int, frame: FrameType | None) -> NoReturn:
     if unanswered_interruption() is not None:
         _end_now(number, "for the second time")
     stop = Terminated() if number == signal.SIGTERM else KeyboardInterrupt()
-    note_interruption(stop, _tell_that_work_goes_on)
+    note_interruption(stop, _say_that_work_goes_on)
     raise stop
 
 
-def _tell_that_work_goes_on() -> None:
+def _say_that_work_goes_on() -> None:
     line = "Ctrl-C ended the search, whose best plan is taken; press it again to end"
     print(f"stratawalk: warning: {line}", file=sys.stderr)
 
@@ -96,9 +106,9 @@ def _tell_that_work_goes_on() -> None:
 def _wait(reader: int) -> None:
     while signals := os.read(reader, 64):
         began = time.monotonic()
-        time.sleep(PATIENCE)
+        time.sleep(NOTICE_TIME)
         for number in ENDS.keys() & set(signals):
-            if _noticed[0] < began - PATIENCE:
+            if _noticed[0] < began - NOTICE_TIME:
                 _end_now(number, "during a long step")
 
 

@@ -13,11 +13,7 @@ import sys
 import warnings
 from typing import NoReturn
 
-ENDS = {
-    signal.SIGINT: (130, "interrupted: Ctrl-C"),
-    signal.SIGTERM: (143, "terminated: SIGTERM"),
-}
-INTERRUPTED = (130, 143)
+from sim.endings import ENDS
 
 
 def main() -> int:
@@ -35,7 +31,9 @@ def main() -> int:
     code = cli.main()
     for number in ENDS:  # all is done and said
         signal.signal(number, signal.SIG_IGN)
-    if code in INTERRUPTED:  # taking all libraries down would take another second
+    if code in dict(
+        ENDS.values()
+    ):  # taking all libraries down would take another second
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # some complain of being stopped
         atexit._run_exitfuncs()
         os._exit(code)

@@ -10,7 +10,7 @@ import pytest
 
 from planner.support.files import whole_file
 from planner.support.stopping import limited, tick
-from sim import interruption
+from sim import cli, interruption
 
 BUSY = """
 import os, sys, threading
@@ -19,11 +19,10 @@ from pathlib import Path
 from planner.support import limited, tick, whole_file
 from sim import interruption
 
-interruption.listen()
 interruption.watch()
 model = mujoco.MjModel.from_xml_string("<mujoco/>")
 data = mujoco.MjData(model)
-with whole_file(Path("a.txt")) as part, limited(60.0):
+with interruption.listening(), whole_file(Path("a.txt")) as part, limited(60.0):
     part.write_text("half")
     tick("8 segments")
     send = threading.Timer(0.5, os.kill, (os.getpid(), int(sys.argv[1])))
@@ -35,12 +34,8 @@ with whole_file(Path("a.txt")) as part, limited(60.0):
 @pytest.fixture
 def listening():
     """Answer signals as the command does, until the test is over."""
-    before = {number: signal.getsignal(number) for number in interruption.ENDS}
-    interruption.listen()
-    yield
-    interruption.listen()  # forget what was noted
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    with interruption.listening():
+        yield
 
 
 @pytest.mark.parametrize("number", interruption.ENDS)
@@ -91,9 +86,9 @@ def test_a_second_signal_ends_at_once(tmp_path):
     program = (
         "import os, signal\n"
         "from sim import interruption\n"
-        "interruption.listen()\n"
-        "try: os.kill(os.getpid(), signal.SIGINT)\n"
-        "finally: os.kill(os.getpid(), signal.SIGINT)\n"
+        "with interruption.listening():\n"
+        "    try: os.kill(os.getpid(), signal.SIGINT)\n"
+        "    finally: os.kill(os.getpid(), signal.SIGINT)\n"
     )
     done = subprocess.run(
         [sys.executable, "-c", program],
@@ -104,6 +99,43 @@ def test_a_second_signal_ends_at_once(tmp_path):
     assert done.returncode == 130
     (line,) = done.stderr.splitlines()
     assert "interrupted: Ctrl-C for the second time; " in line
+
+
+LIBRARY = """
+import os, signal
+from sim import cli, interruption
+
+def execute(words):
+    os.kill(os.getpid(), signal.SIGINT)
+
+cli._execute = execute
+before = [signal.getsignal(number) for number in interruption.ENDS]
+assert cli.main(["scenarios"]) == 130
+assert before == [signal.getsignal(number) for number in interruption.ENDS]
+try:
+    os.kill(os.getpid(), signal.SIGINT)
+finally:
+    print("cleaned up")
+"""
+
+
+def test_a_program_that_calls_the_command_answers_the_next_signal_itself():
+    done = subprocess.run(
+        [sys.executable, "-c", LIBRARY],
+        env=os.environ | {"PYTHONPATH": os.getcwd()},
+        capture_output=True,
+        text=True,
+    )
+    assert done.stdout == "cleaned up\n"
+    assert done.stderr.rstrip().endswith("KeyboardInterrupt")
+
+
+def test_the_command_may_be_called_from_any_thread(capsys):
+    codes = []
+    thread = threading.Thread(target=lambda: codes.append(cli.main(["scenarios"])))
+    thread.start()
+    thread.join()
+    assert codes == [0]
 
 
 def test_processes_that_are_started_leave_signals_to_this_one():
