@@ -31,9 +31,7 @@ def main() -> int:
     code = cli.main()
     for number in ENDS:  # all is done and said
         signal.signal(number, signal.SIG_IGN)
-    if code in dict(
-        ENDS.values()
-    ):  # taking all libraries down would take another second
+    if code in dict(ENDS.values()):  # libraries would take a second more to end
         os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # some complain of being stopped
         atexit._run_exitfuncs()
         os._exit(code)

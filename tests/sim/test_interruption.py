@@ -11,6 +11,7 @@ import pytest
 from planner.support.files import whole_file
 from planner.support.stopping import limited, tick
 from sim import cli, interruption
+from sim.endings import ENDS
 
 BUSY = """
 import os, sys, threading
@@ -38,7 +39,7 @@ def listening():
         yield
 
 
-@pytest.mark.parametrize("number", interruption.ENDS)
+@pytest.mark.parametrize("number", ENDS)
 def test_a_long_step_of_a_library_is_ended_with_the_best_so_far(tmp_path, number):
     done = subprocess.run(
         [sys.executable, "-c", BUSY, str(int(number))],
@@ -47,7 +48,7 @@ def test_a_long_step_of_a_library_is_ended_with_the_best_so_far(tmp_path, number
         capture_output=True,
         text=True,
     )
-    assert done.returncode == interruption.ENDS[number][0]
+    assert done.returncode == ENDS[number][0]
     (line,) = done.stderr.splitlines()
     assert "during a long step, planning had come to 8 segments; " in line
     assert list(tmp_path.iterdir()) == []
@@ -104,14 +105,15 @@ def test_a_second_signal_ends_at_once(tmp_path):
 LIBRARY = """
 import os, signal
 from sim import cli, interruption
+from sim.endings import ENDS
 
 def execute(words):
     os.kill(os.getpid(), signal.SIGINT)
 
 cli._execute = execute
-before = [signal.getsignal(number) for number in interruption.ENDS]
+before = [signal.getsignal(number) for number in ENDS]
 assert cli.main(["scenarios"]) == 130
-assert before == [signal.getsignal(number) for number in interruption.ENDS]
+assert before == [signal.getsignal(number) for number in ENDS]
 try:
     os.kill(os.getpid(), signal.SIGINT)
 finally:
