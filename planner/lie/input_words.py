@@ -58,19 +58,8 @@ def word(
         [(1, 1.0), (2, 1.0), (1, -1.0), (2, -1.0)]
     """
     h = _shaped(1, lie_algebra(tuple(basis)).vector(hall_coordinates))
-    (found,) = words(basis, h[None], order, vanishing)
-    return found
-
-
-def words(
-    basis: Sequence[Element],
-    hall_coordinates: ArrayLike,
-    order: Order = "backward",
-    vanishing: Collection[Element] = (),
-) -> list[list[tuple[int, float]]]:
-    """Words of many segments, from coordinates of shape (segments, s); see `word`."""
-    spelled = spellings(basis, hall_coordinates, order, vanishing)
-    return [list(zip(*spelling, strict=True)) for spelling in spelled]
+    ((generators, durations),) = spellings(basis, h[None], order, vanishing)
+    return list(zip(generators, durations, strict=True))
 
 
 def spellings(
@@ -106,7 +95,7 @@ def _shaped(axes: int, h: Array) -> Array:
     if h.ndim != axes:
         raise ValueError(
             f"coordinates of shape {h.shape} have {h.ndim} axes, not {axes}; give "
-            "word the coordinates of one segment, and words a row for each segment"
+            "word the coordinates of one segment, and spellings a row for each"
         )
     return h
 

@@ -260,7 +260,7 @@ def test_closure_that_is_cut_short_tells_the_last_degree_it_has_in_full(
     monkeypatch, largest, max_depth, depth
 ):
     """Every degree of x^9 d/dy adds one field to the two generators."""
-    monkeypatch.setattr(closure, "LARGEST", largest)
+    monkeypatch.setattr(closure, "MOST_FIELDS", largest)
     system = flat_power(9)
     algebra = involutive_closure(system.fields, system.state, [1, 0], max_depth)
     assert (algebra.depth, algebra.complete) == (depth, False)

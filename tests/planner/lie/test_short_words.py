@@ -5,7 +5,7 @@ import pytest
 
 from planner.lie.coordinates import product
 from planner.lie.hall import hall_basis
-from planner.lie.input_words import words
+from planner.lie.input_words import word
 from planner.lie.short_words import short_durations
 
 BASIS = hall_basis(2, 2)
@@ -30,7 +30,7 @@ def test_shortest_words_reach_their_coordinates():
 
 @pytest.mark.parametrize("order", ["backward", "forward"])
 def test_shortest_words_are_not_longer_than_the_printed_ones(order):
-    printed = [sum(abs(t) for _, t in w) for w in words(BASIS, COORDINATES, order)]
+    printed = [sum(abs(t) for _, t in word(BASIS, h, order)) for h in COORDINATES]
     assert (np.abs(shortest(COORDINATES)).sum(axis=1) <= np.add(printed, 1e-12)).all()
 
 
