@@ -116,7 +116,7 @@ def simulate(
         witness: Receives the results before and after the walk.
         without: Comparisons to leave out, which cost physics of their own: the
             prediction `identified`, and `creep_floor`.
-        shared: What earlier walks have made; such a walk cannot be written.
+        shared: What earlier walks have built.
 
     Raises:
         PlannerError: If there is no plan.

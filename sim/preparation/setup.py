@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Literal
 
 import mujoco
 import numpy as np
@@ -182,7 +183,7 @@ def prepare(
     Args:
         scenario: What to walk.
         robot: The scenario's robot, if it is loaded already.
-        shared: What earlier walks have made; the world's text is then not for writing.
+        shared: What earlier walks have built.
 
     Raises:
         UnknownRobotError: If there is no such robot.
@@ -190,15 +191,20 @@ def prepare(
         UsageError: If a setting asks for what the robot cannot do.
         SimulationError: If its strokes reach some directions only.
     """
+    shared = shared or Shared()
     if robot is None or robot.geometry != (scenario.geometry or {}):
-        robot = _robot(scenario, shared)
+        key = (scenario.robot, str(scenario.geometry))
+        read = partial(load, scenario.robot, geometry=scenario.geometry)
+        robot = shared.cached("robot", key, read)
     scenario = drawn(scenario, robot)
-    described, extended, kinematics = _mathematics(robot, scenario, shared)
+    described, extended, kinematics = shared.cached(
+        "mathematics",
+        scenario.key("equations"),
+        partial(_mathematics, robot, scenario.fields, scenario.degree),
+    )
     require_gait(scenario, robot, described)
     servo = servo_settings(scenario, robot.card)
-    world, model = (
-        built(robot, scenario) if shared is None else shared.world(scenario, robot)
-    )
+    world, model = shared.world(scenario, robot)
     lift = lift_angle(kinematics, scenario.lift_height)
     setup = Setup(
         scenario=scenario,
@@ -224,40 +230,21 @@ def prepare(
     return setup
 
 
-def _robot(scenario: Scenario, shared: Shared | None) -> Robot:
-    def make() -> Robot:
-        return load(scenario.robot, geometry=scenario.geometry)
-
-    key = (scenario.robot, str(scenario.geometry))
-    return make() if shared is None else shared.cached("robot", key, make)
-
-
 def _mathematics(
-    robot: Robot, scenario: Scenario, shared: Shared | None
+    robot: Robot, fields: Literal["lifted", "paper"], degree: int | None
 ) -> tuple[Equations, ExtendedSystem, Kinematics]:
-    """What is known of a robot without its world."""
-
-    def make() -> tuple[Equations, ExtendedSystem, Kinematics]:
-        described = equations(robot, scenario.fields)
-        with explained(robot, described):
-            extended = _extended(described, scenario)
-        return described, extended, Kinematics(robot)
-
-    if shared is None:
-        return make()
-    return shared.cached("mathematics", scenario.key("equations"), make)
-
-
-def _extended(described: Equations, scenario: Scenario) -> ExtendedSystem:
-    """The extended system of a robot's elements, to the degree asked for.
+    """Equations, extended system to a degree, and kinematics of a robot.
 
     Raises:
-        UsageError: The degree is below the elements', or beyond all use.
+        UsageError: The degree is below that of the robot's elements, or beyond all use.
     """
-    try:
-        return extend(described.system, described.elements, scenario.degree)
-    except ValueError as error:
-        raise UsageError.at("degree", error) from error
+    described = equations(robot, fields)
+    with explained(robot, described):
+        try:
+            extended = extend(described.system, described.elements, degree)
+        except ValueError as error:
+            raise UsageError.at("degree", error) from error
+    return described, extended, Kinematics(robot)
 
 
 def lift_angle(kinematics: Kinematics, height: float | None) -> float:
