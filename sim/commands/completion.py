@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping
-from typing import Any
 
 HELP = "print a script that completes this command's words in a shell"
 SHELLS = ("bash", "zsh", "tcsh")
@@ -52,7 +51,7 @@ def _name_what_is_shipped(parser: argparse.ArgumentParser) -> None:
             action.choices = names  # of this parser alone, which reads no words
 
 
-def _shipped() -> Mapping[str, Any]:
+def _shipped() -> Mapping[str, tuple[str, ...]]:
     from models import SYSTEMS, shipped_robots
     from sim.scenarios.file import shipped_scenarios
 

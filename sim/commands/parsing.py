@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from importlib import import_module
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from planner.support import did_you_mean
 from sim.errors import UsageError
@@ -68,7 +68,7 @@ class Parser(argparse.ArgumentParser):
             self._refuse(word)
         return given, rest
 
-    def _check_value(self, action: argparse.Action, value: Any) -> None:
+    def _check_value(self, action: argparse.Action, value: object) -> None:
         """Refuse what is none of a few words, and say which was meant."""
         if action.choices is not None and value not in action.choices:
             named = action.option_strings or [action.dest.upper()]
@@ -87,7 +87,7 @@ class Parser(argparse.ArgumentParser):
 class Version(argparse.Action):
     """Print the version of the package that is installed, and end."""
 
-    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
+    def __call__(self, parser: argparse.ArgumentParser, *rest: object) -> NoReturn:
         """Print it; the package's metadata are read no earlier than this."""
         from importlib.metadata import version
 

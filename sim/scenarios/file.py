@@ -21,7 +21,9 @@ from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import FORMER, SETTINGS
+from sim.scenarios.tables import Table
 
+Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
 TABLES = {name for name, item in SETTINGS.items() if item.includes(Mapping)}
 FOLDER = Path(str(files("sim.scenarios")))
@@ -51,7 +53,7 @@ def load_scenario(
     return scenario_from(table, given, where)
 
 
-def scenario_table(source: str) -> tuple[dict[str, Any], str]:
+def scenario_table(source: str) -> tuple[Values, str]:
     """A scenario as its file gives it, found from anywhere, and its place in words.
 
     Raises:
@@ -64,7 +66,7 @@ def scenario_table(source: str) -> tuple[dict[str, Any], str]:
 
 
 def scenario_from(
-    table: Mapping[str, Any], overrides: Mapping[str, object], where: str
+    table: Table, overrides: Mapping[str, object], where: str
 ) -> Scenario:
     """A scenario from a table of plain values.
 
@@ -82,7 +84,7 @@ def scenario_from(
     return _decode(values, where)
 
 
-def anchor(table: dict[str, Any], folder: Path) -> None:
+def anchor(table: Values, folder: Path) -> None:
     """Make the files that a scenario names findable from wherever it is read next."""
     _anchor_robot(table, folder)
     _anchor_poses(table.get("path"), folder)
@@ -104,7 +106,7 @@ def parse_override(text: str) -> tuple[str, object]:
     return key, table["value"] if len(table) == 1 else value
 
 
-def to_table(scenario: Scenario) -> dict[str, Any]:
+def to_table(scenario: Scenario) -> Values:
     """The scenario as a table of plain values, as a file would give it."""
     values = {name: getattr(scenario, name) for name in SETTINGS}
     standing = [shapes.encode(obstacle) for obstacle in scenario.obstacles]
@@ -150,7 +152,7 @@ def _known(source: str) -> str:
     )
 
 
-def read_toml(path: Path) -> dict[str, Any]:
+def read_toml(path: Path) -> Values:
     """A TOML file as a table.
 
     Raises:
@@ -165,7 +167,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise UsageError(reason, str(path), "give a readable file") from error
 
 
-def _anchor_robot(table: dict[str, Any], folder: Path) -> None:
+def _anchor_robot(table: Values, folder: Path) -> None:
     """Make a robot's file findable from wherever the scenario is read next."""
     robot = table.get("robot")
     if isinstance(robot, str) and robot.endswith(".xml"):
@@ -186,7 +188,7 @@ def _absolute(folder: Path, name: str) -> str:
         raise UsageError(what, str(folder), "name one that exists") from error
 
 
-def _replace(table: dict[str, Any], key: str, value: object) -> None:
+def _replace(table: Values, key: str, value: object) -> None:
     *outer, last = key.split(".")
     for name in outer:
         inner = table.setdefault(name, {}) if name in TABLES else table.get(name)
@@ -196,7 +198,7 @@ def _replace(table: dict[str, Any], key: str, value: object) -> None:
     table[last] = value
 
 
-def _decode(table: dict[str, Any], where: str) -> Scenario:
+def _decode(table: Values, where: str) -> Scenario:
     if "strata" in table:
         what = "a system of strata is no scenario"
         raise UsageError(what, where, "use the commands plan and check on it")
@@ -210,7 +212,7 @@ def _decode(table: dict[str, Any], where: str) -> Scenario:
     return Scenario(**{**table, "path": path, "obstacles": standing})
 
 
-def _renamed(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+def _renamed(table: Table, where: str) -> Values:
     """The table with the present names of settings that were called otherwise.
 
     Raises:

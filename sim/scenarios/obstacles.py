@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import shapely
@@ -18,6 +17,7 @@ import shapely
 from planner import Array
 from sim.scenarios.declaration import is_number
 from sim.scenarios.tables import (
+    Table,
     are_numbers,
     is_list,
     refusal,
@@ -62,6 +62,7 @@ class Prism:
 
 
 Piece = Box | Prism
+Pieces = tuple[Piece, ...]
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ class Obstacle:
     kind: str
     given: tuple[tuple[str, object], ...]
     height: float
-    pieces: tuple[Piece, ...] = field(compare=False, repr=False)
+    pieces: Pieces = field(compare=False, repr=False)
 
     @property
     def area(self) -> shapely.Geometry:
@@ -103,7 +104,7 @@ def encode(obstacle: Obstacle) -> dict[str, object]:
     return {"kind": obstacle.kind, **dict(obstacle.given)}
 
 
-def _wall(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
+def _wall(table: Table, where: str) -> Pieces:
     """A chain of straight pieces, each longer by the thickness to close the corners."""
     points = _points(table["points"], f"{where}: points", 2)
     thickness = _length(table.get("thickness", THICKNESS), f"{where}: thickness")
@@ -119,7 +120,7 @@ def _between(a: Point, b: Point, thickness: float) -> Box:
     )
 
 
-def _box(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
+def _box(table: Table, where: str) -> Pieces:
     center = _point(table["center"], f"{where}: center")
     size = _numbers(table["size"], f"{where}: size", "two lengths above 0 [m]")
     if min(size) < LEAST:
@@ -130,7 +131,7 @@ def _box(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
     return (Box(center, (size[0] / 2, size[1] / 2), float(yaw)),)
 
 
-def _polygon(table: Mapping[str, Any], where: str) -> tuple[Piece, ...]:
+def _polygon(table: Table, where: str) -> Pieces:
     """The polygon itself if it is convex, else triangles."""
     points = _points(table["points"], f"{where}: points", 3)
     polygon = shapely.Polygon(points)
@@ -148,7 +149,10 @@ def _prism(polygon: shapely.Polygon) -> Prism:
     return Prism(tuple((float(x), float(y)) for x, y in corners))
 
 
-KINDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...], Callable[..., Any]]] = {
+KINDS: Mapping[
+    str,
+    tuple[tuple[str, ...], tuple[str, ...], Callable[[Table, str], tuple[Piece, ...]]],
+] = {
     "wall": (("points",), ("thickness",), _wall),
     "box": (("center", "size"), ("yaw",), _box),
     "polygon": (("points",), (), _polygon),

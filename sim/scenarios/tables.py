@@ -14,6 +14,8 @@ from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.declaration import is_number
 
+Table = Mapping[str, Any]  # as TOML has it
+
 
 def refusal(what: str, value: object, where: str, wanted: str) -> UsageError:
     """An error for a value that is not allowed.
@@ -35,7 +37,9 @@ def is_list(value: object) -> TypeGuard[Sequence[Any]]:
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
-def are_numbers(value: object, count: int, largest: float) -> TypeGuard[Sequence[Any]]:
+def are_numbers(
+    value: object, count: int, largest: float
+) -> TypeGuard[Sequence[float]]:
     """Whether a value is a list of so many numbers, none beyond the largest."""
     return (
         is_list(value)
@@ -44,9 +48,7 @@ def are_numbers(value: object, count: int, largest: float) -> TypeGuard[Sequence
     )
 
 
-def require_kind(
-    table: object, where: str, kinds: Collection[str]
-) -> Mapping[str, Any]:
+def require_kind(table: object, where: str, kinds: Collection[str]) -> Table:
     """The table, once its `kind` is found to be a known one.
 
     Raises:
@@ -61,7 +63,7 @@ def require_kind(
 
 
 def require_keys(
-    table: Mapping[str, Any], where: str, needed: Iterable[str], allowed: Iterable[str]
+    table: Table, where: str, needed: Iterable[str], allowed: Iterable[str]
 ) -> None:
     """Refuse a table that has an unknown key or lacks a needed one.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, fields
-from typing import Any
 
 from models import SERVO_KINDS, Card, ServoKind
 from planner.support import did_you_mean
@@ -44,7 +43,7 @@ class ServoSettings:
         """Whether commands make up for loads, on servos of a stiffness [N m/rad]."""
         return stiffness < SOFT if self.feed_forward is None else self.feed_forward
 
-    def table(self, simulated: tuple[float, float] | None) -> dict[str, Any]:
+    def table(self, simulated: tuple[float, float] | None) -> dict[str, object]:
         """As summary.json has it."""
         table = asdict(self)
         del table["damping_ratio"]  # what it came to stands under damping
