@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> ExitCode:
     """Write the table of all shards, and say what failed."""
     from sim.commands.sweep import print_result
-    from sim.sweeps.merging import merge
+    from sim.sweeps.sweeping import merge
 
     folders = [Path(folder) for folder in options.folders]
     out = folders[0] if options.out is None else Path(options.out)

@@ -6,6 +6,8 @@ import argparse
 import json
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,10 +16,10 @@ from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from sim.sweeps.folder import Shard
-    from sim.sweeps.sweeping import Result
+    from sim.sweeps.sweeping import Result, Show
 
 HELP = "walk a scenario with many settings, into one table; what is done is never lost"
-TOLD = 5  # reasons of failed points
+PRINTED = 5  # reasons of failed points, at most
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,9 +76,12 @@ def execute(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
     from sim.sweeps.file import read_sweep
     from sim.sweeps.folder import Shard, claim
-    from sim.sweeps.kept import walk_kept
-    from sim.sweeps.progress import sweep_bar
-    from sim.sweeps.sweeping import Workforce, carry_on, points_of
+    from sim.sweeps.sweeping import (
+        Workforce,
+        carry_on,
+        points_of,
+        write_run_folders,
+    )
 
     sweep = read_sweep(options.file)
     shard = options.shard or Shard()
@@ -85,15 +90,59 @@ def execute(options: argparse.Namespace) -> ExitCode:
     folder = claim(Path(options.out), shard, options.resume)
     with sweep_bar(quiet=options.json) as show:
         result = carry_on(points, folder, workforce, mix=options.force_mix, show=show)
-    for line in walk_kept(points, folder):
-        print(f"stratawalk: warning: not kept, {line}", file=sys.stderr)
+    for line in write_run_folders(points, folder):
+        print(f"stratawalk: warning: no run folder, {line}", file=sys.stderr)
     print_result(result, folder.table, options.json)
     return ExitCode.SWEEP if result.failed else ExitCode.OK
 
 
-def _workers(options: argparse.Namespace) -> int:
-    from sim.errors import UsageError
+@contextmanager
+def sweep_bar(quiet: bool = False) -> Iterator[Show]:
+    """A bar on standard error, or a plain line now and then where none can be drawn."""
+    from sim.progress import bar, may_draw
+    from sim.sweeps.sweeping import show_nothing
 
+    if quiet:
+        yield show_nothing
+        return
+    if not may_draw():
+        with bar() as lines:
+            yield lambda done, failed, points: lines("points", done / max(points, 1))
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TaskID,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    columns = (
+        TextColumn("points"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[rate]}, {task.fields[failed]} failed, left"),
+        TimeRemainingColumn(),
+    )
+    tasks: list[TaskID] = []
+    with Progress(*columns, console=Console(file=sys.stderr), transient=True) as bars:
+
+        def show(done: int, failed: int, points: int) -> None:
+            if not tasks:  # earlier points count for no pace
+                start = {"total": points, "completed": done}
+                tasks.append(bars.add_task("points", **start, rate="", failed=0))
+            pace = bars.tasks[0].speed or 0.0  # from the first point walked now on
+            rate = f"{pace:.3g} a second"
+            bars.update(
+                tasks[0], completed=done, total=points, failed=failed, rate=rate
+            )
+
+        yield show
+
+
+def _workers(options: argparse.Namespace) -> int:
     if options.workers is None:
         return len(os.sched_getaffinity(0))
     if options.scheduler is not None:
@@ -106,25 +155,14 @@ def _workers(options: argparse.Namespace) -> int:
 
 
 def print_result(result: Result, table: Path, as_json: bool) -> None:
-    """Say what became of a sweep.
-
-    Args:
-        result: What became of it.
-        table: Its table.
-        as_json: Whether to print JSON alone.
-    """
+    """Say what became of a sweep."""
     if as_json:
-        told = {
-            "points": result.points,
-            "failed": result.failed,
-            "walked": result.walked,
-            "reasons": dict(result.reasons),
-            "table": str(table),
-        }
-        print(json.dumps(told))
+        counts = {key: getattr(result, key) for key in ("points", "failed", "walked")}
+        reasons = dict(result.reasons)
+        print(json.dumps({**counts, "reasons": reasons, "table": str(table)}))
         return
     print(f"{result.points} points, {result.walked} walked now, {result.failed} failed")
-    for reason, count in list(result.reasons.items())[:TOLD]:
+    for reason, count in list(result.reasons.items())[:PRINTED]:
         print(f"{count:6}  {reason}")
     print(f"{'table':8}{table}")
     if result.failed:

@@ -32,7 +32,7 @@ class Sweep:
         fixed: Settings of every point, by their dotted names.
         blocks: What varies.
         without: Measures that are left out.
-        kept: Numbers of the points that get a run folder.
+        run_folders: Numbers of the points that get a run folder.
         filmed: Whether these folders get films.
     """
 
@@ -41,8 +41,8 @@ class Sweep:
     fixed: Mapping[str, Any]
     blocks: tuple[Block, ...]
     without: tuple[str, ...]
-    kept: tuple[int, ...]
-    filmed: bool
+    run_folders: tuple[int, ...] = ()
+    filmed: bool = False
 
     def __len__(self) -> int:
         return math.prod(len(choices) for _, choices in self.blocks)
@@ -93,14 +93,14 @@ def read_sweep(source: str) -> Sweep:
     _require_once([*fixed, *(key for keys, _ in blocks for key in keys)], source)
     if (count := math.prod(len(choices) for _, choices in blocks)) > MOST:
         raise UsageError(f"{count} points", source, f"ask for {MOST} at most")
-    kept, filmed = _kept(_inner(table, "keep"), count)
+    run_folders, filmed = _run_folders(_inner(table, "keep"), count)
     return Sweep(
         name=path.stem,
         scenario=scenario,
         fixed=fixed,
         blocks=blocks,
         without=_without(table.get("without", [])),
-        kept=kept,
+        run_folders=run_folders,
         filmed=filmed,
     )
 
@@ -190,7 +190,7 @@ def _without(given: object) -> tuple[str, ...]:
     return tuple(sorted(given))
 
 
-def _kept(table: Mapping[str, Any], count: int) -> tuple[tuple[int, ...], bool]:
+def _run_folders(table: Mapping[str, Any], count: int) -> tuple[tuple[int, ...], bool]:
     points, filmed = table.get("points", []), table.get("film", False)
     for key in table.keys() - {"points", "film"}:
         near = did_you_mean(key, ("points", "film"))

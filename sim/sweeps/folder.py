@@ -1,15 +1,22 @@
-"""The folder of a sweep: what it is about, its ledger and its table.
+"""The folder of a sweep: its files, what it is about, and the process that owns it.
 
-A shard, a part of a sweep that one job of many walks, has files of its own in it.
+A shard, a part of a sweep that one job of many walks, has files of its own in it. One
+process at a time works on them. The system lets go of a lock when its owner ends,
+however it ends; the lock of a process that is gone is therefore never in the way.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+import os
+import socket
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+
+from filelock import FileLock, Timeout
 
 from sim.errors import FilesError, UsageError
 from sim.folder import RunFolder, ensure_folder
@@ -43,9 +50,67 @@ class Shard:
         return "" if self.count == 1 else f"-{self.number}-of-{self.count}"
 
 
+@dataclass(frozen=True)
+class About:
+    """What a sweep is about, and the software it was begun with, as JSON has them."""
+
+    asked: Mapping[str, Any]  # scenario, fixed and varying settings, measures left out
+    software: Mapping[str, str]
+
+    @classmethod
+    def of(cls, sweep: Sweep) -> About:
+        """What a sweep is about, with the software of today."""
+        vary = {
+            SIDE_BY_SIDE.join(keys): [
+                list(choice) if len(keys) > 1 else choice[0] for choice in choices
+            ]
+            for keys, choices in sweep.blocks
+        }
+        asked = {
+            "scenario": dict(sweep.scenario),
+            "set": dict(sweep.fixed),
+            "vary": vary,
+            "without": list(sweep.without),
+        }
+        return cls(json.loads(json.dumps(asked)), software())
+
+    @classmethod
+    def read(cls, path: Path) -> About | None:
+        """What the sweep of a folder is about; None where nothing says so yet."""
+        try:
+            found = json.loads(path.read_text())
+            return cls(found["asked"], found["software"])
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            what = f"cannot be read, {error}"
+            raise FilesError(what, str(path), "choose another folder") from error
+
+    @property
+    def sweep(self) -> Sweep:
+        """The sweep itself, of which no point gets a run folder."""
+        blocks = []
+        for names, choices in self.asked["vary"].items():
+            keys = tuple(names.split(SIDE_BY_SIDE))
+            rows = [(one,) if len(keys) == 1 else tuple(one) for one in choices]
+            blocks.append((keys, rows))
+        return Sweep(
+            name="merged",
+            scenario=self.asked["scenario"],
+            fixed=self.asked["set"],
+            blocks=tuple(blocks),
+            without=tuple(self.asked["without"]),
+        )
+
+    def differences(self, other: About) -> list[str]:
+        """What another sweep is about instead, as `key: value, now value`."""
+        software = differences(self.software, other.software)
+        return differences(self.asked, other.asked) + software
+
+
 @dataclass(frozen=True, slots=True)
 class SweepFolder:
-    """Names of a sweep's files."""
+    """The files of a sweep, or of a shard of it."""
 
     path: Path
     shard: Shard = Shard()
@@ -67,32 +132,45 @@ class SweepFolder:
 
     @property
     def about(self) -> Path:
-        """What the sweep is about, and the software it was begun with."""
+        """What the sweep is about."""
         return self.path / f"sweep{self.shard.suffix}.json"
+
+    def write_about(self, about: About) -> None:
+        """Write down what the sweep is about."""
+        RunFolder(self.path).write_json(self.about.name, asdict(about))
+
+    def agree(self, about: About, mix: bool) -> None:
+        """Write down what the sweep is about, once it is found to be what it was.
+
+        A table may hold points of different sweeps and versions if it is to mix them.
+        """
+        before = About.read(self.about)
+        if before == about:
+            return
+        if before is not None and not mix:
+            raise UsageError(
+                f"begun as something else, {'; '.join(before.differences(about))}",
+                str(self.path),
+                "choose another folder, or mix them in one table with --force-mix",
+            )
+        self.write_about(about)
 
 
 def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
-    """Make the folder of a sweep, or go on in one.
+    """Make the folder of a sweep, or resume the one that is there.
 
-    Args:
-        out: Where; shards may share a folder.
-        shard: Which part of the sweep.
-        resume: Whether it may hold this part already.
-
-    Raises:
-        UsageError: If it exists and is not to be gone on with.
-        FilesError: If it cannot be made.
+    Shards may share a folder. One that exists and is not to be resumed is refused.
     """
     folder = SweepFolder(out, shard)
     begun = folder.about.exists() or folder.ledger.exists()
-    if (begun and not resume) or _strange(out, resume or shard.count > 1):
+    if (begun and not resume) or _is_foreign(out, resume or shard.count > 1):
         remedy = "give --resume to go on with it" if begun else "choose another folder"
         raise UsageError("already exists", str(out), remedy)
     ensure_folder(out, "sweep's folder")
     return folder
 
 
-def _strange(out: Path, empty_will_do: bool) -> bool:
+def _is_foreign(out: Path, empty_will_do: bool) -> bool:
     """Whether a path exists and is not the folder of a sweep."""
     if not out.is_dir():
         return out.exists()
@@ -100,85 +178,37 @@ def _strange(out: Path, empty_will_do: bool) -> bool:
     return not ours
 
 
-def about(sweep: Sweep) -> dict[str, Any]:
-    """What a sweep is about, and with which software."""
-    blocks = {
-        SIDE_BY_SIDE.join(keys): [
-            list(choice) if len(keys) > 1 else choice[0] for choice in choices
-        ]
-        for keys, choices in sweep.blocks
-    }
-    asked = {
-        "scenario": dict(sweep.scenario),
-        "set": dict(sweep.fixed),
-        "vary": blocks,
-        "without": list(sweep.without),
-    }
-    return {"asked": asked, "software": software()}
+@contextmanager
+def sole_owner(path: Path) -> Iterator[str | None]:
+    """Hold the lock in a file while the block runs; another owner is named and refused.
 
-
-def sweep_from(asked: Mapping[str, Any]) -> Sweep:
-    """The sweep that a folder is about.
-
-    Args:
-        asked: What was written about it.
+    Yields who held it last and ended without letting go, if anybody did.
     """
-    blocks = []
-    for names, choices in asked["vary"].items():
-        keys = tuple(names.split(SIDE_BY_SIDE))
-        rows = [(one,) if len(keys) == 1 else tuple(one) for one in choices]
-        blocks.append((keys, rows))
-    return Sweep(
-        name="merged",
-        scenario=asked["scenario"],
-        fixed=asked["set"],
-        blocks=tuple(blocks),
-        without=tuple(asked["without"]),
-        kept=(),
-        filmed=False,
-    )
-
-
-def agree(folder: SweepFolder, told: Mapping[str, Any], mix: bool) -> None:
-    """Write down what a sweep is about, once it is found to be what it was.
-
-    Args:
-        folder: The sweep's folder.
-        told: What it is about now.
-        mix: Whether a table may hold points of different sweeps and versions.
-
-    Raises:
-        UsageError: If it was begun as something else, with what differs.
-        FilesError: If the folder cannot be written.
-    """
-    told = json.loads(json.dumps(told))
-    before = read_about(folder.about)
-    if before == told:
-        return
-    if before is not None and not mix:
-        differ = [d for part in told for d in differences(before[part], told[part])]
-        raise UsageError(
-            f"begun as something else, {'; '.join(differ)}",
-            str(folder.path),
-            "choose another folder, or mix them in one table with --force-mix",
-        )
-    RunFolder(folder.path).write_json(folder.about.name, told)
-
-
-def read_about(path: Path) -> dict[str, Any] | None:
-    """What a sweep is about; None where nothing says so yet.
-
-    Args:
-        path: File of a sweep's folder.
-
-    Raises:
-        FilesError: If it cannot be read.
-    """
+    lock, owner = FileLock(path, timeout=0), path.with_suffix(".owner")
     try:
-        told: dict[str, Any] = json.loads(path.read_text())
-        return {"asked": told["asked"], "software": told["software"]}
-    except FileNotFoundError:
+        lock.acquire()
+    except Timeout:
+        raise FilesError(
+            f"{_owner_in(owner) or 'another process'} is working on this sweep",
+            str(path.parent),
+            "wait for it, or choose another folder with --out",
+        ) from None
+    except OSError as error:
+        reason = f"cannot be locked, {error.strerror}"
+        raise FilesError(reason, str(path.parent), "choose another folder") from error
+    try:
+        gone = _owner_in(owner)
+        owner.write_text(json.dumps({"pid": os.getpid(), "host": socket.gethostname()}))
+        yield gone
+        owner.unlink(missing_ok=True)
+    finally:
+        lock.release()
+
+
+def _owner_in(file: Path) -> str | None:
+    """Who stands in the file, in words."""
+    try:
+        found = json.loads(file.read_text())
+        return f"process {found['pid']} on {found['host']}"
+    except (OSError, ValueError, KeyError, TypeError):
         return None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        what = f"cannot be read, {error}"
-        raise FilesError(what, str(path), "choose another folder") from error

@@ -1,87 +1,73 @@
-"""The main job of a sweep: walk the points that are not done, and write the table."""
+"""The main job of a sweep: walk the points that are not done, and write the table.
+
+Shards of one sweep are merged into the table that a single process would have written.
+"""
 
 from __future__ import annotations
 
+import shutil
 from collections import Counter
-from collections.abc import Container, Hashable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import (
+    Callable,
+    Container,
+    Hashable,
+    Iterable,
+    Iterator,
+    Mapping,
+    Sequence,
+)
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol
 
 from models import shipped_robots
 from models.morphology import geometry_of
 from planner.support import did_you_mean
-from sim.errors import UsageError
+from sim.errors import FilesError, UsageError, one_line
+from sim.folder import RunFolder, ensure_folder
 from sim.preparation.shared import PLAN
-from sim.scenarios.file import to_table
+from sim.run_folder import run
+from sim.scenarios.file import scenario_from, to_table
 from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import Sweep
-from sim.sweeps.folder import Shard, SweepFolder, about, agree
+from sim.sweeps.folder import About, Shard, SweepFolder, sole_owner
 from sim.sweeps.identity import digest
 from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
-from sim.sweeps.lock import sole_owner
-from sim.sweeps.table import write_table
+from sim.sweeps.table import Row, write_table
 from sim.sweeps.worker_pool import Task, open_pool
+
+Show = Callable[[int, int, int], None]  # given the points done, failed, and all
+
+
+def show_nothing(done: int, failed: int, points: int) -> None:
+    """Show nothing of how far a sweep has come."""
 
 
 @dataclass(frozen=True, slots=True)
 class Workforce:
-    """Who walks the points.
+    """Who walks the points."""
 
-    Attributes:
-        workers: Processes on this machine.
-        scheduler: Address of a Dask scheduler whose workers are taken instead.
-    """
-
-    workers: int = 1
-    scheduler: str | None = None
+    workers: int = 1  # processes on this machine
+    scheduler: str | None = None  # address of Dask's, whose workers are taken instead
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What became of a sweep.
+    """What became of a sweep."""
 
-    Attributes:
-        points: Number of points, those of this shard.
-        failed: How many of them have no numbers.
-        reasons: How many points failed of each reason, most frequent first.
-        walked: How many were walked now; the others were done already.
-    """
-
-    points: int
-    failed: int
-    reasons: Mapping[str, int]
-    walked: int
-
-
-class Show(Protocol):
-    """Shows how far a sweep has come."""
-
-    def __call__(self, done: int, failed: int, points: int) -> None:
-        """Called at the start and with each outcome."""
-        ...
-
-
-def show_nothing(done: int, failed: int, points: int) -> None:
-    """Show nothing."""
+    points: int  # those of this shard
+    failed: int  # points without numbers
+    reasons: Mapping[str, int]  # how many points failed of each, most frequent first
+    walked: int  # now; the others were done already
 
 
 @dataclass(frozen=True)
 class Points:
-    """The points of a sweep, or of a shard of it.
-
-    Attributes:
-        sweep: What the sweep's file says.
-        tables: Scenario of each point, as a table of plain values.
-        digests: Digest of each point's settings; equal points have equal ones.
-        plans: The first point that has the same plan as each.
-    """
+    """The points of a sweep, or of a shard of it."""
 
     sweep: Sweep
-    tables: Mapping[int, Mapping[str, Any]]
-    digests: Mapping[int, str]
-    plans: Mapping[int, int]
+    tables: Mapping[int, Mapping[str, object]]  # the scenario of each, in plain values
+    digests: Mapping[int, str]  # of each point's settings; those of equal points agree
+    plans: Mapping[int, int]  # the first point that has the same plan as each
 
     def tasks(self, known: Container[str]) -> list[Task]:
         """What is to be walked; walks of one plan come one after another."""
@@ -89,24 +75,23 @@ class Points:
         order = sorted(todo.items(), key=lambda pair: (self.plans[pair[1]], pair[1]))
         return [Task(d, self.tables[p], self.sweep.without) for d, p in order]
 
-    def rows(self, known: Mapping[str, Outcome]) -> Iterator[dict[str, Any]]:
-        """Rows of the table.
-
-        Args:
-            known: Outcomes by digest, one for every point.
-        """
+    def rows(self, known: Mapping[str, Outcome]) -> Iterator[Row]:
+        """Rows of the table from the outcomes of all points, by their digests."""
         for point, code in self.digests.items():
             varied, outcome = self.sweep.varied(point), known[code]
             own = {"point": point, **varied, "status": outcome.status}
             yield own | {k: v for k, v in outcome.numbers.items() if k not in own}
 
+    def result(self, known: Mapping[str, Outcome], walked: int = 0) -> Result:
+        """What became of a sweep whose points are all done, some of them now."""
+        statuses = [known[code].status for code in self.digests.values()]
+        reasons = Counter(status for status in statuses if status != OK)
+        ranked = dict(reasons.most_common())
+        return Result(len(statuses), reasons.total(), ranked, walked)
+
 
 def points_of(sweep: Sweep, shard: Shard) -> Points:
-    """All points of a shard.
-
-    Raises:
-        UsageError: If the settings of one are impossible.
-    """
+    """All points of a shard; impossible settings of one are refused."""
     numbers = [point for point in range(len(sweep)) if point in shard]
     scenarios = {point: sweep.at(point) for point in numbers}
     shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
@@ -129,6 +114,22 @@ def _plans(scenarios: Mapping[int, Scenario]) -> dict[int, int]:
     }
 
 
+def _require_robot(robot: str, names: Sequence[str]) -> None:
+    """Refuse what cannot be found, a robot or a number of its shape, beforehand."""
+    where = "the sweep's file"
+    if robot.endswith(".xml"):
+        if not Path(robot).is_file():
+            raise UsageError("no such robot file", robot, "give one that exists")
+    elif robot not in (shipped := shipped_robots()):
+        near = did_you_mean(robot, shipped)
+        raise UsageError(f"unknown robot {robot!r}", where, near)
+    else:
+        known = geometry_of(robot)
+        for name in (name for name in names if name not in known):
+            what = f"unknown number geometry.{name} of {robot}"
+            raise UsageError(what, where, did_you_mean(name, known))
+
+
 def carry_on(
     points: Points,
     folder: SweepFolder,
@@ -139,100 +140,132 @@ def carry_on(
 ) -> Result:
     """Walk what is not done yet of a sweep, and write its table.
 
-    Args:
-        points: Those of the folder's shard.
-        folder: Its folder.
-        workforce: Who walks.
-        mix: Whether the table may hold points of different sweeps and versions.
-        show: Called with the number of points that are done.
-
-    Raises:
-        UsageError: If the folder holds another sweep, or no scheduler answers.
-        FilesError: If another process works in the folder, or it cannot be written.
-        SweepError: If there is no worker.
+    Refused where another process works in the folder, or where it holds another sweep
+    or points of other versions, unless these are to be mixed in one table.
     """
-    told = about(points.sweep)
+    about = About.of(points.sweep)
     with sole_owner(folder.lock):
-        agree(folder, told, mix)
+        folder.agree(about, mix)
         known = read_ledger(folder.ledger)
-        tasks = points.tasks(known)
-        if tasks:
-            counter = PointCounter(points.digests, known, show)
-            with opened(folder.ledger) as ledger, counter.told():
-                for outcome in _outcomes(tasks, workforce):
-                    ledger.add([outcome])
-                    known[outcome.digest] = outcome
-                    counter.add(outcome)
-        write_table(folder.table, list(points.rows(known)), told)
-    return result(points.digests, known, len(tasks))
+        if tasks := points.tasks(known):
+            _walk(tasks, points, folder, workforce, known, show)
+        write_table(folder.table, list(points.rows(known)), asdict(about))
+    return points.result(known, len(tasks))
 
 
-def _outcomes(tasks: Sequence[Task], workforce: Workforce) -> Iterator[Outcome]:
-    with open_pool(min(workforce.workers, len(tasks)), workforce.scheduler) as pool:
-        yield from pool.carry_out(tasks)
+def _walk(
+    tasks: Sequence[Task],
+    points: Points,
+    folder: SweepFolder,
+    workforce: Workforce,
+    known: dict[str, Outcome],
+    show: Show,
+) -> None:
+    """Add an outcome of every task to the ledger and to those that are known."""
+    counter = _Counter(points.digests, show)
+    counter.add(known.values())
+    workers = min(workforce.workers, len(tasks))
+    try:
+        with (
+            opened(folder.ledger) as ledger,
+            open_pool(workers, workforce.scheduler) as pool,
+        ):
+            for outcome in pool.carry_out(tasks):
+                ledger.add([outcome])
+                known[outcome.digest] = outcome
+                counter.add([outcome])
+    except KeyboardInterrupt as stop:
+        far = f"{counter.done} of {counter.points} points are done"
+        stop.add_note(f"{far}, go on with --resume")
+        raise
 
 
-class PointCounter:
-    """Counts the points that are done."""
+class _Counter:
+    """Counts the points that are done, and shows how many there are."""
 
-    def __init__(
-        self, digests: Mapping[int, str], known: Mapping[str, Outcome], show: Show
-    ) -> None:
-        self._show = show
-        self._count = Counter(digests.values())
-        self._points = len(digests)
-        done = [outcome for code, outcome in known.items() if code in self._count]
-        self._done = self._failed = 0
-        for outcome in done:
-            self._note(outcome)
-        show(self._done, self._failed, self._points)
+    def __init__(self, digests: Mapping[int, str], show: Show) -> None:
+        self.points, self.done, self.failed = len(digests), 0, 0
+        self._times, self._show = Counter(digests.values()), show
 
-    def add(self, outcome: Outcome) -> None:
-        """One more is done."""
-        self._note(outcome)
-        self._show(self._done, self._failed, self._points)
-
-    def _note(self, outcome: Outcome) -> None:
-        times = self._count[outcome.digest]
-        self._done += times
-        self._failed += times * (outcome.status != OK)
-
-    @contextmanager
-    def told(self) -> Iterator[None]:
-        """Have whatever ends the block say how far the sweep has come."""
-        try:
-            yield
-        except KeyboardInterrupt as stop:
-            far = f"{self._done} of {self._points} points are done"
-            stop.add_note(f"{far}, go on with --resume")
-            raise
+    def add(self, outcomes: Iterable[Outcome]) -> None:
+        for outcome in outcomes:
+            times = self._times[outcome.digest]
+            self.done += times
+            self.failed += times * (outcome.status != OK)
+        self._show(self.done, self.failed, self.points)
 
 
-def result(
-    digests: Mapping[int, str], known: Mapping[str, Outcome], walked: int
-) -> Result:
-    """What became of a sweep whose points are all done.
+def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
+    """Walk the chosen points once more, each into a run folder of its own.
 
-    Args:
-        digests: Digest of each point.
-        known: Outcomes by digest.
-        walked: How many were walked now.
+    Complete folders are left alone. The result says what went wrong with which point.
     """
-    wrong = [known[code].status for code in digests.values()]
-    reasons = Counter(status for status in wrong if status != OK)
-    return Result(len(digests), reasons.total(), dict(reasons.most_common()), walked)
+    wrong, last = [], "video.mp4" if points.sweep.filmed else "summary.json"
+    runs = RunFolder(folder.path / "runs")
+    for point in points.sweep.run_folders:
+        if point not in points.tables:
+            continue
+        name = f"point-{point:05d}"
+        if (runs.path / name / last).exists():
+            continue
+        shutil.rmtree(runs.path / name, ignore_errors=True)
+        scenario = scenario_from(points.tables[point], {}, f"point {point}")
+        look = "draft" if points.sweep.filmed else None
+        try:
+            run(scenario, runs.inner(name), look=look)
+        except FilesError:
+            raise
+        except Exception as error:  # its reason stands in the table as well
+            wrong.append(f"point {point}: {one_line(error)}")
+    return wrong
 
 
-def _require_robot(robot: str, names: Sequence[str]) -> None:
-    """Refuse what cannot be found, a robot or a number of its shape, beforehand."""
-    if robot.endswith(".xml"):
-        if not Path(robot).is_file():
-            raise UsageError("no such robot file", robot, "give one that exists")
-    elif robot not in (shipped := shipped_robots()):
-        what = f"unknown robot {robot!r}"
-        raise UsageError(what, "the sweep's file", did_you_mean(robot, shipped))
-    else:
-        known = geometry_of(robot)
-        for name in (name for name in names if name not in known):
-            what = f"unknown number geometry.{name} of {robot}"
-            raise UsageError(what, "the sweep's file", did_you_mean(name, known))
+def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
+    """Join the shards of a sweep to one ledger and one table, whose path is returned.
+
+    A folder may hold several shards, and be the one that the table is written to.
+    Shards that are not of one sweep, or that lack points, are refused.
+    """
+    about = _common_about(sources)
+    known: dict[str, Outcome] = {}
+    for source in sources:
+        for path in sorted(source.glob("ledger*.jsonl")):
+            known |= read_ledger(path)
+    points = points_of(about.sweep, Shard())
+    missing = [point for point, code in points.digests.items() if code not in known]
+    if missing:
+        few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
+        raise UsageError(
+            f"{len(missing)} of {len(points.digests)} points are missing: {few}",
+            ", ".join(map(str, sources)),
+            "walk them with `stratawalk sweep --resume`, or name the other shards",
+        )
+    folder = SweepFolder(ensure_folder(out))
+    with opened(folder.ledger) as ledger:
+        written = read_ledger(folder.ledger)
+        ledger.add([o for code, o in known.items() if code not in written])
+    folder.write_about(about)
+    write_table(folder.table, list(points.rows(known)), asdict(about))
+    return points.result(known), folder.table
+
+
+def _common_about(sources: Sequence[Path]) -> About:
+    """What all shards are about, once they are found to agree."""
+    found: dict[Path, About] = {}
+    for source in sources:
+        paths = list(source.glob("sweep*.json"))
+        if not paths:
+            raise UsageError("no sweep", str(source), "give the folder of a sweep")
+        for path in paths:
+            if (about := About.read(path)) is None:
+                raise FilesError("cannot be read", str(path), "restore it")
+            found[path] = about
+    (first, about), *others = found.items()
+    for path, other in others:
+        if differ := about.differences(other):
+            raise UsageError(
+                f"not of one sweep, {'; '.join(differ)}",
+                f"{first} and {path}",
+                "merge shards of the same file and software",
+            )
+    return about

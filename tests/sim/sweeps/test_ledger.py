@@ -9,8 +9,8 @@ import time
 import pytest
 
 from sim.errors import FilesError
+from sim.sweeps.folder import sole_owner
 from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
-from sim.sweeps.lock import sole_owner
 
 FIRST, SECOND = (Outcome(code, OK, {"x": 0.1}, {"mujoco": "1"}) for code in "ab")
 

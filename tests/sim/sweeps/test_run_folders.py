@@ -3,10 +3,10 @@
 import pytest
 
 from sim.errors import FilesError
-from sim.sweeps import kept
+from sim.sweeps import sweeping
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard, SweepFolder
-from sim.sweeps.sweeping import points_of
+from sim.sweeps.sweeping import points_of, write_run_folders
 from tests.sweeps import write_sweep
 
 VARIES = "[grid]\nfriction = [1.0]\n[keep]\npoints = [0]\nfilm = {film}\n"
@@ -17,7 +17,9 @@ def walked(tmp_path, monkeypatch):
     """Keep a point of which a run folder exists: names of the folders walked again."""
 
     def walk(film, *files):
-        monkeypatch.setattr(kept, "run", lambda _, made, look: done.append(made.path))
+        monkeypatch.setattr(
+            sweeping, "run", lambda _, made, look: done.append(made.path)
+        )
         done = []
         sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film=film))))
         runs = tmp_path / "out" / "runs" / "point-00000"
@@ -25,7 +27,7 @@ def walked(tmp_path, monkeypatch):
         for name in files:
             (runs / name).touch()
         assert (
-            kept.walk_kept(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
+            write_run_folders(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
             == []
         )
         return [path.name for path in done]
@@ -45,7 +47,7 @@ def test_a_full_disk_is_no_matter_of_one_point(tmp_path, monkeypatch):
     def full(*_, **__):
         raise FilesError("the disk is full", "here", "make room")
 
-    monkeypatch.setattr(kept, "run", full)
+    monkeypatch.setattr(sweeping, "run", full)
     sweep = read_sweep(str(write_sweep(tmp_path, VARIES.format(film="false"))))
     with pytest.raises(FilesError, match="the disk is full"):
-        kept.walk_kept(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
+        write_run_folders(points_of(sweep, Shard()), SweepFolder(tmp_path / "out"))
