@@ -8,7 +8,7 @@ check that file and card fit together; the equations of motion are in
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -16,7 +16,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from models.description.card import Card, LegCard
+from models.description.card import Card, GroupCard, LegCard
 from models.description.compiled import (
     actuators_of,
     compile_model,
@@ -135,6 +135,21 @@ class Robot:
         """As `leg_angles`: swing and lift joints of all legs, shape (..., F) each."""
         of_leg = self.group_of_leg
         return self.swing_gain * swing[..., of_leg], self.raise_sign * lift[..., of_leg]
+
+    def alternating(self, groups: Mapping[str, Mapping[int, float]]) -> Robot:
+        """The robot with two other groups of legs, which stand in turn.
+
+        Args:
+            groups: For each name the legs, with the gain of their swing joints.
+        """
+        first, second = groups
+        card = replace(
+            self.card,
+            groups={name: GroupCard(legs) for name, legs in groups.items()},
+            gait=(both := first + second, first, both, second, both),
+            patterns={},
+        )
+        return replace(self, card=card)
 
     def planted(self, stratum: str) -> np.ndarray:
         """Which feet are in contact on a stratum, shape (F,), bool."""

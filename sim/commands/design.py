@@ -39,9 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> ExitCode:
     """Check every design, walk those that go everywhere, and print the table."""
-    from models.adoption import designs
     from sim.progress import bar
-    from sim.studies.designing import tried
+    from sim.studies.designing import designs, tried
     from sim.sweeps.identity import software
     from sim.sweeps.table import write_table
 

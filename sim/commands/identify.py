@@ -51,10 +51,6 @@ def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
     """Every loaded field: measured, quasi-static and ideal twists along its swing.
 
     A field that could not be measured has nulls, and the reason.
-
-    Args:
-        setup: Robot, world and limits.
-        progress: Called with the stage and the finished part of it.
     """
     from sim.experiments.identification import identify
     from sim.experiments.predictions import MODELS, twist_model

@@ -131,8 +131,8 @@ def sweep_bar(quiet: bool = False) -> Iterator[Show]:
 
         def show(done: int, failed: int, points: int) -> None:
             if not tasks:  # earlier points count for no pace
-                start = {"total": points, "completed": done}
-                tasks.append(bars.add_task("points", **start, rate="", failed=0))
+                task = bars.add_task("points", True, points, done, rate="", failed=0)
+                tasks.append(task)
             pace = bars.tasks[0].speed or 0.0  # from the first point walked now on
             rate = f"{pace:.3g} a second"
             bars.update(

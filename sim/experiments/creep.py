@@ -21,11 +21,8 @@ LONGEST_STAND = 10.0  # [s]
 def creep_floor(setup: Setup, duration: float) -> float:
     """Slip of all feet together in a stand that lasts as long as a walk [m].
 
-    Args:
-        setup: Robot, world and timestep.
-        duration: From the start of the walk to its end [s]; beyond `LONGEST_STAND` the
-            slip is extrapolated at the rate of its last second, which is too much
-            rather than too little.
+    Beyond `LONGEST_STAND` it is extrapolated at the rate of its last second, which is
+    too much rather than too little.
     """
     stand = min(duration, LONGEST_STAND)
     scheduler = Scheduler(setup.limits, setup.at_rest)

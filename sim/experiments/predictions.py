@@ -34,12 +34,7 @@ MODELS: Mapping[str, Callable[[Setup], TwistModel]] = {
 
 @lru_cache(maxsize=len(MODELS))
 def twist_model(setup: Setup, name: str) -> TwistModel:
-    """A prediction's twist model, made when first asked for.
-
-    Args:
-        setup: Robot, world and limits; the path does not matter.
-        name: One of `MODELS`.
-    """
+    """A prediction's twist model, made when first asked for."""
     return MODELS[name](setup)
 
 
@@ -47,11 +42,6 @@ def follows_commands(setup: Setup, name: str, strata: Collection[str]) -> bool:
     """Whether a prediction is the same for all frictions, servos and floors.
 
     The quasi-static one is where no more than three feet stand at a time.
-
-    Args:
-        setup: Robot, world and limits.
-        name: One of `MODELS`.
-        strata: Strata on which legs swing.
     """
     feet = max((setup.robot.planted(on).sum() for on in strata), default=0)
     return name == "ideal" or (name == "quasi_static" and feet <= STATIC)

@@ -15,8 +15,7 @@ import numpy as np
 import shapely
 
 from planner import Array
-from sim.obstacles.outline import Outline
-from sim.obstacles.solids import hulls
+from sim.obstacles.solids import Outline, hulls
 from sim.preparation.setup import Setup
 from sim.scenarios.obstacles import Obstacle
 
@@ -55,24 +54,15 @@ class Surroundings:
         return shapely.union_all([obstacle.area for obstacle in self.obstacles])
 
     def postures(self, pose: Array, raised: Array) -> Array:
-        """Joint positions of a robot whose legs are all at angle 0.
+        """Joint positions (T, nq) of a robot at poses (T, 3), its legs at angle 0.
 
-        Args:
-            pose: x, y [m], yaw [rad], shape (T, 3).
-            raised: How far each group is, shape (G,) [rad].
-
-        Returns:
-            Shape (T, nq).
+        Each group is raised by an angle, shape (G,) [rad].
         """
         angles = np.zeros((len(pose), len(raised)))
         return self.outline.configurations(pose, angles, angles + raised)
 
     def clearances(self, qpos: Array) -> Clearances:
-        """Clearances along a motion.
-
-        Args:
-            qpos: Joint positions at samples, in the frame of the obstacles, (T, nq).
-        """
+        """Clearances along samples (T, nq) of a motion, in the obstacles' frame."""
         cores = self.outline.solids.cores(qpos)
         radii = [part.radius for part in self.outline.solids.parts]
         clearance = [
@@ -86,11 +76,7 @@ class Surroundings:
         return Clearances(np.stack(clearance, axis=-1), np.max(moved, axis=0))
 
     def nearest(self, qpos: Array) -> tuple[str, int]:
-        """The part and the obstacle, counted from 1, that are closest to each other.
-
-        Args:
-            qpos: Joint positions, shape (nq,).
-        """
+        """The part and the obstacle, counted from 1, that are closest to each other."""
         cores = self.outline.solids.cores(qpos[None])
         each = [
             [

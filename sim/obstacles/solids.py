@@ -1,4 +1,4 @@
-"""Solid parts of a robot seen from above, and the floor below them.
+"""Solid parts of a robot seen from above, the floor below them, and its outline.
 
 Every part is a convex core widened by a radius: a point for a sphere, a segment for a
 capsule, the hull of its corners for a box or a mesh. Distances are therefore exact, and
@@ -15,39 +15,28 @@ import mujoco
 import numpy as np
 import shapely
 
-from models import ModelError
+from models import ModelError, Robot
 from models.contact import covering_core
 from planner import Array
 
 
 @dataclass(frozen=True)
 class Part:
-    """A solid part of the robot.
+    """A solid part of the robot."""
 
-    Attributes:
-        name: Of its geom.
-        geom: Index of the geom.
-        core: Points whose hull is the core, in the geom's own frame, shape (k, 3) [m].
-        radius: By which the core is widened [m].
-    """
-
-    name: str
-    geom: int
+    name: str  # of its geom
+    geom: int  # index of the geom
+    # points whose hull is the core, in the geom's own frame, shape (k, 3) [m]
     core: Array
-    radius: float
+    radius: float  # by which the core is widened [m]
 
 
 @dataclass(frozen=True)
 class Solids:
-    """The parts of a robot that can collide.
+    """The parts of a robot that can collide."""
 
-    Attributes:
-        model: World that holds the robot.
-        root: Index of the body that carries its free joint.
-    """
-
-    model: mujoco.MjModel
-    root: int
+    model: mujoco.MjModel  # world that holds the robot
+    root: int  # index of the body that carries its free joint
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
@@ -58,14 +47,7 @@ class Solids:
         return tuple(_part(model, int(geom)) for geom in of_robot if solid[geom])
 
     def cores(self, qpos: Array) -> list[Array]:
-        """Cores of all parts on the ground plane.
-
-        Args:
-            qpos: Joint positions, shape (T, nq).
-
-        Returns:
-            For each part the points of its core, shape (T, k, 2) [m].
-        """
+        """Core of each part on the ground plane, shape (T, k, 2) [m]."""
         geoms = [part.geom for part in self.parts]
         places = np.empty((len(qpos), len(geoms), 3))
         turns = np.empty((len(qpos), len(geoms), 9))
@@ -95,14 +77,7 @@ class Solids:
 
 
 def hulls(points: Array) -> Array:
-    """Convex hulls of sets of points: points, segments or polygons.
-
-    Args:
-        points: Shape (T, k, 2).
-
-    Returns:
-        Shapely geometries, shape (T,).
-    """
+    """Convex hulls of sets of points (T, k, 2): points, segments or polygons, (T,)."""
     if points.shape[1] == 1:
         return shapely.points(points[:, 0])
     if points.shape[1] == 2:
@@ -127,3 +102,45 @@ def _hull(points: Array) -> Array:
     from scipy.spatial import ConvexHull
 
     return points[ConvexHull(points).vertices]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """A robot in a model, and the floor that it covers."""
+
+    robot: Robot
+    model: mujoco.MjModel
+
+    @cached_property
+    def solids(self) -> Solids:
+        """Its solid parts."""
+        return Solids(self.model, self.model.body(self.robot.root).id)
+
+    @cached_property
+    def _root(self) -> int:
+        """Where the free joint's positions begin."""
+        return self.robot.root_address_in(self.model)
+
+    def configurations(self, pose: Array, swing: Array, lift: Array) -> Array:
+        """Joint positions (T, nq) of a level body at poses (T, 3).
+
+        Groups have swing and lift angles, shape (T, G) [rad].
+        """
+        robot, model = self.robot, self.model
+        qpos = np.tile(robot.start_qpos, (len(pose), 1))
+        root = self._root
+        qpos[:, root : root + 2] = pose[:, :2]
+        half, zero = pose[:, 2] / 2, np.zeros(len(pose))
+        upright = [np.cos(half), zero, zero, np.sin(half)]
+        qpos[:, root + 3 : root + 7] = np.stack(upright, axis=-1)
+        for joint, angle in robot.leg_angles(swing, lift).items():
+            qpos[:, model.joint(joint).qposadr[0]] += angle
+        return qpos
+
+    def radius(self, qpos: Array) -> float:
+        """Radius of the circle about the root's origin that contains the robot [m]."""
+        center, cores = qpos[self._root : self._root + 2], self.solids.cores(qpos[None])
+        return max(
+            float(np.linalg.norm(core[0] - center, axis=-1).max()) + part.radius
+            for core, part in zip(cores, self.solids.parts, strict=True)
+        )

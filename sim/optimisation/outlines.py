@@ -16,7 +16,7 @@ import shapely
 
 from models import Robot
 from planner import Array
-from sim.obstacles.outline import Outline
+from sim.obstacles.solids import Outline
 from sim.preparation.setup import Setup
 
 Place = tuple[Any, Any]

@@ -71,13 +71,9 @@ class Engine:
         return np.array(data.sensordata)
 
     def advance(self, ctrl: Array) -> Record:
-        """Apply one row of commands a step.
+        """Apply one row of commands a step, shape (n, nu), at most `STRETCH` rows.
 
-        Args:
-            ctrl: Shape (n, nu), at most `STRETCH` rows.
-
-        Raises:
-            SimulationError: If a command is not finite, or the simulation diverges.
+        Raises SimulationError if a command is not finite, or the simulation diverges.
         """
         self._check_commands(ctrl)
         parts, done = [], 0

@@ -44,11 +44,7 @@ class Sensors:
         self._center_of_mass = model.sensor("center_of_mass").adr[0]
 
     def read(self, sensordata: Array) -> Readings:
-        """Readings of every step.
-
-        Args:
-            sensordata: Shape (n, nsensordata).
-        """
+        """Readings of every step, from sensordata of shape (n, nsensordata)."""
         normals = [
             np.maximum(sensordata[:, at + NORMAL], 0.0) * real
             for at, real in self._slots
@@ -70,11 +66,7 @@ class Sensors:
 
 
 def _slots(model: mujoco.MjModel, robot: Robot) -> list[tuple[Array, Array]]:
-    """Where in sensordata each foot's k-th contact is, and whether it has as many.
-
-    Returns:
-        For every k an address and a flag a foot, shape (F,) each.
-    """
+    """Address in sensordata of each foot's k-th contact, and whether it has as many."""
     feet = []
     for leg in robot.leg_cards:
         sensors = (model.sensor(contact_sensor(geom)) for geom in leg.foot)
@@ -99,12 +91,9 @@ class ContactLog(NamedTuple):
 
 
 def last_touched(point: Array, touching: Array, before: Array | None = None) -> Array:
-    """Contact points; where a foot does not touch, the last point that it touched.
+    """Contact points (n, F, 2); where a foot does not touch, the last that it touched.
 
-    Args:
-        point: Shape (n, F, 2) [m].
-        touching: Shape (n, F), bool.
-        before: Points touched before the first step, shape (1, F, 2).
+    Those touched before the first step have shape (1, F, 2).
     """
     first = point[:1] if before is None else before
     steps = np.where(touching, np.arange(1, len(point) + 1)[:, None], 0)
@@ -115,10 +104,8 @@ def last_touched(point: Array, touching: Array, before: Array | None = None) -> 
 def bridge(loaded: Array, shortest: int, before: Array | None = None) -> Array:
     """Contact: load, with interruptions shorter than `shortest` steps closed.
 
-    Args:
-        loaded: Shape (n, F), bool.
-        shortest: Number of steps that make an interruption.
-        before: Contact before the first of them, shape (1, F); none if not given.
+    Flags have shape (n, F); contact before the first of them, shape (1, F), is none if
+    not given.
     """
     known = _after(before, loaded)
     contact = known.copy()

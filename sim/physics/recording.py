@@ -106,14 +106,10 @@ class Recorder:
         self._bounces = 0
 
     def play(self, pieces: Iterable[Array], inspections: Array = NONE) -> Iterator[int]:
-        """Apply one row of commands a step.
+        """Apply one row of commands a step, and yield the steps made after each piece.
 
-        Args:
-            pieces: Commands, shape (n, nu) each, n at most `STRETCH`.
-            inspections: Steps after which the state is kept, in ascending order.
-
-        Yields:
-            Steps made since the beginning, after each piece.
+        Pieces have at most `STRETCH` rows. The state is kept after steps to be
+        inspected, in ascending order.
         """
         self._inspections = np.concatenate([self._inspections, inspections])
         for ctrl in pieces:

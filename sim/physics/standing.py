@@ -32,16 +32,9 @@ def check_standing(
 ) -> None:
     """Refuse a robot that does not stand at keyframe `start`.
 
-    A simulation that diverges is not refused here; the walk reports when and why.
-
-    Args:
-        kinematics: Of the robot.
-        model: Its world.
-        lift_angle: Of lifted legs [rad]; they clear the ground even if others sag.
-
-    Raises:
-        ModelError: If it tips, sags or lies on something, or the engine breaks down.
-        UsageError: If it starts inside an obstacle, or the timestep is too long.
+    It must clear the ground with lifted legs [rad] even if others sag. A simulation
+    that diverges is not refused here; the walk reports when and why. A timestep that is
+    too long for the servos, and a start inside an obstacle, are a `UsageError`.
     """
     silence_the_engine()
     try:
@@ -99,12 +92,7 @@ def _blame_the_timestep(
 
 
 def with_timestep(model: mujoco.MjModel, timestep: float) -> mujoco.MjModel:
-    """The same world with another timestep and the integrator that suits it.
-
-    Args:
-        model: World, which stays as it is.
-        timestep: Of the other one [s].
-    """
+    """The same world with another timestep and the integrator that suits it."""
     other = copy.copy(model)
     other.opt.timestep = timestep
     other.opt.integrator = suitable_integrator(other)

@@ -1,15 +1,19 @@
-"""Designs with fewer joints, checked and walked: how few joints suffice."""
+"""Designs with fewer joints, checked and walked: how few joints suffice.
+
+A design divides the legs into two groups that lift in turn. In a group, legs swing by
+one angle, each one way or the other, or are locked where they stand.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations, product
 from typing import Any
 
 import numpy as np
 
 from models import ModelError, Robot, equations, mobility_of
-from models.adoption import Design
 from models.motion import group_twist
 from planner import PlannerError
 from sim.errors import StratawalkError, one_line
@@ -24,7 +28,65 @@ WALK = {
 """How designs are tried: a step aside as long as one ahead."""
 WITHOUT = ("identified", "creep_floor")
 DIRECTIONS = ("ahead", "aside", "round")
-SAME = 1e-3  # of the larger motion; what two strokes differ by is rounding
+SAME_MOTION = 1e-3  # of the larger motion; what two strokes differ by is rounding
+STANDING = 3  # feet that a body can stand on
+LOCKED = 1e-6  # of the group's angle; a card knows no gain of 0
+Signs = Mapping[int, int]  # leg -> way that it swings, 0 where it is locked
+
+
+@dataclass(frozen=True)
+class Design:
+    """Two groups of legs."""
+
+    groups: tuple[Signs, Signs]  # for each group the ways that its legs swing
+
+    @property
+    def joints(self) -> int:
+        """Number of swing joints that move."""
+        return sum(sign != 0 for signs in self.groups for sign in signs.values())
+
+    def __str__(self) -> str:
+        """Legs with + or - for the way that they swing, and 0 for a locked one."""
+        words = {1: "+", -1: "-", 0: "0"}
+        return " | ".join(
+            " ".join(f"{leg}{words[sign]}" for leg, sign in signs.items())
+            for signs in self.groups
+        )
+
+    def built(self, robot: Robot) -> Robot:
+        """The robot with these groups."""
+        return robot.alternating(
+            {
+                name: {leg: sign or LOCKED for leg, sign in signs.items()}
+                for name, signs in zip("12", self.groups, strict=True)
+            }
+        )
+
+
+def designs(legs: Sequence[int]) -> Iterator[Design]:
+    """All designs, the fewest joints first; mirrored signs of a group count once."""
+    found = [
+        Design((first, second))
+        for group in _groups(legs)
+        for first in _ways(group)
+        for second in _ways([leg for leg in legs if leg not in group])
+    ]
+    yield from sorted(found, key=lambda design: design.joints)
+
+
+def _groups(legs: Sequence[int]) -> Iterator[tuple[int, ...]]:
+    """The group of the first leg in every division into two that can stand."""
+    head, *rest = legs
+    for size in range(STANDING, len(legs) - STANDING + 1):
+        for others in combinations(rest, size - 1):
+            yield (head, *others)
+
+
+def _ways(group: Sequence[int]) -> Iterator[Signs]:
+    """Ways that the legs of a group can swing together, the first of them forward."""
+    for signs in product((1, -1, 0), repeat=len(group)):
+        if next((sign for sign in signs if sign), 0) == 1:
+            yield dict(zip(group, signs, strict=True))
 
 
 @dataclass
@@ -41,9 +103,6 @@ class Twists:
 
         These three are all that there is: further brackets of two motions of the plane
         are combinations of them.
-
-        Args:
-            design: What to look at.
         """
         built = design.built(self.robot)
         found = [
@@ -55,10 +114,9 @@ class Twists:
             return ()
         across = _bracket(first, second)
         _, size, ways = np.linalg.svd(np.array([first, second, across]))
-        lost = ways[size <= SAME * size[0] ** 2]
-        lost = np.abs(ways[size <= SAME * size[0] ** 2]).max(axis=0, initial=0.0)
+        lost = np.abs(ways[size <= SAME_MOTION * size[0] ** 2]).max(axis=0, initial=0.0)
         pairs = zip(DIRECTIONS, lost, strict=True)
-        return tuple(name for name, part in pairs if part < SAME)
+        return tuple(name for name, part in pairs if part < SAME_MOTION)
 
     def _of(self, robot: Robot, name: str, key: tuple[tuple[int, int], ...]) -> Any:
         if key not in self._known:
@@ -78,13 +136,7 @@ def _bracket(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 def tried(
     robot: Robot, found: Sequence[Design], walks: int
 ) -> Iterator[Mapping[str, Any]]:
-    """A row of the table for every design, in order.
-
-    Args:
-        robot: Robot whose legs they are.
-        found: Designs, the fewest joints first.
-        walks: How many of those that go everywhere are walked.
-    """
+    """A row of the table for every design; the first that go everywhere are walked."""
     twists, left = Twists(robot), walks
     for number, design in enumerate(found):
         ways = twists.directions(design)

@@ -35,18 +35,7 @@ HIGH = 3.2  # [in]
 
 
 def draw_maps(results: Results, folder: Path) -> list[Path]:
-    """Draw a map of every two settings that vary, or a curve over a single one.
-
-    Args:
-        results: Of a sweep.
-        folder: Where the pictures go.
-
-    Returns:
-        Their files.
-
-    Raises:
-        FilesError: If they cannot be written.
-    """
+    """Files of maps over every two settings that vary, or a curve over a single one."""
     import matplotlib as mpl
 
     varying = [key for key in results.keys if len(_labels(results.columns[key])) > 1]

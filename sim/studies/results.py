@@ -28,17 +28,11 @@ BEYOND, FELL, NO_WALK = 3, 4, 5
 
 @dataclass(frozen=True)
 class Results:
-    """The rows of a sweep's table.
+    """The rows of a sweep's table."""
 
-    Attributes:
-        columns: Values by column, a list of one a row.
-        keys: Columns that vary.
-        prediction: Name of the prediction that points are judged by.
-    """
-
-    columns: Mapping[str, list[Any]]
-    keys: tuple[str, ...]
-    prediction: str
+    columns: Mapping[str, list[Any]]  # values by column, a list of one a row
+    keys: tuple[str, ...]  # columns that vary
+    prediction: str  # name of the prediction that points are judged by
 
     def __len__(self) -> int:
         return len(self.columns["point"])
@@ -65,14 +59,7 @@ class Results:
         return np.where(self.walked, np.where(fell, FELL, found), NO_WALK)
 
     def column(self, name: str) -> Array:
-        """A column of numbers, shape (N,); NaN where a row has none.
-
-        Args:
-            name: Its name.
-
-        Raises:
-            UsageError: If the table has no such column.
-        """
+        """A column of numbers, shape (N,); NaN where a row has none."""
         if name not in self.columns:
             near = did_you_mean(name, self.columns)
             raise UsageError(f"no column {name!r}", "the table", near)
@@ -81,15 +68,7 @@ class Results:
 
 
 def read_results(path: Path, prediction: str) -> Results:
-    """Read the table of a sweep.
-
-    Args:
-        path: The table, or the folder of the sweep.
-        prediction: Name of the prediction that points are judged by.
-
-    Raises:
-        UsageError: If there is no such table, or it lacks the prediction.
-    """
+    """Read a table, or that of a sweep's folder; it must have the prediction."""
     file = SweepFolder(path).table if path.is_dir() else path
     columns, about = read_table(file)
     vary = about["asked"]["vary"]

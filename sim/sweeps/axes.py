@@ -25,21 +25,13 @@ WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 
 
 def grid_blocks(table: Mapping[str, Any]) -> Iterator[Block]:
-    """A block for each key, so that all combinations are gone through.
-
-    Raises:
-        UsageError: If a key has neither a list nor a range.
-    """
+    """A block for each key, so that all combinations are gone through."""
     for key, given in flat(table):
         yield (key,), [(value,) for value in _values(key, given, "[grid]")]
 
 
 def list_block(table: Mapping[str, Any]) -> Block:
-    """One block, in which the lists of all keys go side by side.
-
-    Raises:
-        UsageError: If the lists differ in length, or a key has no list.
-    """
+    """One block, in which the lists of all keys go side by side."""
     columns = {key: _values(key, given, "[list]") for key, given in flat(table)}
     lengths = {key: len(values) for key, values in columns.items()}
     if len(set(lengths.values())) > 1:
@@ -55,11 +47,7 @@ def list_block(table: Mapping[str, Any]) -> Block:
 def sobol_block(table: Mapping[str, Any]) -> Block:
     """One block of a scrambled Sobol sequence between lowest and highest values.
 
-    Args:
-        table: Number of `points`, `seed`, and for each key its `[low, high]`.
-
-    Raises:
-        UsageError: If these are missing or impossible.
+    The table has the number of `points`, a `seed`, and for each key its `[low, high]`.
     """
     from scipy.stats import qmc
 

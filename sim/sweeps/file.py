@@ -24,25 +24,15 @@ MEASURES = ("identified", "creep_floor")
 
 @dataclass(frozen=True)
 class Sweep:
-    """What a sweep's file says.
+    """What a sweep's file says."""
 
-    Attributes:
-        name: Of the file.
-        scenario: The scenario as a table of plain values.
-        fixed: Settings of every point, by their dotted names.
-        blocks: What varies.
-        without: Measures that are left out.
-        run_folders: Numbers of the points that get a run folder.
-        filmed: Whether these folders get films.
-    """
-
-    name: str
-    scenario: Mapping[str, Any]
-    fixed: Mapping[str, Any]
-    blocks: tuple[Block, ...]
-    without: tuple[str, ...]
-    run_folders: tuple[int, ...] = ()
-    filmed: bool = False
+    name: str  # of the file
+    scenario: Mapping[str, Any]  # the scenario as a table of plain values
+    fixed: Mapping[str, Any]  # settings of every point, by their dotted names
+    blocks: tuple[Block, ...]  # what varies
+    without: tuple[str, ...]  # measures that are left out
+    run_folders: tuple[int, ...] = ()  # numbers of the points that get a run folder
+    filmed: bool = False  # whether these folders get films
 
     def __len__(self) -> int:
         return math.prod(len(choices) for _, choices in self.blocks)
@@ -61,11 +51,7 @@ class Sweep:
         return {key: values[key] for key in self.keys}
 
     def at(self, point: int) -> Scenario:
-        """The scenario of a point.
-
-        Raises:
-            UsageError: If its settings are impossible.
-        """
+        """The scenario of a point."""
         return scenario_from(
             self.scenario,
             {**self.fixed, **self.varied(point)},
@@ -74,14 +60,7 @@ class Sweep:
 
 
 def read_sweep(source: str) -> Sweep:
-    """Read a sweep's file.
-
-    Args:
-        source: Path of a TOML file, or name of a shipped study.
-
-    Raises:
-        UsageError: If there is no such file, it is not TOML, or says the impossible.
-    """
+    """Read a sweep's file, or a shipped study by its name."""
     path = _find(source)
     table = read_toml(path)
     scenario = _scenario(table, path)

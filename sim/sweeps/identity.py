@@ -29,9 +29,7 @@ KINDS = (".py", ".toml", ".xml")
 def digest(scenario: Scenario, without: Sequence[str]) -> str:
     """Digest of everything that decides the numbers of a point, but for versions.
 
-    Args:
-        scenario: Its scenario; names and descriptions do not matter.
-        without: Measures that are left out.
+    Names and descriptions of scenarios do not matter.
     """
     table = to_table(scenario)
     for key in ("name", "description"):
@@ -47,12 +45,7 @@ def software() -> dict[str, str]:
 
 
 def differences(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[str]:
-    """What two tables disagree on, as `key: value, now value`.
-
-    Args:
-        first: Tables within it are gone through by dotted names.
-        second: Likewise.
-    """
+    """What two tables disagree on by dotted names, as `key: value, now value`."""
     one, other = dict(flat(first)), dict(flat(second))
     keys = [*one, *(key for key in other if key not in one)]
     return [

@@ -22,18 +22,13 @@ OK = "ok"
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a point.
+    """What became of a point."""
 
-    Attributes:
-        digest: Of its settings.
-        status: `ok`, or the reason why it has no numbers.
-        numbers: The summary's numbers by their dotted names.
-        software: Versions that they come from.
-    """
-
-    digest: str
-    status: str
+    digest: str  # of its settings
+    status: str  # `ok`, or the reason why it has no numbers
+    # the summary's numbers by their dotted names
     numbers: Mapping[str, Any] = field(default_factory=dict)
+    # versions that they come from
     software: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -44,11 +39,7 @@ class Ledger:
         self._path, self._handle = path, handle
 
     def add(self, outcomes: Iterable[Outcome]) -> None:
-        """Write lines and wait until they are on the disk.
-
-        Raises:
-            FilesError: If they cannot be written; what was written before stays.
-        """
+        """Write lines and wait until they are on the disk."""
         lines = "".join(f"{json.dumps(asdict(outcome))}\n" for outcome in outcomes)
         content = lines.encode()
         try:
@@ -63,14 +54,7 @@ class Ledger:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Ledger]:
-    """A ledger to add to; a line that was torn is cut off first.
-
-    Args:
-        path: Its file, made if there is none.
-
-    Raises:
-        FilesError: If it cannot be opened.
-    """
+    """A ledger to add to; a line that was torn is cut off first."""
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
         whole = path.read_bytes().rfind(b"\n") + 1
@@ -88,9 +72,6 @@ def read_ledger(path: Path) -> dict[str, Outcome]:
     """Finished points by their digests; none where there is no ledger yet.
 
     A line that cannot be read counts as not written: its point is walked again.
-
-    Args:
-        path: The ledger's file.
     """
     return {outcome.digest: outcome for outcome in _outcomes(path)}
 

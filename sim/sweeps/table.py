@@ -19,15 +19,9 @@ Row = Mapping[str, Any]
 
 
 def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, Any]) -> None:
-    """Write the rows as they are given.
+    """Write the rows as they are given, as a whole file or not at all.
 
-    Args:
-        path: File to write, as a whole or not at all.
-        rows: Values by column; what a row lacks is null.
-        about: What the rows come from, kept in the file's metadata as JSON.
-
-    Raises:
-        FilesError: If the disk is full or the folder cannot be written.
+    What a row lacks is null. What the rows come from is kept in the file's metadata.
     """
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [_column([row.get(name) for row in rows]) for name in names]
@@ -38,14 +32,7 @@ def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, Any]) -> No
 
 
 def read_table(path: Path) -> tuple[dict[str, list[Any]], dict[str, Any]]:
-    """Values by column, and what the rows come from.
-
-    Args:
-        path: The file.
-
-    Raises:
-        UsageError: If it is not the table of a sweep.
-    """
+    """Values by column, and what the rows come from; other files are refused."""
     if not path.is_file():
         raise UsageError("no such table", str(path), "give the table of a sweep")
     try:

@@ -26,10 +26,7 @@ def carry_out(
 ) -> Outcome:
     """Walk one point; whatever goes wrong with it becomes its status.
 
-    Args:
-        digest: Of its settings.
-        table: Its scenario, as a table of plain values.
-        without: Measures that are left out.
+    The table is that of its scenario, in plain values.
     """
     try:
         scenario = scenario_from(table, {}, "the sweep")
@@ -40,12 +37,7 @@ def carry_out(
 
 
 def numbers(summary: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
-    """Numbers and words of a summary by their dotted names.
-
-    Args:
-        summary: Contents of summary.json.
-        head: What stands before each name.
-    """
+    """Numbers and words of a summary by their dotted names."""
     for key, value in summary.items():
         if head or key not in LEFT_OUT:
             yield from _leaves(f"{head}{key}", value)

@@ -61,11 +61,7 @@ class WorkerPool:
     deaths: dict[str, int] = field(default_factory=dict)
 
     def carry_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """Outcomes of tasks, in the order in which they come.
-
-        Raises:
-            SweepError: If no worker comes, or none that may take part.
-        """
+        """Outcomes of tasks as they come; SweepError where no worker may take part."""
         waiting = iter(tasks)
         again: list[Task] = []
         done: list[Outcome] = []
@@ -189,12 +185,7 @@ class WorkerPool:
 def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
     """Workers for as long as the block runs.
 
-    Args:
-        workers: How many processes to start on this machine.
-        scheduler: Address of a Dask scheduler whose workers are taken instead.
-
-    Raises:
-        UsageError: If no scheduler answers at that address.
+    They are processes on this machine, or those of the Dask scheduler at an address.
     """
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]

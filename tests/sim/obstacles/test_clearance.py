@@ -6,7 +6,7 @@ import pytest
 
 from models.library import load as load_robot
 from sim.obstacles.clearance import Surroundings
-from sim.obstacles.outline import Outline
+from sim.obstacles.solids import Outline
 from sim.scenarios import obstacles as shapes
 from sim.world.model import build, load
 

@@ -9,8 +9,7 @@ from models.contact.kinematics import Kinematics
 from models.description.robot import Robot
 from models.library import load
 from sim.motion.poses import rotate
-from sim.obstacles.outline import Outline
-from sim.obstacles.solids import hulls
+from sim.obstacles.solids import Outline, hulls
 
 ROUNDING = 1e-12
 ODDITIES = """

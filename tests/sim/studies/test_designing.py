@@ -4,9 +4,8 @@ import json
 
 import pytest
 
-from models.adoption.coupled_swings import designs
 from sim.cli import main
-from sim.studies.designing import DIRECTIONS, Twists
+from sim.studies.designing import DIRECTIONS, Twists, designs
 
 
 def test_the_quick_test_knows_the_shipped_design_and_one_that_cannot(hexapod):

@@ -4,8 +4,8 @@ from math import comb
 
 import pytest
 
-from models.adoption.coupled_swings import designs
 from models.motion.robot_equations import equations
+from sim.studies.designing import designs
 
 WAYS = (3**3 - 1) // 2  # of three legs, mirrored ones once, at least one swinging
 
