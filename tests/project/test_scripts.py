@@ -13,7 +13,7 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[2]
 SHELL = [
-    *(ROOT / "scripts" / name for name in ("setup", "run", "test", "pin")),
+    *(ROOT / "scripts" / name for name in ("setup", "run", "test", "pin", "smoke")),
     ROOT / ".ci" / "run",
 ]
 WALKING, EXTRAS = PINS = [
