@@ -103,16 +103,16 @@ def study(setting: str) -> list[Result]:
 def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
     """One panel a setting, and one for the sources of the error at the defaults."""
     import matplotlib as mpl
+    from matplotlib.figure import Figure
 
-    from sim import IDEAL, PHYSICS, STYLE, sheet_of
-
-    with mpl.rc_context(STYLE):
-        figure, panels = sheet_of("ABE\nCDE", 3.6)
+    with mpl.rc_context({"font.size": 8, "axes.grid": True, "axes.axisbelow": True}):
+        figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+        panels = figure.subplot_mosaic("ABE\nCDE")
         for letter, (setting, results) in zip("ABCD", studies.items(), strict=True):
             axes = panels[letter]
             values = [result.value for result in results]
             ratios = [100 * result.ratio for result in results]
-            axes.semilogx(values, ratios, "o-", color=PHYSICS, markersize=3)
+            axes.semilogx(values, ratios, "o-", color="C0", markersize=3)
             axes.set(xlabel=UNITS[setting], ylabel="off [% of path]")
             axes.set_xticks(values, [f"{value:g}" for value in values])
             axes.minorticks_off()
@@ -120,9 +120,9 @@ def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
         at_defaults = studies["timestep"][2].sources
         names = [name for name in at_defaults if not name.startswith("hold")]
         lengths = [1e3 * np.hypot(*at_defaults[name][:2]) for name in names]
-        panels["E"].barh(names, lengths, color=IDEAL)
+        panels["E"].barh(names, lengths, color="C0")
         panels["E"].set(xlabel="shift of the end [mm]", title="where it comes from")
-        figure.savefig(path)
+        figure.savefig(path, dpi=300)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

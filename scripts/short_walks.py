@@ -91,14 +91,12 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    from sim import IDEAL, PHYSICS, QUASI_STATIC, STYLE
-
     styles = {
-        "printed": (IDEAL, "o-"),
-        "shortest": (QUASI_STATIC, "s--"),
-        "optimised": (PHYSICS, "D-"),
+        "printed": ("C0", "o-"),
+        "shortest": ("C1", "s--"),
+        "optimised": ("C2", "D-"),
     }
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context({"font.size": 8, "axes.grid": True, "axes.axisbelow": True}):
         figure = Figure(figsize=(7.0, 2.4), layout="constrained")
         panels = figure.subplots(1, len(studies), squeeze=False)[0]
         for axes, (name, points) in zip(panels, studies.items(), strict=True):

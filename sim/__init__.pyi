@@ -10,13 +10,6 @@ from .evaluation.assessment import (
     evaluate as evaluate,
 )
 from .evaluation.attribution import error_sources as error_sources
-from .figures.style import (
-    IDEAL as IDEAL,
-    PHYSICS as PHYSICS,
-    QUASI_STATIC as QUASI_STATIC,
-    STYLE as STYLE,
-    sheet_of as sheet_of,
-)
 from .optimisation.judging import Judge as Judge
 from .optimisation.lower_bound import least_time as least_time
 from .preparation.setup import prepare as prepare
