@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+Style = dict[str, Any]  # of a line, as matplotlib takes it
+
 
 class Colour(NamedTuple):
     """A colour of the sRGB space, each component from 0 to 255."""
@@ -93,7 +95,7 @@ class PathMark:
     points: float
     dashes: tuple[float, ...] = ()
 
-    def line(self, **changes: Any) -> dict[str, Any]:
+    def line(self, **changes: Any) -> Style:
         """The line as matplotlib takes it, with changes."""
         dashes = (0.0, self.dashes) if self.dashes else "-"
         style = {"color": self.colour.hex, "linewidth": self.points}

@@ -130,9 +130,9 @@ def _film() -> str:
     check_encoder()
     with TemporaryDirectory() as scratch:
         film = Path(scratch) / "film.mp4"
-        with encoding(film) as writer:
+        with encoding(film) as append:
             for _ in range(PICTURES):
-                writer.append_data(np.zeros((64, 64, 3), np.uint8))
+                append(np.zeros((64, 64, 3), np.uint8))
         if (found := count_pictures(film)) != PICTURES:
             raise RenderError(f"{found} of {PICTURES} pictures", CODEC, INSTALL)
     return f"ffmpeg {get_ffmpeg_version()} with {CODEC}"

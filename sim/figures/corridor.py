@@ -26,13 +26,13 @@ from sim.figures.style import (
     MM,
     NOMINAL,
     PATHS,
-    Style,
     as_map,
     band,
     draw_walk,
     extremes,
 )
 from sim.obstacles.clearance import Surroundings, surroundings
+from sim.palette import Style
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
 
@@ -76,7 +76,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         course: Style = {"color": NOMINAL, "label": "nominal path, legs at rest"}
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
         spread = extremes(least, segment, count)
-        band(axes[below], *spread, color=IDEAL, alpha=0.5, label="walk")
+        band(axes[below], *spread, colour=IDEAL, alpha=0.5, label="walk")
         _finish_clearance(axes[below], "$l$", count, (-0.4, 1.1))
         rows.append(
             (
@@ -173,7 +173,7 @@ def _draw_clearance(axes: Axes, walked: Walked) -> None:
         for name in ("achieved", "quasi_static")
     }
     colour = PATHS["achieved"]["color"]
-    band(axes, *spread["achieved"], color=colour, alpha=0.8, label="physics")
+    band(axes, *spread["achieved"], colour=colour, alpha=0.8, label="physics")
     segment = np.arange(1, walked.segments + 1)
     for rim in spread["quasi_static"]:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])

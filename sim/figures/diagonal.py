@@ -13,7 +13,8 @@ from planner import Array, line
 from sim.figures.paper import PaperWalk, configuration, feet, standing, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
-from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, Style, as_map
+from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, as_map
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

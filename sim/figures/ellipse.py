@@ -18,12 +18,12 @@ from sim.figures.style import (
     NOMINAL,
     PHYSICS,
     QUASI_STATIC,
-    Style,
     as_map,
     band,
     draw_walk,
     extremes,
 )
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -53,7 +53,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     axes["b"].set(xlabel="segment", ylabel="half width  [$l$]")
     axes["b"].set_ylim(0, 1.35 * widths.max())  # room for the key
     axes["b"].legend(loc="upper left")
-    band(axes["c"], *turns, color=IDEAL, alpha=0.45, label="least to largest")
+    band(axes["c"], *turns, colour=IDEAL, alpha=0.45, label="least to largest")
     axes["c"].axhline(0, color=NOMINAL, linestyle="--", label="nominal")
     axes["c"].set(xlabel="segment", ylabel="heading  [rad]", ylim=(-0.45, 0.75))
     axes["c"].legend(loc="upper left", ncols=2)
@@ -79,7 +79,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         off[name] = np.hypot(*apart[:, :2].T)  # at every row
         spread = extremes(MM * off[name], walked.segment, walked.segments)
         label = f"off {name.replace('_', '-')}"
-        band(axes["b"], *spread, color=colour, alpha=0.55, label=label)
+        band(axes["b"], *spread, colour=colour, alpha=0.55, label=label)
     axes["b"].set(xlabel="segment", ylabel="distance  [mm]")
     axes["b"].set_ylim(0, 1.5 * axes["b"].get_ylim()[1])  # room for the legend
     axes["b"].legend(loc="upper left", ncols=2)

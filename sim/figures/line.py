@@ -19,11 +19,11 @@ from sim.figures.style import (
     PATHS,
     PHYSICS,
     QUASI_STATIC,
-    Style,
     as_map,
     draw_walk,
     plain_decades,
 )
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,7 +13,8 @@ from sim import palette
 from sim.figures.physics import Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.stability import STANCE
-from sim.figures.style import INK, MM, NOMINAL, TRIPODS, Style, as_map
+from sim.figures.style import INK, MM, NOMINAL, TRIPODS, as_map
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

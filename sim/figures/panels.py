@@ -21,9 +21,9 @@ from sim.figures.style import (
     PHYSICS,
     QUASI_STATIC,
     TRIPODS,
-    Style,
     as_map,
 )
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

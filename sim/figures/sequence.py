@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +12,12 @@ from planner import Array, Flow, play
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.strata import draw_sheets, draw_way
-from sim.figures.style import INK, MM, PATHS, STRATA, TRIPODS, Style
+from sim.figures.style import INK, MM, PATHS, STRATA, TRIPODS
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from mpl_toolkits.mplot3d import Axes3D
 
 STROKES = (0.8, 0.5)  # [rad], of foot 1 on S1 and of foot 2 on S2
 SEQUENCE = (
@@ -98,7 +100,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     return Shown(rows, {"a": LOADED["1"], "b": LOADED["2"]})
 
 
-def _draw_space(axes: Any, states: Array) -> None:
+def _draw_space(axes: Axes3D, states: Array) -> None:
     heading, heights = states[:, 2], states[:, -2:]
     span = (heading.min() - 0.15, heading.max() + 0.15)
     draw_sheets(axes, span)

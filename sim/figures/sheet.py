@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from sim.figures.physics import Walked
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, whole
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,7 +105,7 @@ class Layout:
     height: float
     panels: Sequence[str]
     columns: Sequence[str]
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Style = field(default_factory=dict)
     key: str = ""
     key_columns: int = 0
 
@@ -141,7 +142,7 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
 
     layout, module = _layouts()[figure][kind], import_module(f"sim.figures.{figure}")
     with rc_context(STYLE):
-        canvas, axes = sheet_of(layout.mosaic, layout.height, **layout.options)
+        canvas, axes = sheet_of(layout.mosaic, layout.height, layout.options)
         if kind == "paper":
             shown: Shown = module.paper(axes)
         else:

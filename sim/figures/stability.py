@@ -17,8 +17,9 @@ from planner import Array, Flow
 from sim import palette
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown, rows_of
-from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, Style, as_map
+from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, as_map
 from sim.motion.stability import stability_margin, support_polygons
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

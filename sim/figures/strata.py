@@ -11,17 +11,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner import Array, Gait, StratifiedSystem
 from sim import palette
 from sim.figures.sheet import Cell
-from sim.figures.style import INK, NOMINAL, STRATA, Style
+from sim.figures.style import INK, NOMINAL, STRATA
+from sim.palette import Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from mpl_toolkits.mplot3d import Axes3D
 
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
 VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
@@ -220,7 +222,7 @@ def rows_of_graphs(graphs: Mapping[str, Graph]) -> list[tuple[Cell, ...]]:
     return rows
 
 
-def draw_sheets(axes: Any, span: tuple[float, float], top: float = 1.25) -> None:
+def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> None:
     """Draw S1 and S2 as rectangles that share the line S12.
 
     Args:

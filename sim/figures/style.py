@@ -9,7 +9,7 @@ import numpy as np
 
 from planner import Array
 from sim import palette
-from sim.palette import ACHIEVED, GROUPS, PREDICTED
+from sim.palette import ACHIEVED, GROUPS, PREDICTED, Style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
     from sim.figures.physics import Walked
 
-
-Style = dict[str, Any]  # of a line, as matplotlib takes it
 
 MM = 1e3  # [mm/m]
 PAPER_WIDTH = 7.0  # [in], two columns of a page
@@ -68,7 +66,7 @@ STYLE: dict[Any, Any] = {
 
 
 def sheet_of(
-    mosaic: str, height: float, **options: Any
+    mosaic: str, height: float, options: Style | None = None
 ) -> tuple[Figure, dict[str, Axes]]:
     """An empty figure of the page's width, its panels by their letters.
 
@@ -82,7 +80,7 @@ def sheet_of(
 
     figure = Figure(figsize=(PAPER_WIDTH, height), layout="constrained")
     FigureCanvasAgg(figure)
-    axes: dict[str, Axes] = figure.subplot_mosaic(mosaic, **options)
+    axes: dict[str, Axes] = figure.subplot_mosaic(mosaic, **(options or {}))
     return figure, axes
 
 
@@ -127,7 +125,9 @@ def extremes(values: Array, segment: Array, count: int) -> tuple[Array, Array]:
     return least, most
 
 
-def band(axes: Axes, low: Array, high: Array, **style: Any) -> None:
+def band(
+    axes: Axes, low: Array, high: Array, colour: str, alpha: float, label: str
+) -> None:
     """Fill between the least and the largest value within each segment.
 
     A line through all values of many segments would be a solid comb.
@@ -136,7 +136,10 @@ def band(axes: Axes, low: Array, high: Array, **style: Any) -> None:
         axes: Where to draw.
         low: Least value of each segment, shape (segments,).
         high: Largest value, same shape.
-        style: For the area.
+        colour: Of the area.
+        alpha: Its opacity.
+        label: Its name in the key.
     """
     segment = np.arange(1, len(low) + 1)
+    style: Style = {"color": colour, "alpha": alpha, "label": label}
     axes.fill_between(segment, low, high, step="mid", linewidth=0.4, **style)

@@ -1,4 +1,4 @@
-"""The clock of a film: the moment that each picture shows, and the playback speed."""
+"""The clocks of film and viewer: the moment that is shown, and the playback speed."""
 
 from __future__ import annotations
 
@@ -78,3 +78,37 @@ def _round_speeds() -> Iterator[float]:
         yield from (
             digit * 10.0**power for digit in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
         )
+
+
+@dataclass
+class Playback:
+    """The moment that is shown; it passes with the wall clock unless it is paused.
+
+    Attributes:
+        end: Last moment of the walk [s].
+        time: Moment that is shown [s].
+        speed: Against real time.
+        paused: Whether time stands still.
+    """
+
+    end: float
+    time: float = 0.0
+    speed: float = 1.0
+    paused: bool = False
+
+    def pass_by(self, seconds: float) -> None:
+        """Let wall time pass; the walk stays at its end.
+
+        Args:
+            seconds: Of the wall clock.
+        """
+        if not self.paused:
+            self.go_to(self.time + self.speed * seconds)
+
+    def go_to(self, time: float) -> None:
+        """Show another moment, within the walk.
+
+        Args:
+            time: Which one [s].
+        """
+        self.time = float(np.clip(time, 0.0, self.end))

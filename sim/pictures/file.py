@@ -9,13 +9,13 @@ from __future__ import annotations
 import errno
 import os
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import imageio_ffmpeg
 
+from planner import Array
 from sim.errors import RenderError
 from sim.pictures.clock import FRAME_RATE
 
@@ -41,8 +41,8 @@ def check_encoder() -> None:
 
 
 @contextmanager
-def encoding(path: Path) -> Iterator[Any]:
-    """A writer with `append_data(picture)`, shape (height, width, 3), bytes.
+def encoding(path: Path) -> Iterator[Callable[[Array], object]]:
+    """A function that appends a picture, shape (height, width, 3), bytes.
 
     Raises:
         OSError: If the encoder dies meanwhile; it says why on standard error.
@@ -59,7 +59,7 @@ def encoding(path: Path) -> Iterator[Any]:
     }
     try:
         with imageio.get_writer(path, format="FFMPEG", **options) as writer:  # type: ignore
-            yield writer
+            yield writer.append_data  # type: ignore[attr-defined]
     except OSError as error:  # its message is the command line, on several lines
         raise OSError("the encoder died") from error
 

@@ -33,14 +33,14 @@ def draw(piece: Piece) -> None:
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
     with (
         OffscreenRenderer(walk, drawn, view, LOOKS[piece.look]) as renderer,
-        encoding(piece.path) as writer,
+        encoding(piece.path) as append,
     ):
         for frame in frames:
             if frame == frames[0] or not _is_held(film_clock, view, frame):
                 row = int(film_clock.rows[frame])
                 picture = renderer.picture(frame, row)
                 captions.write(picture, row)
-            writer.append_data(picture)
+            append(picture)
             os.write(sys.stdout.fileno(), b".")
 
 

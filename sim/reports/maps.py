@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner import Array
-from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED
+from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, Style
 from sim.reports.drawing import Drawing, Key, along, finish, round_factor, sheet
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
@@ -113,7 +113,7 @@ def _thin(points: Array) -> Array:
 
 def _draw_goal(axes: Axes, run: Run) -> None:
     x, y, _ = run.summary["goal"]
-    ring: dict[str, Any] = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
+    ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
     axes.plot(MM * x, MM * y, "o", markersize=8, **ring)
 
 

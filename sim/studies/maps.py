@@ -13,7 +13,7 @@ import numpy as np
 from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.palette import FAINT, OUTCOMES
+from sim.palette import FAINT, OUTCOMES, Style
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
@@ -157,7 +157,7 @@ def _legend(axes: Axes, results: Results) -> None:
     from matplotlib.lines import Line2D
 
     counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
-    square: dict[str, Any] = {"marker": "s", "linestyle": ""}
+    square: Style = {"marker": "s", "linestyle": ""}
     marks = [
         Line2D([], [], label=f"{name}: {count}", color=colour.hex, **square)
         for name, colour, count in zip(CLASSES, OUTCOMES, counts, strict=True)

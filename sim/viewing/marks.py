@@ -25,6 +25,7 @@ from sim.palette import (
 )
 from sim.runs.run import Run
 
+KIND = mujoco.mjtGeom
 PATH_POINTS = 120  # of a path
 PRINTS = 240  # footprints, the latest ones; the viewer draws 1024 geoms in all
 INSIDE = 0.93  # size of the ghost, which the robot hides where it is as predicted
@@ -71,13 +72,8 @@ class Marks:
 
     def _paths(self) -> Iterator[mujoco.MjvGeom]:
         walk = self._walk
-        yield from self._line(
-            thinned(walk.nominal[:, :2]),
-            NOMINAL.colour,
-            THICK,
-            level=0,
-            dashed=True,
-        )
+        nominal = thinned(walk.nominal[:, :2])
+        yield from self._line(nominal, NOMINAL.colour, THICK, level=0, dashed=True)
         for level, (name, poses) in enumerate(walk.drawn.items(), start=1):
             colour = palette.PREDICTED[name].colour
             yield from self._line(thinned(poses[:, :2]), colour, THICK, level)
@@ -86,12 +82,7 @@ class Marks:
         reach = self._walk.reach
         place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)
         size = np.array([GOAL, HIGH / 4, 0.0]) * reach
-        return _geom(
-            mujoco.mjtGeom.mjGEOM_CYLINDER,
-            size,
-            place,
-            NOMINAL.colour.rgba(0.5),
-        )
+        return _geom(KIND.mjGEOM_CYLINDER, size, place, NOMINAL.colour.rgba(0.5))
 
     def _line(
         self,
@@ -105,13 +96,10 @@ class Marks:
         reach = self._walk.reach
         places = np.insert(points, 2, HIGH * reach * (1 + 0.3 * level), axis=1)
         for i in range(0, len(places) - 1, 2 if dashed else 1):
-            geom = _geom(
-                mujoco.mjtGeom.mjGEOM_CAPSULE, np.ones(3), places[i], colour.rgba()
-            )
             start, end = places[i], places[i + 1]
-            mujoco.mjv_connector(
-                geom, mujoco.mjtGeom.mjGEOM_CAPSULE, width * reach / 2, start, end
-            )
+            geom = _geom(KIND.mjGEOM_CAPSULE, np.ones(3), start, colour.rgba())
+            radius = width * reach / 2
+            mujoco.mjv_connector(geom, KIND.mjGEOM_CAPSULE, radius, start, end)
             yield geom
 
     def _footprints(self, row: int) -> Iterator[mujoco.MjvGeom]:
@@ -122,7 +110,7 @@ class Marks:
             foot = int(feet[i])
             place = np.append(self._walk.contact_point[rows[i], foot], size[1])
             colour = palette.footprint(self._walk.group_of_foot[foot]).rgba()
-            yield _geom(mujoco.mjtGeom.mjGEOM_CYLINDER, size, place, colour)
+            yield _geom(KIND.mjGEOM_CYLINDER, size, place, colour)
 
     def _support(self, row: int) -> Iterator[mujoco.MjvGeom]:
         """The edge of the support polygon, red where the weight has left it."""
@@ -130,9 +118,7 @@ class Marks:
         yield from self._line(*support(walk, row), EDGE, level=4)
         place = np.append(walk.center_of_mass[row], 2 * HIGH * walk.reach)
         size = np.full(3, SPOT * walk.reach)
-        yield _geom(
-            mujoco.mjtGeom.mjGEOM_SPHERE, size, place, palette.CENTRE_OF_MASS.rgba()
-        )
+        yield _geom(KIND.mjGEOM_SPHERE, size, place, palette.CENTRE_OF_MASS.rgba())
 
     def _shadow(self, row: int) -> Iterator[mujoco.MjvGeom]:
         """The robot where the last of the predictions, the quasi-static, sees it."""
@@ -144,7 +130,7 @@ class Marks:
         )
         mujoco.mj_kinematics(model, self._ghost)
         for i in self._body:
-            if model.geom_type[i] == mujoco.mjtGeom.mjGEOM_MESH:
+            if model.geom_type[i] == KIND.mjGEOM_MESH:
                 continue  # the viewer knows meshes by a number of its own
             yield _geom(
                 mujoco.mjtGeom(model.geom_type[i]),

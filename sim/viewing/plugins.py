@@ -6,7 +6,6 @@ The viewer runs in a thread of its own; the playback is shared between the two.
 from __future__ import annotations
 
 import time
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -14,10 +13,10 @@ from mujoco.studio import messages, plugin, sim
 from mujoco.studio.dear_imgui import dear_imgui as imgui
 
 from sim import palette
+from sim.pictures.clock import Playback
 from sim.pictures.legend import entries
 from sim.runs.run import Run
 from sim.viewing.marks import Marks
-from sim.viewing.playback import Playback
 
 REST = 0.008  # [s] between states that are sent
 PERCENT = 100.0
@@ -155,5 +154,5 @@ class Panel(plugin.ViewerPlugin):
 
 def row_at(walk: Run, moment: float) -> int:
     """Row of the trajectory that shows a moment [s]."""
-    times: Any = walk.time
-    return min(int(np.searchsorted(times, moment - 1e-9)), len(times) - 1)
+    row = int(np.searchsorted(walk.time, moment - 1e-9))
+    return min(row, len(walk.time) - 1)

@@ -10,7 +10,7 @@ from contextlib import redirect_stdout
 from html import escape
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -20,19 +20,22 @@ from planner import Array
 from sim import palette
 from sim.errors import UsageError
 from sim.folder import blamed_on, whole
-from sim.palette import ACHIEVED, FOOTPRINT, GOAL, NOMINAL, Colour
+from sim.palette import ACHIEVED, FOOTPRINT, GOAL, NOMINAL, PREDICTED, Colour
 from sim.pictures.clock import FRAME_RATE, clock
 from sim.pictures.floor_drawing import CORNERS
 from sim.pictures.legend import entries
 from sim.runs.run import Run, read_run
 from sim.viewing.marks import landings, support, thinned
 
+if TYPE_CHECKING:
+    from viser import FrameHandle, SceneApi, ViserServer
+
 NAME = "replay.html"
 EVERY = 2  # pictures of the film's clock
 LIFT, THICK, WIDE = 0.004, 0.004, 0.007  # of lines, in units of the robot's reach
 Mesh = tuple[Array, Array]  # corners (N, 3) [m] and faces (M, 3)
 KIND = mujoco.mjtGeom
-SIDES = 20  # of what is round
+ROUND_SIDES = 20  # of what is round
 TORSO = 0.35  # opacity, so that the paths below are seen
 BOX = (
     "position: fixed; top: 12px; right: 12px; max-width: 45vw; padding: 8px 12px; "
@@ -83,7 +86,7 @@ def _page(walk: Run, progress: Callable[[float], None]) -> str:
             server.stop()
 
 
-def _recorded(server: Any, walk: Run, progress: Callable[[float], None]) -> str:
+def _recorded(server: ViserServer, walk: Run, progress: Callable[[float], None]) -> str:
     film = clock(walk.time, walk.scenario.playback)
     recorder = server.get_scene_serializer()
     scene = server.scene
@@ -130,7 +133,7 @@ def _eye(walk: Run) -> tuple[float, float, float]:
 class _Robot:
     """The bodies of the robot, which move, and the polygon that it stands on."""
 
-    def __init__(self, scene: Any, walk: Run) -> None:
+    def __init__(self, scene: SceneApi, walk: Run) -> None:
         self._scene, self._walk = scene, walk
         self._model = mujoco.MjModel.from_xml_path(str(walk.model_file))
         self._data = mujoco.MjData(self._model)
@@ -139,7 +142,7 @@ class _Robot:
         self._root = root
         self._bodies = [(int(body), self._add(int(body))) for body in bodies]
 
-    def _add(self, body: int) -> Any:
+    def _add(self, body: int) -> FrameHandle:
         model, name = self._model, f"/robot/{body}"
         frame = self._scene.add_frame(name, show_axes=False)
         for geom in np.flatnonzero(model.geom_bodyid == body):
@@ -169,30 +172,22 @@ class _Robot:
         for body, frame in self._bodies:
             frame.position, frame.wxyz = self._data.xpos[body], self._data.xquat[body]
         ring, colour = support(self._walk, row)
-        _line(self._scene, "/support", ring, colour, self._walk.reach, WIDE)
+        _line(self._scene, "/support", ring, colour, self._walk, WIDE)
 
 
-def _draw_still(scene: Any, walk: Run) -> None:
+def _draw_still(scene: SceneApi, walk: Run) -> None:
     """Floor, paths, goal and footprints, which do not move."""
     reach = walk.reach
     scene.set_up_direction("+z")
     middle = walk.nominal[:, :2].mean(axis=0)
     size = 8 * reach + 2 * float(np.ptp(walk.nominal[:, :2], axis=0).max())
-    scene.add_grid(
-        "/floor",
-        width=size,
-        height=size,
-        cell_size=0.1,
-        section_size=0.5,
-        position=(*middle, 0.0),
-    )
-    _line(scene, "/nominal", walk.nominal[:, :2], NOMINAL.colour, reach, WIDE)
-    for name, poses in walk.drawn.items():
-        mark = palette.PREDICTED[name]
-        _line(scene, f"/{mark.label}", thinned(poses[:, :2]), mark.colour, reach, THICK)
-    _line(
-        scene, "/achieved", thinned(walk.achieved[:, :2]), ACHIEVED.colour, reach, THICK
-    )
+    cells = {"cell_size": 0.1, "section_size": 0.5}
+    place = (*middle, 0.0)
+    scene.add_grid("/floor", width=size, height=size, position=place, **cells)
+    _line(scene, f"/{NOMINAL.label}", walk.nominal[:, :2], NOMINAL.colour, walk, WIDE)
+    paths = [(PREDICTED[name], poses) for name, poses in walk.drawn.items()]
+    for mark, poses in (*paths, (ACHIEVED, walk.achieved)):
+        _line(scene, f"/{mark.label}", thinned(poses[:, :2]), mark.colour, walk, THICK)
     rows, feet = landings(walk)
     places = np.insert(walk.contact_point[rows, feet], 2, LIFT * reach, axis=1)
     owners = [palette.footprint(walk.group_of_foot[int(foot)]) for foot in feet]
@@ -205,17 +200,17 @@ def _draw_still(scene: Any, walk: Run) -> None:
     )
     angle = np.linspace(0, 2 * np.pi, CORNERS + 1)
     ring = GOAL * reach * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    _line(scene, "/goal", walk.nominal[-1, :2] + ring, NOMINAL.colour, reach, WIDE)
+    _line(scene, "/goal", walk.nominal[-1, :2] + ring, NOMINAL.colour, walk, WIDE)
 
 
 def _line(
-    scene: Any, name: str, points: Array, colour: Colour, reach: float, width: float
+    scene: SceneApi, name: str, points: Array, colour: Colour, run: Run, width: float
 ) -> None:
     if len(points) < 2:
         return
-    raised = np.insert(points, 2, LIFT * reach, axis=1).astype(np.float32)
+    raised = np.insert(points, 2, LIFT * run.reach, axis=1).astype(np.float32)
     pieces = np.stack([raised[:-1], raised[1:]], axis=1)
-    scene.add_line_segments(name, pieces, colour, thickness=width * reach)
+    scene.add_line_segments(name, pieces, colour, thickness=width * run.reach)
 
 
 def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh | None:
@@ -228,29 +223,22 @@ def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh | None:
     import trimesh
 
     size, kind = model.geom_size[geom], model.geom_type[geom]
+    make, sides = trimesh.creation, ROUND_SIDES
     if kind == KIND.mjGEOM_MESH:
-        return _of_file(model, int(model.geom_dataid[geom]))
-    make = trimesh.creation
+        mesh = int(model.geom_dataid[geom])
+        corner, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+        corners = model.mesh_vert[corner : corner + model.mesh_vertnum[mesh]]
+        return corners, model.mesh_face[face : face + model.mesh_facenum[mesh]]
     if kind == KIND.mjGEOM_BOX:
         shape = make.box(extents=2 * size)
     elif kind == KIND.mjGEOM_CYLINDER:
-        shape = make.cylinder(radius=size[0], height=2 * size[1], sections=SIDES)
+        shape = make.cylinder(radius=size[0], height=2 * size[1], sections=sides)
     elif kind == KIND.mjGEOM_CAPSULE:
-        ends = [[0, 0, -size[1]], [0, 0, size[1]]]
-        shape = make.cylinder(radius=size[0], segment=ends, sections=SIDES)
-        for end in ends:
-            ball = make.icosphere(subdivisions=2, radius=size[0])
-            ball.apply_translation(end)
-            shape = trimesh.util.concatenate([shape, ball])
+        count = [sides, sides]
+        shape = make.capsule(radius=size[0], height=2 * size[1], count=count)
     elif kind in (KIND.mjGEOM_SPHERE, KIND.mjGEOM_ELLIPSOID):
         shape = make.icosphere(subdivisions=2, radius=1.0)
         shape.apply_scale(size if kind == KIND.mjGEOM_ELLIPSOID else size[0])
     else:
         return None
     return np.asarray(shape.vertices), np.asarray(shape.faces)
-
-
-def _of_file(model: mujoco.MjModel, mesh: int) -> Mesh:
-    corner, face = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-    corners = model.mesh_vert[corner : corner + model.mesh_vertnum[mesh]]
-    return corners, model.mesh_face[face : face + model.mesh_facenum[mesh]]

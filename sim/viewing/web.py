@@ -7,10 +7,11 @@ another address is asked for; a browser elsewhere comes through a tunnel.
 from __future__ import annotations
 
 import logging
+import socket
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 from unittest.mock import patch
 
 import mujoco
@@ -18,9 +19,14 @@ import mujoco
 from models.description import root_body
 from sim.errors import UsageError
 from sim.folder import blamed_on
+from sim.pictures.clock import Playback
 from sim.runs.run import Run, read_run
 from sim.viewing.marks import Marks
-from sim.viewing.playback import Playback
+
+if TYPE_CHECKING:
+    from mujoco.studio.endpoints import ViewerEndpoint
+    from mujoco.studio.viewer_handle import ViewerHandle
+    from mujoco.studio.web_viewer import WebViewer
 
 TORSO = 0.35  # opacity of the body
 DISC, ARROW = 0.1, 0.04  # of a contact and its force, in units of the model's size
@@ -99,7 +105,7 @@ def _launch(
     playback: Playback,
     address: tuple[str, int],
     started: Callable[[str], object],
-) -> Any:
+) -> ViewerHandle:
     """Start the viewer in a thread; its handle."""
     from mujoco.studio import launch_thread, viewer_protocol
     from mujoco.studio.app import App
@@ -107,22 +113,22 @@ def _launch(
     from sim.viewing.plugins import Panel, Player, Scene
 
     host, port = address
-    socket = _bound(host, port)
+    bound = _bound(host, port)
     logging.getLogger("WebServer").addFilter(lambda told: told.levelno > logging.INFO)
     config = viewer_protocol.ViewerConfig(title=walk.scenario.name, gfx="web")
     plugins = [App(), Scene(walk, Marks(walk, model)), Panel(walk, playback)]
 
-    def show(endpoint: Any) -> None:
-        with _viewer_on(socket) as viewer:
+    def show(endpoint: ViewerEndpoint) -> None:
+        with _viewer_on(bound) as viewer:
             window = viewer(config, endpoint, plugins=plugins)
-            started(f"http://{_named(host)}:{socket.getsockname()[1]}/")
+            started(f"http://{_named(host)}:{bound.getsockname()[1]}/")
             viewer_protocol.run_viewer_loop(window)
 
     return launch_thread.launch_thread(show, sim_plugins=[Player(walk, playback)])
 
 
 @contextmanager
-def _viewer_on(socket: Any) -> Iterator[Any]:
+def _viewer_on(bound: socket.socket) -> Iterator[type[WebViewer]]:
     """The class of viewers, silent and on a socket that is bound already.
 
     The viewer itself offers no choice of the interface that it listens on.
@@ -130,7 +136,7 @@ def _viewer_on(socket: Any) -> Iterator[Any]:
     from mujoco.studio import web_viewer
 
     with (
-        patch.object(web_viewer.web_server, "bind_public_socket", lambda *_: socket),
+        patch.object(web_viewer.web_server, "bind_public_socket", lambda *_: bound),
         patch.object(web_viewer, "_print_url_banner", lambda *_: None),
         patch.object(web_viewer, "print", lambda *_, **__: None, create=True),
     ):
@@ -142,7 +148,7 @@ def _named(host: str) -> str:
     return "localhost" if host in LOOPBACK else host
 
 
-def _bound(host: str, port: int) -> Any:
+def _bound(host: str, port: int) -> socket.socket:
     from mujoco.studio.web import web_server
 
     try:

@@ -175,9 +175,9 @@ def test_pieces_are_joined_in_their_order(tmp_path):
     levels = (20, 80, 140, 200)
     pieces = [tmp_path / "0.mp4", tmp_path / "1.mp4"]
     for path, pair in zip(pieces, (levels[:2], levels[2:]), strict=True):
-        with encoding(path) as writer:
+        with encoding(path) as append:
             for level in pair:
-                writer.append_data(np.full((720, 1280, 3), level, np.uint8))
+                append(np.full((720, 1280, 3), level, np.uint8))
     joined = tmp_path / "joined.mp4"
     join(pieces, joined)
     assert count_pictures(joined) == len(levels)

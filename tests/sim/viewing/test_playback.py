@@ -6,10 +6,10 @@ import pytest
 
 from sim import palette
 from sim.errors import UsageError
+from sim.pictures.clock import Playback
 from sim.pictures.legend import entries
 from sim.runs.run import read_run
 from sim.viewing.marks import Marks
-from sim.viewing.playback import Playback
 from sim.viewing.web import TORSO, looked_through
 from tests.finished_runs import predicted_elsewhere
 
