@@ -150,10 +150,13 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
         for (letter, panel), title in zip(axes.items(), layout.panels, strict=True):
             words = title.format(**shown.words)
             panel.set_title(f"({letter}) {words}", loc="left")  # also in 3-D
+        canvas.suptitle(layout.title, x=0.01, ha="left", fontweight="bold")
         if layout.key:
             handles, labels = axes[layout.key].get_legend_handles_labels()
             columns = layout.key_columns or len(labels)
             canvas.legend(handles, labels, loc="outside lower center", ncols=columns)
+        canvas.draw_without_rendering()
+        canvas.set_layout_engine("none")  # which would move panels a little each time
     return Sheet(
         name=layout.name,
         title=layout.title,
@@ -183,7 +186,6 @@ def save(sheet: Sheet, folder: Path) -> None:
     from matplotlib import rc_context
 
     with rc_context(STYLE):
-        sheet.figure.suptitle(sheet.title, x=0.01, ha="left", fontweight="bold")
         for kind in FORMATS:
             with whole(folder / f"{sheet.name}.{kind}") as part:
                 undated = {"Date": None} if kind == "svg" else {"Software": None}

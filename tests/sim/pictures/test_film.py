@@ -176,7 +176,7 @@ def test_a_film_needs_neither_the_current_folder_nor_an_empty_environment(
 @pytest.mark.render
 def test_every_leg_carries_its_number_in_its_colour(filmed, decoded):
     walk, film_clock, view = view_of(filmed.parent)
-    model = mujoco.MjModel.from_xml_path(str(walk.model))
+    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
     data = mujoco.MjData(model)
     frame = len(film_clock.rows) // 3
     data.qpos[:] = walk.qpos[film_clock.rows[frame]]

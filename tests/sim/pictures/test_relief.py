@@ -18,7 +18,7 @@ def bumpy(scenario, tmp_path):
         setup = prepare(scenario(**changes))
         (tmp_path / "model.xml").write_text(setup.world.text)
         walk = SimpleNamespace(
-            model=tmp_path / "model.xml", scenario=setup.scenario, reach=0.2
+            model_file=tmp_path / "model.xml", scenario=setup.scenario, reach=0.2
         )
         return walk, setup.model
 
