@@ -7,23 +7,13 @@ length of the path.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from planner.errors import BoundError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Margins
-from planner.optimisation.stages import Coarse
-from planner.optimisation.task import Solution, Task
-from planner.optimisation.windows import (
-    KEPT,
-    Report,
-    Score,
-    Window,
-    WindowSearch,
-)
-from planner.planning.paths import Path
+from planner.optimisation.task import Solution
+from planner.optimisation.windows import KEPT, Window, WindowSearch
 from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
@@ -33,28 +23,8 @@ LAST_WINDOW = 0.05  # shortest window that is tried, likewise
 LARGEST_CUT = 16.0  # factor by which a window is shortened at once
 
 
-@dataclass
-class Search:
-    """Search for the best plan of a task along a path.
-
-    Attributes:
-        task: Task to optimise.
-        path: Configurations to follow.
-        score: Objective of a solution.
-        coarse: Stratified plans for first guesses.
-        report: Called with the share of the work that is done, from 0 to 1.
-    """
-
-    task: Task
-    path: Path
-    score: Score
-    coarse: Coarse | None = None
-    report: Report = lambda done: None
-
-    def __post_init__(self) -> None:
-        self._windows = WindowSearch(
-            self.task, self.path, self.score, self.coarse, lambda d: self.report(d)
-        )
+class Search(WindowSearch):
+    """Search for the best plan of a task along a whole path."""
 
     def run(self) -> list[Solution]:
         """Consecutive solutions from the start of the path to its goal.
@@ -74,7 +44,7 @@ class Search:
             last = place + 1.01 * width >= 1.0
             ends = (place, 1.0 if last else place + width)
             window = Window(here, ends, self.path(1.0) if last else None, first)
-            found = self._windows.solve(window, count)
+            found = self.solve(window, count)
             if found is None or found.width > KEPT:
                 lacking = found.width**2 if found else 2.0
                 width /= np.clip(lacking, 2.0, LARGEST_CUT)
@@ -96,7 +66,7 @@ class Search:
 
         None if no solution nearby keeps the tolerances.
         """
-        program = self._windows.programs(len(solution.strokes), solution.first)
+        program = self.programs(len(solution.strokes), solution.first)
         ends = float(solution.places[0]), float(solution.places[-1])
         with unlimited():
             for near in (True, False):
@@ -114,7 +84,7 @@ class Search:
     def _refusal(self, window: Window, found: Solution | None) -> BoundError:
         """The error that says which tolerances the narrowest solution keeps."""
         relaxed = [i.name for i in self.task.inequalities if i.relaxed]
-        names = " and ".join([] if self._windows.without_soft else relaxed)
+        names = " and ".join([] if self.without_soft else relaxed)
         if found is None:
             remedy = (
                 f"ask for less {names}"

@@ -117,7 +117,7 @@ def test_stages_go_on_where_the_window_before_ended(monkeypatch):
     for name, value in (("MOST_STAGES", 8), ("CLOSELY", 1)):
         monkeypatch.setattr(windows, name, value)
     optimiser = optimised(line(np.zeros(7), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
-    optimiser._search._windows.score = lambda solution: -solution.first
+    optimiser._search.score = lambda solution: -solution.first
     solutions, cycle_length = optimiser._solutions, len(optimiser.task.stages)
     assert len(solutions) > 1
     assert solutions[0].first == 1
