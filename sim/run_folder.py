@@ -10,6 +10,7 @@ import shutil
 import time
 import warnings
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -18,7 +19,8 @@ import numpy as np
 from models import Robot
 from sim.errors import SimulationError, UsageError, one_line
 from sim.evaluation import flows
-from sim.evaluation.assessment import Evaluation, Summary, evaluate
+from sim.evaluation.assessment import Evaluation, evaluate
+from sim.evaluation.summary import Summary
 from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
@@ -87,7 +89,7 @@ class Writer:
 
     def summarised(self, summary: Summary) -> None:
         """The numbers."""
-        self.folder.write_json("summary.json", summary)
+        self.folder.write_json("summary.json", summary.to_json())
 
     def reported(
         self,
@@ -164,7 +166,7 @@ def run(
 
 def _rendered(simulation: Simulation, seconds: float) -> Summary:
     """The summary with the time that the film took."""
-    return simulation.summary | {"timing": simulation.timing | {"render": seconds}}
+    return replace(simulation.summary, timing=simulation.timing | {"render": seconds})
 
 
 def _replayable(error: SimulationError, folder: RunFolder) -> SimulationError:

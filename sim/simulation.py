@@ -15,8 +15,9 @@ import numpy as np
 from models import Robot
 from planner import Array, Plan
 from planner.support import limited
-from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
+from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.comparison import describe
+from sim.evaluation.summary import Summary
 from sim.motion.poses import wrap
 from sim.planning.sharing import walk_cache
 from sim.preparation.effort import check_effort
@@ -79,8 +80,7 @@ class Simulation:
     def summary(self) -> Summary:
         """The numbers of summary.json."""
         fallback = self.prepared.fallback
-        told = {"fallback": fallback, "missed": list(self.missed)}
-        return summarise(self.evaluation) | told | {"timing": self.timing}
+        return summarise(self.evaluation, self.timing, fallback, self.missed)
 
     def __str__(self) -> str:
         return describe(self.summary)

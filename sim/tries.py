@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
-from typing import Any
 
 from models import Robot
 from planner import PlannerError
 from sim.errors import StratawalkError, one_line
+from sim.evaluation.quantities import MARGIN, POSITION, ROWS, YAW
 from sim.folder import RunFolder
 from sim.progress import Progress
 from sim.run_folder import run
 from sim.scenarios.scenario import Scenario
 
 TABLE = "tries.csv"
-NOT_TOLD = ("identified",)  # not in the table; measuring it costs experiments
-COLUMNS = ("draw", "verdict", "goal", "ideal", "quasi_static", "yaw", "margin")
+LEFT_OUT = ("identified",)  # not in the table; measuring it costs experiments
+MEASURES = {  # columns of the table: quantities, and of which row of the comparison
+    "goal": (POSITION, "goal"),
+    "ideal": (POSITION, "ideal"),
+    "quasi_static": (POSITION, "quasi_static"),
+    "yaw": (YAW, "goal"),
+    "margin": (MARGIN, "achieved"),
+}
+COLUMNS = ("draw", "verdict", *MEASURES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,21 +72,11 @@ def walk_tries(
 
 def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
     try:
-        summary: Mapping[str, Any] = run(
-            scenario, folder, robot=robot, without=NOT_TOLD
-        )
+        summary = run(scenario, folder, robot=robot, without=LEFT_OUT)
     except (StratawalkError, PlannerError) as error:
         return Try(scenario.draw, one_line(error))
-    off = summary["error"]
-    return Try(
-        draw=scenario.draw,
-        verdict=summary["verdict"],
-        goal=off["goal"]["position"],
-        ideal=off["ideal"]["position"],
-        quasi_static=off["quasi_static"]["position"],
-        yaw=off["goal"]["yaw"],
-        margin=summary["achieved"]["min_margin"],
-    )
+    found = {name: q.value(summary, row) for name, (q, row) in MEASURES.items()}
+    return Try(scenario.draw, summary.verdict, **found)
 
 
 def _csv(tries: Sequence[Try]) -> str:
@@ -110,15 +107,16 @@ def _lines(tries: Sequence[Try], path_length: float) -> Iterator[str]:
     if not walked:
         return
     yield f"{'':13}{'median':>22}{'worst':>22}"
-    for name in ("goal", "ideal", "quasi_static"):
-        off = [getattr(one, name) for one in walked]
-        said = (_share(value, path_length) for value in (median(off), max(off)))
-        yield f"{name.replace('_', '-'):13}" + "".join(f"{text:>22}" for text in said)
-    margins = [one.margin for one in walked if one.margin is not None]
-    said = (f"{1e3 * value:.1f} mm" for value in (median(margins), min(margins)))
-    yield f"{'margin':13}" + "".join(f"{text:>22}" for text in said)
+    for name, (quantity, row) in MEASURES.items():
+        values = [getattr(one, name) for one in walked]
+        if quantity is POSITION:
+            said = [_share(off, path_length) for off in (median(values), max(values))]
+            yield f"{ROWS[row]:13}" + "".join(f"{text:>22}" for text in said)
+        elif quantity is MARGIN:
+            said = [MARGIN.words(value) for value in (median(values), min(values))]
+            yield f"{name:13}" + "".join(f"{text:>22}" for text in said)
 
 
 def _share(off: float, path_length: float) -> str:
     share = f" {off / path_length:7.2%}" if path_length else ""
-    return f"{1e3 * off:.2f} mm{share}"
+    return f"{POSITION.words(off)}{share}"

@@ -15,6 +15,7 @@ from sim.commands.trusted import robot_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
+    from sim.evaluation.summary import Played
     from sim.export.servo_commands import ServoCommands
     from sim.export.source import Source
     from sim.progress import Progress
@@ -78,7 +79,8 @@ def execute(options: argparse.Namespace) -> None:
     if not source.servo.rate:
         print(f"stratawalk: notice: {COARSE.format(rate=read.rate)}", file=sys.stderr)
     if options.json:
-        print(json.dumps(_facts(options, commands) | {"exported": played}))
+        exported = None if played is None else played.to_json()
+        print(json.dumps(_facts(options, commands) | {"exported": exported}))
     else:
         print(_report(options, source, commands, played))
 
@@ -152,9 +154,7 @@ def _written(
     return commands, read(out, options.format, table)
 
 
-def _played(
-    source: Source, commands: ServoCommands, progress: Progress
-) -> dict[str, Any]:
+def _played(source: Source, commands: ServoCommands, progress: Progress) -> Played:
     from sim.export.played import play
 
     return play(source, commands, progress)
@@ -174,16 +174,16 @@ def _report(
     options: argparse.Namespace,
     source: Source,
     commands: ServoCommands,
-    played: dict[str, Any] | None,
+    played: Played | None,
 ) -> str:
     from sim.evaluation.comparison import describe_export
 
     summary = source.run.summary
     lines = [
-        f"{summary['scenario']}: {summary['robot']}, {len(commands.angles)} commands "
+        f"{summary.scenario}: {summary.robot}, {len(commands.angles)} commands "
         f"of {len(commands.joints)} servos, {commands.rate:g} a second"
     ]
     if played is not None:
-        bounces = f"{played['bounces']} bounces"
+        bounces = f"{played.bounces} bounces"
         lines += [f"{'played':13}{bounces}", "", describe_export(summary, played)]
     return "\n".join([*lines, "", f"{'file':13}{options.out}"])

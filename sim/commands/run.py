@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Mapping
 from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sim.commands.options import (
     OF_RUN,
@@ -23,6 +22,7 @@ from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:
     from models import Robot
+    from sim.evaluation.summary import Summary
     from sim.folder import RunFolder
     from sim.scenarios.scenario import Scenario
 
@@ -84,7 +84,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
             )
     finally:
         folder.discard_if_empty()
-    print(json.dumps(summary) if options.json else _report(summary, folder))
+    print(json.dumps(summary.to_json()) if options.json else _report(summary, folder))
     return _judged(summary, folder, options.tolerance)
 
 
@@ -116,28 +116,20 @@ def _walk_tries(
     return ExitCode.OK if walked else ExitCode.SIMULATION
 
 
-def _judged(
-    summary: Mapping[str, Any], folder: RunFolder, tolerance: float | None
-) -> ExitCode:
+def _judged(summary: Summary, folder: RunFolder, tolerance: float | None) -> ExitCode:
     """The exit code of a walk that came to its end, and why it is not zero."""
     from sim.evaluation.verdict import FAILURES
 
-    where = f"{summary['scenario']} on {summary['robot']}"
+    where = f"{summary.scenario} on {summary.robot}"
     look = f"see {folder.path}"
-    if summary["verdict"] in FAILURES:
-        failed = SimulationError(f"the walk {summary['verdict_text']}", where, look)
+    if summary.verdict in FAILURES:
+        failed = SimulationError(f"the walk {summary.verdict_text}", where, look)
         return _told(failed, ExitCode.SIMULATION)
-    if tolerance is None or (off := _departure(summary)) <= tolerance:
+    off = summary.farthest_share
+    if tolerance is None or off is None or off <= tolerance:
         return ExitCode.OK
     what = f"{off:.3g} of the path off the quasi-static prediction, beyond {tolerance}"
     return _told(SimulationError(what, where, look), ExitCode.TOLERANCE)
-
-
-def _departure(summary: Mapping[str, Any]) -> float:
-    """Farthest from the quasi-static prediction, as a share of the path."""
-    length = summary["path_length"] or summary["distance_walked"]
-    farthest: float = summary["error"]["quasi_static"]["farthest"]
-    return farthest / length if length else 0.0
 
 
 def _told(error: SimulationError, code: ExitCode) -> ExitCode:
@@ -165,7 +157,7 @@ def _warn(text: str) -> None:
     print(f"stratawalk: warning: {text}", file=sys.stderr)
 
 
-def _report(summary: Mapping[str, Any], folder: RunFolder) -> str:
+def _report(summary: Summary, folder: RunFolder) -> str:
     from sim.evaluation.comparison import describe
 
     lines = [describe(summary), "", f"{'folder':13}{folder.path}"]

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,13 @@ from planner import Array
 from sim.evaluation.achieved import Achieved, achieved_motion
 from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
-from sim.evaluation.deviations import departure, deviations, off, per_metre, strays
+from sim.evaluation.deviations import (
+    departure,
+    deviation_from,
+    deviations,
+    off,
+    per_metre,
+)
 from sim.evaluation.passage import clearances
 from sim.evaluation.phases import (
     count_changes,
@@ -25,7 +30,8 @@ from sim.evaluation.phases import (
     swing_slip,
     swing_travel,
 )
-from sim.evaluation.verdict import judge
+from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary
+from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, follows_commands, twist_model
 from sim.motion.poses import wrap
@@ -34,10 +40,9 @@ from sim.motion.stability import BLOCK
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
+from sim.scenarios.predictions import QUASI_STATIC
 from sim.versions import versions
 from sim.walking.finished import Stretch, Walk
-
-Summary = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -50,23 +55,26 @@ class Evaluation:
     unpredicted: Mapping[str, str]  # predictions that could not be made, and why
     clearance: Mapping[str, Array]  # achieved and predicted, if there are obstacles
     walking: Array  # moments from the start of the walk on, (T,), bool
-    deviation: Mapping[str, Any]  # from the nominal path
+    deviation: Mapping[str, Departure | None]  # from the nominal path
     creep_floor: float | None  # slip while standing as long, if measured [m]
 
     @cached_property
     def summary(self) -> Summary:
         """The numbers of summary.json."""
-        return summarise(self) | {"timing": dict(self.walk.seconds)}
+        return summarise(self, self.walk.seconds)
 
     def __str__(self) -> str:
         return describe(self.summary)
 
+    @cached_property
+    def verdict(self) -> Verdict:
+        """What became of the walk."""
+        predicted = self.predicted.get(QUASI_STATIC.key)
+        return judge(self.walk, self.achieved, predicted, self.judged)
+
     @property
     def judged(self) -> Array:
-        """Moments over which the summary takes extremes, (T,), bool.
-
-        They depend on the commands alone, not on which rows are written.
-        """
+        """Moments over which the summary takes extremes, (T,), bool."""
         return judged(self.walk)
 
 
@@ -129,18 +137,23 @@ def evaluate(
 
 def _deviation(
     walk: Walk, caches: Mapping[str, Cache], poses: Mapping[str, Array]
-) -> Mapping[str, Any]:
-    """How far the walk and its predictions stray from the nominal path."""
+) -> Mapping[str, Departure | None]:
+    """How far the walk and its predictions are from the nominal path at most."""
     curve, count = walk.setup.scenario.path.curve, judged(walk)
-    strayed = {
-        name: partial(caches[name], f"strays {name}", partial(strays, curve, some))
+    found = {
+        name: partial(
+            caches[name], f"deviation {name}", partial(deviation_from, curve, some)
+        )
         for name, some in ((name, pose[count]) for name, pose in poses.items())
     }
-    return deviations(walk.setup.scenario, strayed)
+    return deviations(walk.setup.scenario, found)
 
 
 def judged(walk: Walk) -> Array:
-    """Moments over which extremes of a walk are taken, shape (T,), bool."""
+    """Moments over which extremes of a walk are taken, shape (T,), bool.
+
+    They depend on the commands alone, not on which rows are written.
+    """
     recording = walk.recording
     found: Array = recording.moments.step >= walk.starts
     return found & recording.marks.inspected
@@ -176,86 +189,100 @@ def _predicted(
     return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
 
 
-def summarise(evaluation: Evaluation) -> Summary:
-    """The numbers of summary.json, unrounded, timing left out."""
+def summarise(
+    evaluation: Evaluation,
+    timing: Mapping[str, float] | None = None,
+    fallback: str | None = None,
+    missed: Sequence[float] = (),
+) -> Summary:
+    """The numbers of summary.json, unrounded.
+
+    Args:
+        evaluation: The walk beside its predictions.
+        timing: Seconds by stage.
+        fallback: Why the stratified plan stands where a shorter one was asked for.
+        missed: How far from the goal each of several walks ended [m].
+    """
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario
+    recording, dt = walk.recording, setup.limits.timestep
     pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
     swings = [p for p in walk.phases if p.kind == "swing"]
-    walked = float(sum(setup.equations.stride(p.field) * abs(p.amount) for p in swings))
-    length = scenario.path.length
+    length, walked = scenario.path.length, walk.distance
     strokes = swing_travel(swings, setup.robot.groups, loaded=True)
-    in_swings, judged = swing_slip(walk), evaluation.judged
-    predicted = {
-        name: _of_prediction(prediction, judged)
-        | {"min_clearance": _least(evaluation, name)}
-        for name, prediction in evaluation.predicted.items()
-    }
+    slip, in_swings, judged = achieved.slip[-1], swing_slip(walk), evaluation.judged
     absent = dict.fromkeys(evaluation.unpredicted)
-    errors = {
+    errors: dict[str, Departure | None] = {
         name: off(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
     }
-    verdict = judge(evaluation)
-    return {
-        "verdict": verdict.word,
-        "verdict_text": verdict.text,
-        "scenario": scenario.name,
-        "robot": setup.robot.name,
-        "fields": scenario.fields,
-        "stance": setup.stance,
-        "segments": scenario.segments,
-        "replan": scenario.replan,
-        "steer": scenario.steer,
-        "optimise": scenario.optimise,
-        "together": scenario.overlap_recovery,
-        "correct": scenario.correct,
-        "goal": [float(g) for g in goal],
-        "path_length": length,
-        "distance_walked": walked,
-        "contact_switches": sum(p.kind in ("lift", "land") for p in walk.phases),
-        "contact_switches_achieved": count_changes(walk),
-        "swing_travel": strokes,
-        "air_travel": swing_travel(swings, setup.robot.groups, loaded=False),
-        "bounces": walk.recording.bounces,
-        "wall_contacts": walk.recording.wall_contacts,
-        "self_contacts": walk.recording.self_contacts,
-        "saturated_segments": walk.saturated_segments,
-        "let_down": setup.world.let_down,
-        "fastest_swing": max(
+    predicted: dict[str, Predicted | None] = {
+        name: Predicted(
+            pose=prediction.pose[-1].tolist(),
+            min_margin=float(prediction.margin[judged].min()),
+            slip=float(prediction.slip[-1].sum()),
+            min_clearance=_least(evaluation, name),
+        )
+        for name, prediction in evaluation.predicted.items()
+    }
+    return Summary(
+        verdict=evaluation.verdict.word,
+        verdict_text=evaluation.verdict.text,
+        scenario=scenario.name,
+        robot=setup.robot.name,
+        fields=scenario.fields,
+        stance=setup.stance,
+        segments=scenario.segments,
+        replan=scenario.replan,
+        steer=scenario.steer,
+        optimise=scenario.optimise,
+        together=scenario.overlap_recovery,
+        correct=scenario.correct,
+        goal=goal.tolist(),
+        path_length=length,
+        distance_walked=walked,
+        contact_switches=sum(p.kind in ("lift", "land") for p in walk.phases),
+        contact_switches_achieved=count_changes(walk),
+        swing_travel=strokes,
+        air_travel=swing_travel(swings, setup.robot.groups, loaded=False),
+        bounces=recording.bounces,
+        wall_contacts=recording.wall_contacts,
+        self_contacts=recording.self_contacts,
+        saturated_segments=walk.saturated_segments,
+        let_down=setup.world.let_down,
+        fastest_swing=max(
             (setup.limits.swing_peak(p.direction, p.amount) for p in swings),
             default=0.0,
         ),
-        "swing_speed": scenario.swing_speed,
-        "walk_starts": walk.starts * setup.limits.timestep,
-        "predicted": predicted | absent,
-        "unpredicted": dict(evaluation.unpredicted),
-        "achieved": {
-            "pose": [float(p) for p in pose],
-            "min_margin": walk.recording.least_margin,
-            "min_clearance": _least(evaluation, "achieved"),
-            "slip": float(achieved.slip[-1].sum()),
-            "slip_swing": in_swings,
-            "slip_transition": float(achieved.slip[-1].sum()) - in_swings,
-            "slip_per_foot": {
+        swing_speed=scenario.swing_speed,
+        walk_starts=walk.starts * dt,
+        predicted=predicted | absent,
+        unpredicted=dict(evaluation.unpredicted),
+        achieved=Accomplished(
+            pose=pose.tolist(),
+            min_margin=recording.least_margin,
+            min_clearance=_least(evaluation, "achieved"),
+            slip=float(slip.sum()),
+            slip_swing=in_swings,
+            slip_transition=float(slip.sum()) - in_swings,
+            slip_per_foot={
                 str(leg): float(s)
-                for leg, s in zip(setup.robot.legs, achieved.slip[-1], strict=True)
+                for leg, s in zip(setup.robot.legs, slip, strict=True)
             },
-            "creep_floor": evaluation.creep_floor,
-        },
-        "error": {
-            **errors,
-            **absent,
-            "goal": departure(pose, goal),
-        },
-        "error_sources": _sources(evaluation),
-        "servo": setup.servo.table(setup.world.servo),
-        "deviation": dict(evaluation.deviation),
-        "per_metre": per_metre(length, moving_time(walk), strokes),
-        "simulated_time": walk.recording.steps * setup.limits.timestep,
-        "timestep": setup.limits.timestep,
-        "versions": versions(),
-    }
+            creep_floor=evaluation.creep_floor,
+        ),
+        error={**errors, **absent, "goal": departure(pose, goal)},
+        error_sources=_sources(evaluation),
+        servo=setup.servo.table(setup.world.servo),
+        deviation=dict(evaluation.deviation),
+        per_metre=per_metre(length, moving_time(walk), strokes),
+        simulated_time=recording.steps * dt,
+        timestep=dt,
+        versions=versions(),
+        fallback=fallback,
+        missed=list(missed),
+        timing=dict(timing or {}),
+    )
 
 
 def _least(evaluation: Evaluation, name: str) -> float | None:
@@ -264,20 +291,15 @@ def _least(evaluation: Evaluation, name: str) -> float | None:
     return None if clearance is None else float(clearance[evaluation.judged].min())
 
 
-def _of_prediction(prediction: Prediction, judged: Array) -> Summary:
-    return {
-        "pose": [float(p) for p in prediction.pose[-1]],
-        "min_margin": float(prediction.margin[judged].min()),
-        "slip": float(prediction.slip[-1].sum()),
-    }
-
-
-def _sources(evaluation: Evaluation) -> Summary | None:
+def _sources(
+    evaluation: Evaluation,
+) -> dict[str, dict[str, list[float]] | None] | None:
     """Sources of open-loop errors; None if each segment was planned from a new pose."""
     walk, achieved = evaluation.walk, evaluation.achieved.pose
     if walk.setup.scenario.replan:
         return None
-    return {
+    found: dict[str, dict[str, list[float]] | None] = {
         name: error_sources(walk, achieved, prediction)
         for name, prediction in evaluation.predicted.items()
-    } | dict.fromkeys(evaluation.unpredicted)
+    }
+    return found | dict.fromkeys(evaluation.unpredicted)

@@ -3,80 +3,82 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import numpy as np
 
 from planner import Array, Path
+from sim.evaluation.summary import Departure, PerMetre, PredictionError
 from sim.motion.poses import wrap
 from sim.motion.straying import straying
+from sim.scenarios.predictions import IDEAL, QUASI_STATIC
 from sim.scenarios.scenario import Scenario
 
-MOST = 1500  # poses that are compared, evenly taken from all
-Strays = dict[str, float]
+COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
 def deviations(
-    scenario: Scenario, strayed: Mapping[str, Callable[[], Strays]]
-) -> dict[str, Strays | None]:
+    scenario: Scenario, deviation_of: Mapping[str, Callable[[], Departure]]
+) -> dict[str, Departure | None]:
     """Farthest from the path and from its yaw: planned, quasi-static and achieved.
 
     Args:
         scenario: What was to be walked; its plan follows the prediction it steers on,
             and an optimised one at least the quasi-static.
-        strayed: How far each prediction strays, and what was achieved; by name.
+        deviation_of: Path deviation of each prediction and of what was achieved.
     """
-    name = scenario.steered_on
-    if name == "ideal" and scenario.optimise != "none":
-        name = "quasi_static"
-    asked = {"planned": name, "quasi_static": "quasi_static", "achieved": "achieved"}
+    planned = scenario.steered_on
+    if planned == IDEAL.key and scenario.optimise != "none":
+        planned = QUASI_STATIC.key
+    asked = {
+        "planned": planned,
+        "quasi_static": QUASI_STATIC.key,
+        "achieved": "achieved",
+    }
     return {
-        key: strayed[name]() if name in strayed else None for key, name in asked.items()
+        key: deviation_of[name]() if name in deviation_of else None
+        for key, name in asked.items()
     }
 
 
-def strays(curve: Path, poses: Array) -> Strays:
-    """How far poses stray from a path, and from its yaw.
+def deviation_from(curve: Path, poses: Array) -> Departure:
+    """Farthest that poses come from a path, and from its yaw.
 
     Args:
         curve: Nominal poses.
         poses: In time order, shape (T, 3).
-
-    Returns:
-        `position` [m] and `yaw` [rad].
     """
-    rows = np.linspace(0, len(poses) - 1, min(len(poses), MOST)).round().astype(int)
-    return straying(curve, poses[rows])
+    count = min(len(poses), COMPARED)
+    rows = np.linspace(0, len(poses) - 1, count).round().astype(int)
+    return Departure(**straying(curve, poses[rows]))
 
 
-def per_metre(length: float, seconds: float, strokes: float) -> dict[str, Any]:
-    """Time and strokes per metre of the nominal path; None where it has no length.
+def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
+    """Time and strokes per metre of the nominal path.
 
     Args:
         length: Of the path [m].
         seconds: From the first lift-off to the last touchdown.
         strokes: Way of the loaded groups' angles [rad].
     """
-    return {
-        "seconds": seconds / length if length else None,
-        "strokes": strokes / length if length else None,
-    }
+    if not length:
+        return PerMetre()
+    return PerMetre(seconds=seconds / length, strokes=strokes / length)
 
 
-def departure(pose: Array, other: Array) -> dict[str, float]:
-    """How far a pose is from another one: position [m] and yaw [rad].
+def departure(pose: Array, other: Array) -> Departure:
+    """How far a pose is from another one.
 
     Args:
         pose: x [m], y [m], yaw [rad].
         other: Likewise.
     """
-    return {
-        "position": float(np.hypot(*(pose - other)[:2])),
-        "yaw": float(abs(wrap(pose[2] - other[2]))),
-    }
+    return Departure(
+        position=float(np.hypot(*(pose - other)[:2])),
+        yaw=float(abs(wrap(pose[2] - other[2]))),
+    )
 
 
-def off(poses: Array, others: Array, length: float, walked: float) -> dict[str, Any]:
+def off(poses: Array, others: Array, length: float, walked: float) -> PredictionError:
     """How far a motion is from another one at its end, and at most on the way.
 
     Args:
@@ -86,9 +88,10 @@ def off(poses: Array, others: Array, length: float, walked: float) -> dict[str, 
         walked: Length of the way of the ideal body centre [m].
     """
     at_end = departure(poses[-1], others[-1])
-    position = at_end["position"]
-    return at_end | {
-        "position_per_path": position / length if length else None,
-        "position_per_walked": position / walked if walked else None,
-        "farthest": float(np.hypot(*(poses - others)[:, :2].T).max()),
-    }
+    return PredictionError(
+        position=at_end.position,
+        yaw=at_end.yaw,
+        position_per_path=at_end.position / length if length else None,
+        position_per_walked=at_end.position / walked if walked else None,
+        farthest=float(np.hypot(*(poses - others)[:, :2].T).max()),
+    )

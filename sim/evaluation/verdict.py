@@ -7,16 +7,16 @@ foot slipped, the walk drifted from its prediction, or it arrived.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from planner import Array
+from sim.evaluation.achieved import Achieved
 from sim.evaluation.phases import phase_slip
 from sim.motion.poses import tilt
+from sim.motion.prediction import Prediction
 from sim.walking.finished import Walk
-
-if TYPE_CHECKING:
-    from sim.evaluation.assessment import Evaluation
 
 Word = Literal["fell", "collided", "slipped", "drifted", "arrived"]
 
@@ -34,28 +34,39 @@ class Verdict:
     text: str  # one sentence, without a full stop
 
 
-def judge(evaluation: Evaluation) -> Verdict:
+def judge(
+    walk: Walk, achieved: Achieved, predicted: Prediction | None, judged: Array
+) -> Verdict:
     """The verdict on a walk.
 
     Args:
-        evaluation: The walk beside its predictions.
+        walk: A finished walk.
+        achieved: Its motion.
+        predicted: Its quasi-static prediction, if that could be made.
+        judged: Moments over which extremes are taken, shape (T,), bool.
     """
-    found = (
-        _fell(evaluation)
-        or _collided(evaluation)
-        or _slipped(evaluation)
-        or _drifted(evaluation)
+    failure = _fell(walk, achieved, judged) or _collided(walk)
+    if failure is not None:
+        return failure
+    goal = np.array(walk.setup.scenario.path.goal, dtype=float)
+    end = f"{_distance(achieved.pose[-1], goal)} from the goal"
+    if predicted is None:
+        return Verdict("arrived", f"arrived {end}")
+    by = _distance(achieved.pose[-1], predicted.pose[-1])
+    end += f" and {by} from where the quasi-static prediction has it"
+    return (
+        _slipped(walk, predicted, end)
+        or _drifted(walk, achieved.pose[judged] - predicted.pose[judged], end)
+        or Verdict("arrived", f"arrived {end}")
     )
-    return found or Verdict("arrived", f"arrived {_whereabouts(evaluation)}")
 
 
-def _fell(evaluation: Evaluation) -> Verdict | None:
-    walk, judged = evaluation.walk, evaluation.judged
+def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Verdict | None:
     moments, kinematics = walk.recording.moments, walk.setup.kinematics
     standing = kinematics.standing
     height = float(kinematics.center_of_mass[2] - standing.height.min())
-    weight = evaluation.achieved.center_of_mass[:, 2]
-    lost = weight[evaluation.walking][0] - weight
+    weight = achieved.center_of_mass[:, 2]
+    lost = weight[moments.step >= walk.starts][0] - weight
     leaning = tilt(moments.qpos, walk.setup.robot.root_address)
     down = judged & ((leaning > TILTED) | (lost > LOW * height))
     if not down.any():
@@ -68,13 +79,12 @@ def _fell(evaluation: Evaluation) -> Verdict | None:
     return Verdict("fell", f"fell at {time:.1f} s: {how}")
 
 
-def _collided(evaluation: Evaluation) -> Verdict | None:
-    recording = evaluation.walk.recording
+def _collided(walk: Walk) -> Verdict | None:
     touched = [
         f"{what} {count} {'time' if count == 1 else 'times'}"
         for what, count in (
-            ("parts of the robot touched each other", recording.self_contacts),
-            ("the robot touched obstacles", recording.wall_contacts),
+            ("parts of the robot touched each other", walk.recording.self_contacts),
+            ("the robot touched obstacles", walk.recording.wall_contacts),
         )
         if count
     ]
@@ -83,26 +93,8 @@ def _collided(evaluation: Evaluation) -> Verdict | None:
     return Verdict("collided", f"collided: {' and '.join(touched)}")
 
 
-def _slipped(evaluation: Evaluation) -> Verdict | None:
-    prediction = evaluation.predicted.get("quasi_static")
-    if prediction is None:
-        return None
-    length, name = _measure(evaluation)
-    excess = _standing_slip(evaluation.walk) - prediction.slip[-1]
-    worst = int(excess.argmax())
-    if not excess[worst] > TOLERATED * length:
-        return None
-    leg = evaluation.walk.setup.robot.legs[worst]
-    return Verdict(
-        "slipped",
-        f"slipped: the foot of leg {leg} moved {1e3 * excess[worst]:.1f} mm more than "
-        f"predicted{_share(excess[worst], length, name)}; it ended "
-        f"{_whereabouts(evaluation)}",
-    )
-
-
-def _standing_slip(walk: Walk) -> np.ndarray:
-    """Slip of every foot while it is planned to stand and legs swing, (F,) [m].
+def _slipped(walk: Walk, predicted: Prediction, end: str) -> Verdict | None:
+    """Whether a foot slipped while it was planned to stand and legs swung.
 
     What feet slip while others lift and land is no part of any prediction, and does not
     move the body.
@@ -111,50 +103,40 @@ def _standing_slip(walk: Walk) -> np.ndarray:
     for phase in walk.phases:
         if phase.kind == "swing":
             slip += phase_slip(walk, phase) * walk.setup.robot.planted(phase.stratum)
-    return slip
-
-
-def _drifted(evaluation: Evaluation) -> Verdict | None:
-    prediction = evaluation.predicted.get("quasi_static")
-    if prediction is None:
+    excess = slip - predicted.slip[-1]
+    worst = int(excess.argmax())
+    if not excess[worst] > TOLERATED * _length(walk):
         return None
-    length, name = _measure(evaluation)
-    judged = evaluation.judged
-    apart = evaluation.achieved.pose[judged] - prediction.pose[judged]
+    return Verdict(
+        "slipped",
+        f"slipped: the foot of leg {walk.setup.robot.legs[worst]} moved "
+        f"{1e3 * excess[worst]:.1f} mm more than predicted"
+        f"{_share(excess[worst], walk)}; it ended {end}",
+    )
+
+
+def _drifted(walk: Walk, apart: Array, end: str) -> Verdict | None:
     off = float(np.hypot(*apart[:, :2].T).max())
-    if not off > TOLERATED * length:
+    if not off > TOLERATED * _length(walk):
         return None
     return Verdict(
         "drifted",
         f"drifted: it was up to {1e3 * off:.1f} mm off the quasi-static prediction"
-        f"{_share(off, length, name)}, and ended {_whereabouts(evaluation)}",
+        f"{_share(off, walk)}, and ended {end}",
     )
 
 
-def _whereabouts(evaluation: Evaluation) -> str:
-    """How far the end is from the goal and from where it was predicted."""
-    end = evaluation.achieved.pose[-1]
-    goal = np.array(evaluation.walk.setup.scenario.path.goal, dtype=float)
-    text = f"{_distance(end, goal)} from the goal"
-    prediction = evaluation.predicted.get("quasi_static")
-    if prediction is None:
-        return text
-    by = _distance(end, prediction.pose[-1])
-    return f"{text} and {by} from where the quasi-static prediction has it"
-
-
-def _distance(pose: np.ndarray, other: np.ndarray) -> str:
+def _distance(pose: Array, other: Array) -> str:
     return f"{1e3 * float(np.hypot(*(pose - other)[:2])):.2f} mm"
 
 
-def _measure(evaluation: Evaluation) -> tuple[float, str]:
+def _length(walk: Walk) -> float:
     """Length that shares are taken of, the way walked where the path has none [m]."""
-    if length := evaluation.walk.setup.scenario.path.length:
-        return length, "the path"
-    stride = evaluation.walk.setup.equations.stride
-    swings = (p for p in evaluation.walk.phases if p.kind == "swing")
-    return float(sum(stride(p.field) * abs(p.amount) for p in swings)), "the way walked"
+    return walk.setup.scenario.path.length or walk.distance
 
 
-def _share(part: float, length: float, name: str) -> str:
-    return f", {100 * part / length:.1f} % of {name}" if length else ""
+def _share(part: float, walk: Walk) -> str:
+    if not (length := _length(walk)):
+        return ""
+    what = "the path" if walk.setup.scenario.path.length else "the way walked"
+    return f", {100 * part / length:.1f} % of {what}"

@@ -83,7 +83,7 @@ def write(
     elif form == "dynamixel":
         text = write_ticks(commands, table)
     else:
-        scenario, robot = source.run.summary["scenario"], source.run.summary["robot"]
+        scenario, robot = source.run.summary.scenario, source.run.summary.robot
         title = f"{scenario} on {robot}, planned by stratawalk."
         text = write_header(commands, table, title=title, name=scenario, file=path.name)
     content = text.encode()

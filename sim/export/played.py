@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from planner import Array
+from sim.evaluation.deviations import departure, off
+from sim.evaluation.summary import Played
 from sim.export.servo_commands import ServoCommands
 from sim.export.source import Source
-from sim.motion.poses import pose_of, seen_from, wrap
+from sim.motion.poses import pose_of, seen_from
 from sim.physics.engine import Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder, Recording
 from sim.progress import Progress, silent
 from sim.runs.run import START
+from sim.scenarios.predictions import QUASI_STATIC
 
 
 def play(
     source: Source, commands: ServoCommands, progress: Progress = silent
-) -> dict[str, Any]:
+) -> Played:
     """Walk what an export says, and compare it as the walk itself was compared.
 
     Args:
@@ -27,37 +28,34 @@ def play(
         commands: What was read back.
         progress: Called with the stage and the finished part of it.
 
-    Returns:
-        `pose`, `min_margin`, `slip` and `bounces`, and under `error` the distances from
-        `goal` and `quasi_static`; as in summary.json.
-
     Raises:
         SimulationError: If the physics diverges.
     """
     run = source.run
     steps = np.round(run.time / source.timestep).astype(int)
-    starts = round(run.summary["walk_starts"] / source.timestep)
+    starts = round(run.summary.walk_starts / source.timestep)
     recording = _recorded(source, commands, steps, starts, progress)
     moments = recording.moments
     kept = np.isin(moments.step, steps[steps >= starts])
     address = source.robot.root_address_in(source.model)
     origin = run.arrays[START]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
-    predicted = run.predicted.get("quasi_static")
+    predicted = run.predicted.get(QUASI_STATIC.key)
     slip = moments.slip[-1] - recording.slip_after(starts)
-    goal = np.array(run.summary["goal"])
-    return {
-        "pose": poses[-1].tolist(),
-        "min_margin": recording.least_margin,
-        "slip": float(np.maximum(slip, 0.0).sum()),
-        "bounces": recording.bounces,
-        "error": {
-            "goal": _departure(poses[-1], goal),
-            "quasi_static": None
+    summary, walking = run.summary, steps >= starts
+    lengths = summary.path_length, summary.distance_walked
+    return Played(
+        pose=poses[-1].tolist(),
+        min_margin=recording.least_margin,
+        slip=float(np.maximum(slip, 0.0).sum()),
+        bounces=recording.bounces,
+        error={
+            "goal": departure(poses[-1], np.array(summary.goal)),
+            QUASI_STATIC.key: None
             if predicted is None
-            else _off(poses, predicted[steps >= starts]),
+            else off(poses, predicted[walking], *lengths),
         },
-    }
+    )
 
 
 def _recorded(
@@ -82,16 +80,3 @@ def _recorded(
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     return recorder.finish()
-
-
-def _off(poses: Array, predicted: Array) -> dict[str, float]:
-    """Distance at the end, and the farthest on the way."""
-    farthest = float(np.hypot(*(poses - predicted)[:, :2].T).max())
-    return _departure(poses[-1], predicted[-1]) | {"farthest": farthest}
-
-
-def _departure(pose: Array, other: Array) -> dict[str, float]:
-    return {
-        "position": float(np.hypot(*(pose - other)[:2])),
-        "yaw": float(abs(wrap(pose[2] - other[2]))),
-    }

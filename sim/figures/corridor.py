@@ -111,7 +111,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     words = {
         "fine": fine.segments,
         "coarse": coarse.segments,
-        "contacts": coarse.summary["wall_contacts"],
+        "contacts": coarse.summary.wall_contacts,
         "least": MM * fine.clearance["quasi_static"].min(),
         "achieved": MM * fine.clearance["achieved"].min(),
     }

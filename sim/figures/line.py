@@ -97,7 +97,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     axes["f"].set(xlabel="number of segments", ylabel="distance at the end  [mm]")
     axes["f"].set_ylim(top=10)  # room for the legend
     _finish(axes, SEGMENTS)
-    switches = [int(str(walked.summary["contact_switches"])) for walked in made]
+    switches = [walked.summary.contact_switches for walked in made]
     errors = (off["ideal"], off["quasi_static"], off["goal"])
     return Shown(rows_of(SEGMENTS, *widths.values(), *errors, switches))
 

@@ -13,8 +13,9 @@ from multiprocessing import active_children, get_context
 import numpy as np
 
 from planner import Array, Flow
-from sim.evaluation.assessment import Evaluation, Summary, evaluate, summarise
+from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.passage import commanded
+from sim.evaluation.summary import Summary
 from sim.interruption import deaf
 from sim.motion.poses import rotate
 from sim.motion.schedule import Phase
@@ -81,7 +82,7 @@ class Walked:
     @property
     def segments(self) -> int:
         """Number of segments walked."""
-        return int(str(self.summary["segments"]))
+        return self.summary.segments
 
 
 def perform(job: Job) -> Walked:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, POSITION, YAW
 from sim.progress import Progress, silent
-from sim.reports import verdict
 from sim.reports.maps import magnified, plan_view
-from sim.reports.tables import NONE, Table, flat, number
+from sim.reports.tables import Table, flat, sentences, word
 from sim.reports.templates import render
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
-MM = 1e3
-Summary = Mapping[str, Any]
+FINER = 1  # digits, by which errors of several runs are told apart
 IGNORED = ("name", "description")
 
 
@@ -42,18 +40,14 @@ def compare(runs: Sequence[Run]) -> Comparison:
     keys = [
         k for k in dict.fromkeys(k for s in settings for k in s) if k not in IGNORED
     ]
-    rows = {key: [_said(s.get(key)) for s in settings] for key in keys}
+    rows = {key: [_value(s.get(key)) for s in settings] for key in keys}
     header = ("setting", *names(runs))
     differing = [(key, *row) for key, row in rows.items() if len(set(row)) > 1]
     same = [(key, row[0]) for key, row in rows.items() if len(set(row)) == 1]
-    results = [
-        (label, *(_shown(run.summary, value) for run in runs))
-        for label, value in RESULTS.items()
-    ]
     return Comparison(
         runs,
         Table(header, differing),
-        Table(("", *header[1:]), results),
+        Table(("", *header[1:]), list(_results(runs))),
         Table(("setting", "value in all runs"), same),
     )
 
@@ -74,10 +68,7 @@ def page(compared: Comparison, progress: Progress = silent) -> str:
         "compare.html",
         title=f"{len(runs)} runs compared",
         compared=compared,
-        runs=[
-            (name, verdict.word(r.summary), verdict.sentences(r.summary))
-            for name, r in runs
-        ],
+        runs=[(name, word(run), sentences(run)) for name, run in runs],
         maps=maps,
     )
 
@@ -90,41 +81,22 @@ def names(runs: Sequence[Run]) -> list[str]:
     return [f"{run.folder.parent.name}/{run.title}" for run in runs]
 
 
-def _said(value: object) -> str:
+def _value(value: object) -> str:
     return "not set" if value is None else str(value)
 
 
-def _shown(summary: Summary, value: Callable[[Summary], object]) -> str:
-    """A result; a dash where a run has none."""
-    try:
-        found = value(summary)
-    except (KeyError, TypeError):
-        return NONE
-    return found if isinstance(found, str) else str(found)
-
-
-def _off(name: str, key: str) -> Callable[[Summary], str]:
-    return lambda summary: number(MM * summary["error"][name][key], 3)
-
-
-RESULTS: Mapping[str, Callable[[Summary], object]] = {
-    "verdict": verdict.word,
-    "robot": lambda s: s["robot"],
-    "off the goal [mm]": _off("goal", "position"),
-    "off the goal in yaw [mrad]": _off("goal", "yaw"),
-    **{
-        f"off {said}, {what} [mm]": _off(name, key)
-        for name, (_, said, _) in PREDICTIONS.items()
-        for what, key in (("at the end", "position"), ("at most", "farthest"))
-    },
-    "least margin [mm]": lambda s: number(MM * s["achieved"]["min_margin"], 1),
-    "slip [mm]": lambda s: number(MM * s["achieved"]["slip"], 1),
-    "creep floor [mm]": lambda s: number(MM * s["achieved"]["creep_floor"], 3),
-    "contact switches": lambda s: s["contact_switches"],
-    "contact switches achieved": lambda s: s["contact_switches_achieved"],
-    "bounces": lambda s: s["bounces"],
-    "length of the path [mm]": lambda s: number(MM * s["path_length"], 1),
-    "way walked [mm]": lambda s: number(MM * s["distance_walked"], 1),
-    "simulated time [s]": lambda s: number(s["simulated_time"], 1),
-}
-"""What is compared, by its name in the table."""
+def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
+    """What came of the runs: a row a quantity, with a digit more for what differs."""
+    summaries = [run.summary for run in runs]
+    yield "verdict", *(summary.verdict for summary in summaries)
+    yield "robot", *(summary.robot for summary in summaries)
+    for q, label in ((POSITION, "off the goal"), (YAW, "off the goal in yaw")):
+        yield f"{label} [{q.unit}]", *(q.cell(s, GOAL, FINER) for s in summaries)
+    for key, name in PREDICTIONS.items():
+        for q in (POSITION, *(q for q in OF_ROWS if q.key.startswith("error"))):
+            cells = (q.cell(s, key, FINER) for s in summaries)
+            yield f"off {name.label}, {q.title}", *cells
+    for q in (q for q in OF_ROWS if not q.key.startswith("error")):
+        yield q.title, *(q.cell(s, ACHIEVED) for s in summaries)
+    for q in OF_WALKS:
+        yield q.title, *(q.cell(s) for s in summaries)

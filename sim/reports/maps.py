@@ -112,7 +112,7 @@ def _thin(points: Array) -> Array:
 
 
 def _draw_goal(axes: Axes, run: Run) -> None:
-    x, y, _ = run.summary["goal"]
+    x, y, _ = run.summary.goal
     ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
     axes.plot(MM * x, MM * y, "o", markersize=8, **ring)
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from planner import Array
 from sim import palette
+from sim.evaluation.quantities import number
 from sim.palette import ACHIEVED, PREDICTED
 from sim.reports.drawing import Drawing, Key, extremes, finish, sheet
-from sim.reports.tables import number
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
@@ -88,7 +88,7 @@ def _margin(run: Run) -> Drawing:
                 Key(f"least that was asked for, {MM * asked:g} mm", LIMIT, True)
             )
         _over_time(axes, run)
-        least = MM * run.summary["achieved"]["min_margin"]
+        least = MM * run.summary.achieved.min_margin
         note = f"The least margin of the walk is {number(least, 1)} mm."
         return finish(figure, "Static stability margin [mm]", keys, note)
 
@@ -119,7 +119,7 @@ def _slip(run: Run) -> Drawing:
             for leg, colour in zip(run.legs, colours, strict=True)
         ]
         note = f"Dotted lines are the {PREDICTIONS[run.best].label} prediction."
-        if (floor := run.summary["achieved"]["creep_floor"]) is not None:
+        if (floor := run.summary.achieved.creep_floor) is not None:
             note += (
                 f" Standing still for as long, all feet together creep by "
                 f"{MM * floor:.3g} mm: that much is the solver's."

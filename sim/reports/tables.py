@@ -1,21 +1,28 @@
-"""Tables of a report: the ends, the error by phase, the settings and the versions."""
+"""Tables and sentences of a report: verdict, ends, errors by phase, settings."""
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sim.evaluation.flows import WalkedPhase
+from sim.evaluation.quantities import (
+    ACHIEVED,
+    GOAL,
+    OF_ROWS,
+    OF_WALKS,
+    POSITION,
+    ROWS,
+    YAW,
+    number,
+)
 from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import SETTINGS
 
 MM = 1e3
-MINUS = "\N{MINUS SIGN}"
-NONE = "\N{EN DASH}"
 SHIFTED = {  # what the phases of a walk are called in the table of sources
     "hold": "standing still on S{}",
     "lift": "lift-off to S{}",
@@ -32,57 +39,51 @@ class Table:
     rows: Sequence[Sequence[str]]
 
 
-def number(value: float | None, digits: int = 2) -> str:
-    """A number for people; a dash if there is none."""
-    if value is None:
-        return NONE
-    said = f"{value:z,.{digits}f}"
-    return said.replace("-", MINUS)
+def word(run: Run) -> str:
+    """The verdict in one word; a run of an older version was not judged."""
+    return run.summary.verdict
+
+
+def sentences(run: Run) -> list[str]:
+    """What became of the walk, the most important first."""
+    text, achieved = run.summary.verdict_text, run.summary.achieved
+    least, floor = MM * achieved.min_margin, achieved.creep_floor
+    where = f"up to {-least:.1f} mm outside its support"
+    if least >= 0:
+        where = f"never less than {least:.1f} mm inside its support"
+    slipped = f"Its feet slipped {MM * achieved.slip:.1f} mm in all"
+    creep = f"; {MM * (floor or 0.0):.2g} mm of that is the solver's creep"
+    return [
+        f"{text[:1].upper()}{text[1:]}.",
+        f"Its centre of mass was {where}.",
+        f"{slipped}{'' if floor is None else creep}.",
+    ]
 
 
 def ends(run: Run) -> Table:
     """Where the walk ends, as predicted and achieved, and how much they differ."""
     summary = run.summary
-    rows = [
-        ["goal", *_pose(summary["goal"]), *_off(summary["error"]["goal"]), NONE, NONE]
-    ]
-    for name, (_, said, _) in PREDICTIONS.items():
-        if found := summary["predicted"].get(name):
-            off = _off(summary["error"][name])
-            rows.append(
-                [f"predicted, {said}", *_pose(found["pose"]), *off, *_way(found)]
-            )
-    achieved = summary["achieved"]
-    rows.append(
-        ["achieved", *_pose(achieved["pose"]), NONE, NONE, NONE, *_way(achieved)]
-    )
-    header = (
-        "", "x [mm]", "y [mm]", "yaw [rad]", "physics ends off by [mm]",
-        "by yaw [mrad]", "at most [mm]", "least margin [mm]", "slip [mm]",
-    )  # fmt: skip
-    return Table(header, rows)
-
-
-def _pose(pose: Sequence[float]) -> list[str]:
-    return [number(MM * pose[0]), number(MM * pose[1]), number(pose[2], 4)]
-
-
-def _off(error: Mapping[str, float]) -> list[str]:
-    farthest = error.get("farthest")
-    at_most = NONE if farthest is None else number(MM * farthest)
-    return [number(MM * error["position"]), number(MM * error["yaw"]), at_most]
-
-
-def _way(along: Mapping[str, float]) -> list[str]:
-    return [number(MM * along["min_margin"], 1), number(MM * along["slip"], 1)]
+    poses: dict[str, Sequence[float]] = {GOAL: summary.goal}
+    poses |= {key: p.pose for key, p in summary.predicted.items() if p is not None}
+    poses |= {ACHIEVED: summary.achieved.pose}
+    rows = []
+    for row, label in ROWS.items():
+        if (pose := poses.get(row)) is not None:
+            x, y, yaw = number(MM * pose[0]), number(MM * pose[1]), number(pose[2], 4)
+            name = f"predicted, {label}" if row in PREDICTIONS else label
+            cells = (q.cell(summary, row) for q in (POSITION, YAW, *OF_ROWS))
+            rows.append((name, x, y, yaw, *cells))
+    header = ("", "x [mm]", "y [mm]", "yaw [rad]", "physics ends off by [mm]")
+    return Table((*header, "by yaw [mrad]", *(q.title for q in OF_ROWS)), rows)
 
 
 def sources(run: Run) -> Table | None:
     """What each kind of phase adds to the final error; None for a replanned walk."""
-    found: Mapping[str, Any] | None = run.summary.get("error_sources")
+    given = run.summary.error_sources or {}
+    found = {name: given[name] or {} for name in PREDICTIONS if given.get(name)}
     if not found:
         return None
-    names = [name for name in PREDICTIONS if found.get(name)]
+    names = list(found)
     header = ["", "phases", "slip [mm]", "not as planned"]
     for name in names:
         said = PREDICTIONS[name].label
@@ -117,20 +118,9 @@ def _carried_out(phases: Sequence[WalkedPhase], label: str | None) -> list[str]:
 
 def counts(run: Run) -> Table:
     """Counts and lengths of the walk."""
-    summary = run.summary
-    kinds = Counter(phase.kind for phase in run.phases)
-    switches = summary["contact_switches"], summary["contact_switches_achieved"]
-    rows = [
-        ("segments", str(1 + max((p.segment for p in run.phases), default=0))),
-        ("flows", str(kinds["swing"])),
-        ("contact switches", f"{switches[0]} planned, {switches[1]} achieved"),
-        ("bounces", str(summary["bounces"])),
-        ("length of the path", f"{summary['path_length']:.4f} m"),
-        ("way walked", f"{summary['distance_walked']:.4f} m"),
-        ("swing of loaded groups", f"{summary['swing_travel']:.2f} rad"),
-        ("swing in the air", f"{summary['air_travel']:.2f} rad"),
-        ("simulated time", f"{summary['simulated_time']:.2f} s"),
-    ]
+    flows = sum(phase.kind == "swing" for phase in run.phases)
+    rows = [("segments", str(run.segments)), ("flows", str(flows))]
+    rows += [(q.title, q.cell(run.summary)) for q in OF_WALKS]
     return Table(("", ""), rows)
 
 
@@ -142,8 +132,7 @@ def settings(run: Run) -> Table:
         for name, about in ((name, item.about) for name, item in SETTINGS.items())
     ]
     rows += [(name, toml_value(value), "") for name, value in flat(given)]
-    servo = run.summary.get("servo") or {}
-    for key, value in servo.items():
+    for key, value in run.summary.servo.items():
         said = "not set" if value is None else str(value)
         rows.append((f"servo: {key}", said, "as it was simulated"))
     return Table(("setting", "value", "meaning"), rows)
@@ -167,5 +156,4 @@ def versions(run: Run) -> Table:
     """Versions of what computed the run; of older runs, of what draws this page."""
     from sim.versions import versions as present
 
-    recorded: Mapping[str, str] | None = run.summary.get("versions")
-    return Table(("", "version"), list((recorded or present()).items()))
+    return Table(("", "version"), list((run.summary.versions or present()).items()))

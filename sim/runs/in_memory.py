@@ -8,8 +8,9 @@ import numpy as np
 
 from models.description import parse_toml
 from planner import Array
-from sim.evaluation.assessment import Evaluation, Summary
+from sim.evaluation.assessment import Evaluation
 from sim.evaluation.phases import carried_out
+from sim.evaluation.summary import Summary
 from sim.runs.arrays import Arrays
 from sim.runs.run import START, Run
 from sim.scenarios.file import dumps

@@ -22,6 +22,7 @@ from planner import Array
 from planner.support import open_file, read_file
 from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
+from sim.evaluation.summary import Summary
 from sim.motion.poses import rotate, wrap
 from sim.runs.arrays import archive, reading
 from sim.scenarios import body_path, obstacles
@@ -29,7 +30,6 @@ from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
 
-Summary = Mapping[str, Any]
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 DRAWN = ("ideal", "quasi_static")  # predictions in pictures of the robot
 FILES = ("model.xml", "model.toml")  # without which nothing can be shown
@@ -91,7 +91,7 @@ class Run:
     @cached_property
     def walking(self) -> slice:
         """Rows from the start of the walk on."""
-        first = int(np.searchsorted(self.time, self.summary["walk_starts"] - 1e-9))
+        first = int(np.searchsorted(self.time, self.summary.walk_starts - 1e-9))
         return slice(min(first, len(self.time) - 1), None)
 
     @cached_property
@@ -252,7 +252,7 @@ def read_run(folder: Path) -> Run:
             folder=folder.resolve(),
             settings=parse_toml(read_file(folder / "scenario.toml").decode()),
             card_text=read_file(folder / "model.toml").decode(),
-            summary=json.loads(read_file(folder / "summary.json")),
+            summary=Summary.read(json.loads(read_file(folder / "summary.json"))),
             phases=flows.read(read_file(folder / "flows.csv").decode()),
             arrays=archive(folder, "trajectory.npz"),
             commands=archive(folder, "commands.npz"),

@@ -177,12 +177,11 @@ def _walked(robot: Robot) -> dict[str, Any]:
         summary = simulate(scenario, robot=robot, without=WITHOUT).summary
     except (StratawalkError, PlannerError, ModelError) as error:
         return {"status": one_line(error)}
-    off, length = summary["error"]["quasi_static"], summary["path_length"]
     return {
         "status": "ok",
-        "verdict": summary["verdict"],
-        "strokes_per_metre": summary["per_metre"]["strokes"],
-        "min_margin": summary["achieved"]["min_margin"],
+        "verdict": summary.verdict,
+        "strokes_per_metre": summary.per_metre.strokes,
+        "min_margin": summary.achieved.min_margin,
         "goal": summary["error"]["goal"]["position"],
-        "farthest_per_path": off["farthest"] / length,
+        "farthest_per_path": summary.farthest_share,
     }

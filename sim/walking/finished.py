@@ -45,6 +45,13 @@ class Walk:
         return (self.phases[-1].stop - self.starts) * self.setup.limits.timestep
 
     @property
+    def distance(self) -> float:
+        """Way of the ideal body centre, back and forth [m]."""
+        swings = [phase for phase in self.phases if phase.kind == "swing"]
+        stride = self.setup.equations.stride
+        return float(sum(stride(p.field) * abs(p.amount) for p in swings))
+
+    @property
     def starts(self) -> int:
         """Number of steps of the first hold, after which the walk begins."""
         return self.stretches[0].schedule.stop

@@ -10,7 +10,6 @@ import pytest
 from models.description.robot import FOLDER
 from sim.cli import main
 from sim.evaluation.assessment import evaluate, summarise
-from sim.evaluation.verdict import judge
 from sim.planning.soundness import Collisions
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
@@ -90,13 +89,13 @@ def changed(evaluation, **recording):
 
 
 def test_robot_that_touches_itself_has_collided(short_walk):
-    verdict = judge(changed(short_walk.evaluation, self_contacts=3))
+    verdict = changed(short_walk.evaluation, self_contacts=3).verdict
     assert verdict.word == "collided"
     assert "3 times" in verdict.text
 
 
 def test_robot_that_touches_a_wall_has_collided(short_walk):
-    verdict = judge(changed(short_walk.evaluation, wall_contacts=1))
+    verdict = changed(short_walk.evaluation, wall_contacts=1).verdict
     assert verdict.text == "collided: the robot touched obstacles 1 time"
 
 
@@ -117,14 +116,14 @@ def test_robot_beyond_a_twentieth_of_the_path_off_has_drifted(short_walk, far, w
     evaluation = short_walk.evaluation
     foreseen = evaluation.predicted["quasi_static"].pose
     beside = foreseen + np.array([0.0, far, 0.0])
-    assert judge(moved(evaluation, pose=beside)).word == word
+    assert moved(evaluation, pose=beside).verdict.word == word
 
 
 def test_foot_beyond_a_twentieth_of_the_path_has_slipped(short_walk):
     evaluation = short_walk.evaluation
     slip = evaluation.predicted["quasi_static"].slip.copy()
     slip[-1, 2] -= 0.001
-    verdict = judge(predicted(evaluation, slip=slip))
+    verdict = predicted(evaluation, slip=slip).verdict
     assert verdict.word == "slipped"
     assert "leg 3" in verdict.text
 
@@ -133,7 +132,7 @@ def test_body_that_sinks_to_half_its_height_has_fallen(short_walk):
     evaluation = short_walk.evaluation
     weight = evaluation.achieved.center_of_mass.copy()
     weight[-1, 2] *= 0.4
-    assert judge(moved(evaluation, center_of_mass=weight)).word == "fell"
+    assert moved(evaluation, center_of_mass=weight).verdict.word == "fell"
 
 
 def test_departure_beyond_the_tolerance_ends_with_seven(tmp_path, capsys):

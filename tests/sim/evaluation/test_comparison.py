@@ -6,7 +6,8 @@ import sys
 
 import pytest
 
-from sim.evaluation.comparison import describe
+from sim.evaluation.comparison import describe as described
+from sim.evaluation.summary import Summary
 from sim.progress import bar, silent
 
 SUMMARY = {
@@ -29,7 +30,19 @@ SUMMARY = {
         "ideal": {"pose": [0.1, 0.19, 0.0], "min_margin": 0.05, "slip": 0.25},
         "quasi_static": None,
     },
-    "achieved": {"pose": [0.1, 0.198, -1e-9], "min_margin": 0.04, "slip": 0.3},
+    "achieved": {
+        "pose": [0.1, 0.198, -1e-9],
+        "min_margin": 0.04,
+        "slip": 0.3,
+        "slip_swing": 0.2,
+        "slip_transition": 0.1,
+        "slip_per_foot": {"1": 0.3},
+        "creep_floor": None,
+    },
+    "swing_travel": 5.0,
+    "air_travel": 3.0,
+    "walk_starts": 0.5,
+    "timestep": 0.001,
     "error": {
         "goal": {"position": 0.002, "yaw": 0.0},
         "ideal": {"position": 0.008, "yaw": 0.1},
@@ -42,6 +55,11 @@ SUMMARY = {
 @pytest.fixture
 def summary():
     return copy.deepcopy(SUMMARY)
+
+
+def describe(table):
+    """The text of a summary, as it is read from a file."""
+    return described(Summary.read(table))
 
 
 def row(summary, name):

@@ -1,0 +1,191 @@
+"""The numbers of summary.json as values of named types; docs/numbers.md defines them.
+
+Fields can also be read by the keys of the file, as `summary["error"]["goal"]`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any, Self
+
+from sim.scenarios.predictions import QUASI_STATIC
+
+
+class Numbers(Mapping[str, Any]):
+    """Fields of a dataclass that are also read by their names, as from a file."""
+
+    def __getitem__(self, key: str) -> Any:
+        if key not in self.__dataclass_fields__:  # type: ignore[attr-defined]
+            raise KeyError(key)
+        return getattr(self, key)
+
+    def __iter__(self) -> Iterator[str]:
+        return (item.name for item in fields(self))  # type: ignore[arg-type]
+
+    def __len__(self) -> int:
+        return len(fields(self))  # type: ignore[arg-type]
+
+    def to_json(self) -> dict[str, object]:
+        """The fields as plain values, in the order of the file."""
+        plain: dict[str, object] = _plain(self)
+        return plain
+
+    @classmethod
+    def read(cls, table: Mapping[str, Any]) -> Self:
+        """The values of a file's table; what older versions did not write is left out.
+
+        Raises:
+            KeyError: If a key is missing.
+        """
+        items = fields(cls)  # type: ignore[arg-type]
+        without = (i.default is MISSING and i.default_factory is MISSING for i in items)
+        needed = (i.name for i, needs in zip(items, without, strict=True) if needs)
+        given = {name: table[name] for name in needed}
+        return cls(**given | {i.name: table[i.name] for i in items if i.name in table})
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {key: _plain(inner) for key, inner in value.items()}
+    return value
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Departure(Numbers):
+    """How far a pose is from another one, or from a path."""
+
+    position: float  # [m]
+    yaw: float  # [rad]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PredictionError(Departure):
+    """How far the physics is from a prediction, at the end and on the way."""
+
+    position_per_path: float | None = None
+    position_per_walked: float | None = None
+    farthest: float | None = None  # on the way [m]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Predicted(Numbers):
+    """Where a prediction ends, and what it foresees on the way."""
+
+    pose: list[float]
+    min_margin: float  # [m]
+    slip: float  # of all feet [m]
+    min_clearance: float | None = None  # [m]; None where there are no obstacles
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Accomplished(Numbers):
+    """Where the physics ends, and what happened on the way."""
+
+    pose: list[float]
+    min_margin: float  # [m]
+    min_clearance: float | None = None  # [m]
+    slip: float  # of all feet [m]
+    slip_swing: float
+    slip_transition: float
+    slip_per_foot: Mapping[str, float]
+    creep_floor: float | None  # slip while standing as long [m], if measured
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Played(Numbers):
+    """What came of an export that was played in the physics."""
+
+    pose: list[float]
+    min_margin: float  # [m]
+    slip: float  # of all feet [m]
+    bounces: int
+    error: Mapping[str, Departure | None]  # from `goal` and `quasi_static`
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PerMetre(Numbers):
+    """What a metre of the nominal path takes; None where it has no length."""
+
+    seconds: float | None = None
+    strokes: float | None = None  # of the loaded groups [rad]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Summary(Numbers):
+    """The numbers of a run; keys and order are those of summary.json.
+
+    Predictions that could not be made are None, and `unpredicted` says why.
+    """
+
+    verdict: str = "not judged"
+    verdict_text: str = "not judged"
+    scenario: str
+    robot: str
+    fields: str
+    stance: str
+    segments: int
+    replan: bool
+    steer: str
+    optimise: str = "none"
+    together: bool = False  # overlapped recovery; columns of sweeps have this name
+    correct: int = 1
+    goal: list[float]
+    path_length: float  # [m]
+    distance_walked: float  # [m]
+    contact_switches: int
+    contact_switches_achieved: int
+    swing_travel: float  # [rad]
+    air_travel: float  # [rad]
+    bounces: int
+    wall_contacts: int = 0
+    self_contacts: int = 0
+    saturated_segments: int
+    let_down: float = 0.0  # [m]
+    fastest_swing: float = 0.0  # [rad/s]
+    swing_speed: float = 0.0  # [rad/s]
+    walk_starts: float  # [s]
+    predicted: Mapping[str, Predicted | None]
+    unpredicted: Mapping[str, str] = field(default_factory=dict)
+    achieved: Accomplished
+    error: Mapping[str, PredictionError | Departure | None]
+    error_sources: Mapping[str, Mapping[str, list[float]] | None] | None = None
+    servo: Mapping[str, object] = field(default_factory=dict)
+    deviation: Mapping[str, Departure | None] = field(default_factory=dict)
+    per_metre: PerMetre = field(default_factory=PerMetre)
+    simulated_time: float  # [s]
+    timestep: float  # [s]
+    versions: Mapping[str, str] = field(default_factory=dict)
+    fallback: str | None = None
+    missed: list[float] = field(default_factory=list)  # off the goal, by walk [m]
+    timing: Mapping[str, float] = field(default_factory=dict)  # [s]
+
+    @classmethod
+    def read(cls, table: Mapping[str, Any]) -> Self:
+        """The summary in a file's table, also in one of an older version.
+
+        Raises:
+            KeyError: If a number is missing.
+        """
+        inner: dict[str, object] = {
+            "predicted": _each(Predicted, table["predicted"]),
+            "achieved": Accomplished.read(table["achieved"]),
+            "error": _each(PredictionError, table["error"])
+            | {"goal": Departure.read(table["error"]["goal"])},
+            "deviation": _each(Departure, table.get("deviation", {})),
+            "per_metre": PerMetre.read(table.get("per_metre", {})),
+        }
+        return super().read({**table, **inner})
+
+    @property
+    def farthest_share(self) -> float | None:
+        """Farthest from the quasi-static prediction, as a share of the path walked."""
+        off, length = self.error[QUASI_STATIC.key], self.path_length
+        if not isinstance(off, PredictionError) or off.farthest is None:
+            return None
+        length = length or self.distance_walked
+        return off.farthest / length if length else 0.0
+
+
+def _each(kind: type[Numbers], table: Mapping[str, Any]) -> dict[str, Numbers | None]:
+    return {key: None if one is None else kind.read(one) for key, one in table.items()}
