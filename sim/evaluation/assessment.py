@@ -5,13 +5,13 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
 
-from models import MeasurementError, TwistModel
+from models import MeasurementError
 from planner import Array
 from sim.evaluation.achieved import Achieved, achieved_motion
 from sim.evaluation.attribution import error_sources
@@ -23,7 +23,7 @@ from sim.evaluation.deviations import (
     off,
     per_metre,
 )
-from sim.evaluation.passage import clearances
+from sim.evaluation.following import clearances, commands_along, predicted_along
 from sim.evaluation.phases import (
     count_changes,
     moving_time,
@@ -34,15 +34,13 @@ from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, follows_commands, twist_model
-from sim.motion.poses import wrap
-from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
-from sim.motion.stability import BLOCK
+from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
 from sim.scenarios.predictions import QUASI_STATIC
 from sim.versions import versions
-from sim.walking.finished import Stretch, Walk
+from sim.walking.finished import Walk
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ def evaluate(
     caches: dict[str, Cache] = {"achieved": no_cache}
     measured = world_cache(walk.setup, shared)
     given = cache(
-        "commanded", lambda: [list(_commanded(walk, s)) for s in walk.stretches]
+        "commanded", lambda: [list(commands_along(walk, s)) for s in walk.stretches]
     )
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     for name in MODELS:
@@ -110,7 +108,7 @@ def evaluate(
             alike = follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
             twists = partial(measured, name, partial(twist_model, walk.setup, name))
-            follow = partial(_predicted, walk, twists, given)
+            follow = partial(predicted_along, walk, twists, given)
             with stage(progress, f"following {name.replace('_', '-')}"):
                 predicted[name] = caches[name](name, follow)
         except MeasurementError as error:
@@ -157,36 +155,6 @@ def judged(walk: Walk) -> Array:
     recording = walk.recording
     found: Array = recording.moments.step >= walk.starts
     return found & recording.marks.inspected
-
-
-def _commanded(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
-    """The commands of a stretch at the moments recorded, in blocks."""
-    schedule, during = stretch.schedule, walk.recording.during
-    inside = during[(during >= schedule.start) & (during < schedule.stop)]
-    local = inside - schedule.start  # a stretch's last step is always among them
-    for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
-        yield commanded(schedule, rows, walk.setup.kinematics)
-
-
-def _predicted(
-    walk: Walk,
-    model: Callable[[], TwistModel],
-    given: Sequence[Sequence[Commanded]],
-) -> Prediction:
-    """One prediction over all stretches, each from the pose it was planned from."""
-    pieces: list[Prediction] = []
-    twists = model()
-    slipped, kinematics = np.zeros(len(walk.setup.robot.legs)), walk.setup.kinematics
-    for stretch, blocks in zip(walk.stretches, given, strict=True):
-        predict = Predictor(stretch.schedule, twists, kinematics, tuple(stretch.pose))
-        for block in blocks:
-            piece = predict.along(block)
-            pose = np.concatenate([piece.pose[:, :2], wrap(piece.pose[:, 2:])], axis=1)
-            slip = piece.slip + slipped
-            pieces.append(Prediction(pose, slip, piece.margin, piece.contact))
-        slipped = slip[-1]
-    names = ("pose", "slip", "margin", "contact")
-    return Prediction(*(np.concatenate([getattr(p, n) for p in pieces]) for n in names))
 
 
 def summarise(

@@ -14,7 +14,7 @@ import numpy as np
 
 from planner import Array, Flow
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
-from sim.evaluation.passage import commanded
+from sim.evaluation.following import commanded_angles
 from sim.evaluation.summary import Summary
 from sim.interruption import deaf
 from sim.motion.poses import rotate
@@ -139,7 +139,7 @@ def _gathered(evaluation: Evaluation) -> Walked:
     phases = made.phases
     starts = np.array([phase.start for phase in phases])
     at = np.searchsorted(starts, made.recording.during, side="right") - 1
-    swing, lift = commanded(made)
+    swing, lift = commanded_angles(made)
     predicted = {name: evaluation.predicted[name] for name in PREDICTED}
     stance = setup.kinematics.stance(swing, lift)
     ideal = predicted["ideal"]
