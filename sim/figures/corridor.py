@@ -105,7 +105,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         as_map(axes[above], "mm", "box")
         _draw_clearance(axes[below], walked)
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
-        counts = (int(str(summary[n])) for n in ("wall_contacts", "contact_switches"))
+        counts = summary.wall_contacts, summary.contact_switches
         margin = float(walked.margin["achieved"].min())
         rows.append((walked.segments, *map(float, least), *counts, margin))
     words = {

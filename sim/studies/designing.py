@@ -182,6 +182,6 @@ def _walked(robot: Robot) -> dict[str, Any]:
         "verdict": summary.verdict,
         "strokes_per_metre": summary.per_metre.strokes,
         "min_margin": summary.achieved.min_margin,
-        "goal": summary["error"]["goal"]["position"],
+        "goal": summary.error["goal"].position,
         "farthest_per_path": summary.farthest_share,
     }
