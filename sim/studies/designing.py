@@ -17,6 +17,7 @@ from models import ModelError, Robot, equations, mobility_of
 from models.motion import group_twist
 from planner import PlannerError
 from sim.errors import StratawalkError, one_line
+from sim.evaluation.quantities import POSITION
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
 
@@ -182,6 +183,6 @@ def _walked(robot: Robot) -> dict[str, Any]:
         "verdict": summary.verdict,
         "strokes_per_metre": summary.per_metre.strokes,
         "min_margin": summary.achieved.min_margin,
-        "goal": summary.error["goal"].position,
+        "goal": POSITION.value(summary, "goal"),
         "farthest_per_path": summary.farthest_share,
     }
