@@ -11,8 +11,9 @@ from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS
 from sim.cli import main
 from sim.commands.parsing import COMMANDS, parser
-from sim.evaluation.comparison import HEADER, PREDICTIONS
+from sim.evaluation.comparison import HEADER
 from sim.scenarios.file import load_scenario, shipped_scenarios
+from sim.scenarios.predictions import LABELS
 from tests.pages import PAGES, README, ROOT, blocks, commands, name_of
 
 PROGRAMS = [*(ROOT / "scripts").glob("*.py"), *(ROOT / "examples").glob("*.py")]
@@ -118,6 +119,6 @@ def test_the_comparison_shown_has_todays_rows_and_columns():
     rows = lines[lines.index(HEADER) + 1 :][: len(PREDICTIONS) + 2]
     assert [row.split()[0] for row in rows] == [
         "goal",
-        *PREDICTIONS.values(),
+        *LABELS,
         "achieved",
     ]
