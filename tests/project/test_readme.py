@@ -116,7 +116,7 @@ def test_the_card_shown_has_the_keys_of_the_shipped_cards():
 def test_the_comparison_shown_has_todays_rows_and_columns():
     (shown,) = blocks_with("text", HEADER)
     lines = shown.splitlines()
-    rows = lines[lines.index(HEADER) + 1 :][: len(PREDICTIONS) + 2]
+    rows = lines[lines.index(HEADER) + 1 :][: len(LABELS) + 2]
     assert [row.split()[0] for row in rows] == [
         "goal",
         *LABELS,
