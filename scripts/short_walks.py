@@ -60,7 +60,7 @@ def planned(name: str, way: str, detail: str, changes: Mapping[str, object]) -> 
     """
     setup = prepare(load_scenario(name, dict(changes)))
     plan, judge = ScenarioProblem(setup).solve().plan, Judge(setup)
-    strays, seconds = judge.strays(plan), judge.duration(plan.flows)
+    strays, seconds = judge.deviation(plan), judge.duration(plan.flows)
     return Point(name, way, detail, seconds, strays["position"], strays["yaw"])
 
 

@@ -10,8 +10,10 @@ from .evaluation.assessment import (
     evaluate as evaluate,
 )
 from .evaluation.attribution import error_sources as error_sources
-from .optimisation.judging import Judge as Judge
-from .optimisation.lower_bound import least_time as least_time
+from .optimisation.judging import (
+    Judge as Judge,
+    least_time as least_time,
+)
 from .preparation.setup import prepare as prepare
 from .problems.scenario import ScenarioProblem as ScenarioProblem
 from .run_folder import (

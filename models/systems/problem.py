@@ -161,11 +161,7 @@ def configuration(
 ) -> Array:
     """A configuration from some of its coordinates, shape (n,).
 
-    Args:
-        system: System whose configuration it is.
-        what: What it is called in messages.
-        given: Coordinates by name.
-        otherwise: Configuration that has the others; they are zero without it.
+    The others are those of `otherwise`, or zero; `what` names it in messages.
 
     Raises:
         ValueError: A coordinate is unknown or not finite.

@@ -7,7 +7,10 @@ from .optimise import (
     Objective as Objective,
     Optimiser as Optimiser,
 )
-from .solver import MissingSolverError as MissingSolverError
+from .solver import (
+    Expression as Expression,
+    MissingSolverError as MissingSolverError,
+)
 from .stages import (
     Stage as Stage,
     cycle as cycle,

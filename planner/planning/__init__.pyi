@@ -17,10 +17,6 @@ from .convergence import (
     critical_step as critical_step,
     faster as faster,
 )
-from .curves import (
-    formula_curve as formula_curve,
-    table_curve as table_curve,
-)
 from .lifted_ends import (
     plan_between as plan_between,
     set_down as set_down,
@@ -34,9 +30,11 @@ from .paths import (
     Path as Path,
     ellipse as ellipse,
     ellipse_perimeter as ellipse_perimeter,
+    formula_curve as formula_curve,
     grid as grid,
     line as line,
     recut as recut,
+    table_curve as table_curve,
     waypoints as waypoints,
 )
 from .replanning import (

@@ -54,11 +54,7 @@ def system_table(system: StratifiedSystem) -> dict[str, Any]:
 
 
 def system_from(table: Mapping[str, Any]) -> StratifiedSystem:
-    """The system that a table describes.
-
-    Args:
-        table: `state`, `bottom`, `strata` with the formulas of their fields and, where
-            strata are level sets, `level_sets`.
+    """The system that a table describes, as `system_table` gives it.
 
     Raises:
         ValueError: A key is missing or unknown, or `StratifiedSystem` refuses a value.

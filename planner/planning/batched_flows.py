@@ -52,14 +52,9 @@ class Level(NamedTuple):
 
 @lru_cache(maxsize=32)
 def levels(system: StratifiedSystem, names: tuple[str, ...]) -> list[Level] | None:
-    """Coordinates in the order in which flows of some fields can be integrated.
+    """Coordinates in the order in which flows of the named fields can be integrated.
 
-    Args:
-        system: System that has the fields.
-        names: Their names.
-
-    Returns:
-        The levels; None if there is no such order, or it cannot be read off.
+    None if there is no such order, or it cannot be read off.
     """
     fields = [system.fields[name] for name in names]
     if any(isinstance(field, NumericField) for field in fields):
@@ -90,14 +85,8 @@ def batched(
 ) -> Array | None:
     """States after each of a sequence of flows, shape (flows, n).
 
-    Args:
-        system: System that the flows are of.
-        flows: Flows in time order.
-        start: Configuration before the first flow, shape (n,).
-
-    Returns:
-        The states; None if coordinates cannot be integrated one after another, or a
-        flow is too long for its polynomials.
+    None if coordinates cannot be integrated one after another, or a flow is too long
+    for its polynomials.
     """
     order = levels(system, tuple(sorted({flow.field for flow in flows})))
     if order is None:
@@ -199,13 +188,7 @@ class _Batch:
 
 
 def is_angular(rates: Sequence[sp.Expr], angle: sp.Symbol, state: Symbols) -> bool:
-    """Whether all rates of a coordinate are of the form c + a cos + b sin of it.
-
-    Args:
-        rates: Rates of the coordinate along some fields.
-        angle: Symbol of the coordinate.
-        state: Symbols of the state.
-    """
+    """Whether all rates of a coordinate are of the form c + a cos + b sin of it."""
     return all(
         vanishing([sp.Matrix([r.diff(angle, 3) + r.diff(angle)])], state)[0]
         for r in rates
@@ -248,10 +231,7 @@ def angular_ways(
 def _starts(u: Array, v: Array, angle: float) -> Array:
     """Directions in which flows begin one after another, shape (2, flows).
 
-    Args:
-        u: Upper row of each flow's matrix, shape (2, flows).
-        v: Lower row of it, same shape.
-        angle: Direction before the first flow.
+    The rows of each flow's matrix, `u` and `v`, have that shape as well.
     """
     x, y = cos(angle), sin(angle)
     starts = []
@@ -268,15 +248,9 @@ def _points(
 ) -> tuple[Array, Array] | None:
     """Both coordinates of the points that start at (1, 0) and at (0, 1).
 
-    Args:
-        diagonal: Lower right entry of the linear system, shape (nodes, flows); the
-            upper left one is its negative.
-        upper: Upper right entry, same shape.
-        lower: Lower left entry, same shape.
-        rule: Nodes in each flow.
-
-    Returns:
-        Shape (2, nodes, flows) each; None if the nodes do not suffice.
+    The entries of the linear system have shape (nodes, flows); its upper left one is
+    the negative of the lower right. Each result has shape (2, nodes, flows); there is
+    none if the nodes do not suffice.
     """
     begin = np.eye(2)[:, :, None, None]
     u, v = np.broadcast_to(begin, (2, 2, *diagonal.shape))

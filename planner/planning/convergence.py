@@ -184,10 +184,7 @@ def _misses(
 def word_logarithm(hall: HallFields, generators: Sequence[str], word: Word) -> Array:
     """The logarithm of a word's flow in a Hall basis, shape (s,), eq. (3).
 
-    Args:
-        hall: Basis, which may go beyond the degree to which the word is exact.
-        generators: Fields by their numbers, from 1.
-        word: Flows in time order.
+    The basis may go beyond the degree to which the word is exact.
     """
     unit = dict(zip(generators, np.eye(len(hall.elements)), strict=False))
     coordinates = np.zeros(len(hall.elements))

@@ -143,14 +143,8 @@ def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
 
     The path is differentiated as the polynomial through its samples, so that the
     integral of its velocity meets the end of the segment exactly. Inputs are zero where
-    the path does not move.
-
-    Args:
-        extended: System to steer.
-        samples: Configurations, shape (segments, nodes, n).
-
-    Returns:
-        Shape (segments, nodes, p).
+    the path does not move. Samples have shape (segments, nodes, n), inputs (segments,
+    nodes, p).
     """
     segments, nodes, _ = samples.shape
     inputs = np.zeros((segments, nodes, len(extended.elements)))
@@ -162,14 +156,10 @@ def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
 
 
 def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> None:
-    """Check that inputs follow a path between its nodes.
+    """Check that inputs follow a path between its nodes as well as at them.
 
-    Shots (`planning.shooting`) do not need this check, since each is rolled out.
-
-    Args:
-        extended: System to steer.
-        samples: Configurations at nodes of segments in order, (segments, nodes, n).
-        inputs: Inputs that follow them, shape (segments, nodes, p).
+    A loss of rank at a node is detected by `extension.extended`. Shots do not need this
+    check, since each is rolled out. Shapes are as in `fictitious_inputs_along`.
 
     Raises:
         PlannerError: The determinant of the elements changes its sign along a segment;

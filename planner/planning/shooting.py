@@ -254,12 +254,6 @@ def shot_towards(
 ) -> Shot:
     """A plan of one straight segment and its rollout.
 
-    Args:
-        extended: System to steer.
-        here: Configuration to start from, shape (n,).
-        target: Configuration to aim at, shape (n,).
-        execution: How to carry it out; its coordinates are not `fewest`.
-
     Raises:
         ValueError: The execution leaves the choice of coordinates open.
         PlannerError: The elements do not follow the line.

@@ -103,12 +103,7 @@ def needed(slack: Slack) -> Array:
 
 
 def refined(cuts: Array, pieces: Array) -> Array:
-    """Parameters after each segment is cut into equal pieces.
-
-    Args:
-        cuts: Shape (segments + 1,).
-        pieces: Number of pieces of each segment, at least 1, shape (segments,).
-    """
+    """Parameters (segments + 1,) after each segment is cut into equal pieces."""
     parts = [
         np.linspace(a, b, n, endpoint=False)
         for a, b, n in zip(cuts[:-1], cuts[1:], pieces, strict=True)

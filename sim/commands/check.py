@@ -166,13 +166,7 @@ def _robots() -> Sequence[str]:
 
 
 def describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
-    """The verdict, both tests, and the missing directions, line by line.
-
-    Args:
-        name: Name of the system or robot.
-        report: Result of the tests.
-        theory: Directions that no range of the inputs can use.
-    """
+    """The verdict, both tests, and the missing directions, line by line."""
     yes = f"controllable, as the {report.decided_by} shows"
     if theory:
         yes = f"controllable in theory only: no joint range can use {', '.join(theory)}"

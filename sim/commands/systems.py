@@ -55,12 +55,7 @@ def _facts(name: str) -> dict[str, object]:
 
 
 def is_system(source: str, others: Collection[str], kind: str = "scenario") -> bool:
-    """Whether a word of the command line means a system.
-
-    Args:
-        source: The word.
-        others: Names of the shipped things of the other kind.
-        kind: That kind.
+    """Whether a word means a system and none of the shipped things of another kind.
 
     Raises:
         UsageError: It is a name of neither.
@@ -90,11 +85,7 @@ def _has_strata(path: Path) -> bool:
 
 
 def find(source: str, settings: Sequence[str] = ()) -> Problem:
-    """A system and its problem.
-
-    Args:
-        source: Name of a shipped system, or path of a TOML or Python file.
-        settings: `KEY=VALUE` for parameters that are not to have their defaults.
+    """The problem of a shipped system, or of a TOML or Python file.
 
     Raises:
         UsageError: There is no such file, or a setting sets nothing, or comes twice.

@@ -16,14 +16,7 @@ def add_robot_argument(
     metavar: str = "ROBOT",
     optional: bool = False,
 ) -> None:
-    """Add a robot and `--allow-external` to a command that is about one robot.
-
-    Args:
-        parser: Parser of the command.
-        about: What may be given.
-        metavar: Its name in the usage.
-        optional: Whether it may be left out.
-    """
+    """Add a robot and `--allow-external` to a command that is about one robot."""
     parser.add_argument(
         "robot", metavar=metavar, nargs="?" if optional else None, help=about
     )

@@ -1,4 +1,7 @@
-"""The clearance from obstacles as expressions that a solver can differentiate.
+"""Stability margin and clearance as expressions that a solver can differentiate.
+
+The weight keeps a distance from every side of the support polygon. Which feet make the
+sides is read off the robot with its legs at angle 0.
 
 Two convex shapes that are apart are closest at a corner of one of them. Seen from
 above, the distances of the robot's corners from the obstacles, and of the obstacles'
@@ -12,22 +15,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, reduce
-from itertools import groupby
-from typing import Any
+from itertools import groupby, permutations
 
 import numpy as np
 import shapely
 
-from planner.optimisation import Stage
+from models import Kinematics
+from planner import Array
+from planner.optimisation import Expression, Stage
 from sim.obstacles.clearance import surroundings
 from sim.optimisation.outlines import BODY, MovingPart, Place, discs, moving_parts
 from sim.preparation.setup import Setup
 
 FIRST_ANGLE = 3  # of the state, after the pose
-SOFT = 5e-4  # [m] within which the least of several distances is smoothed
+SMOOTHED = 5e-4  # [m] within which the least of several distances is smoothed
 TINY = 1e-12  # [m^2], keeps the root of a square differentiable
-POINTS = 201  # of the path, to which obstacles may be near
-FAR = 10.0  # [m], of a corridor that counts as without end
+NEARBY_POINTS = 201  # of the path, to which obstacles may be near
+ENDLESS = 10.0  # [m], of a corridor that counts as without end
 
 Sides = Sequence[tuple[Place, Place]]
 
@@ -42,29 +46,24 @@ class Near:
 
 def clearances(
     setup: Setup, least: float, within: float
-) -> Callable[[Stage, Sequence[Any]], list[Any]]:
-    """What body and legs are farther from all obstacles than a least clearance [m].
+) -> Callable[[Stage, Sequence[Expression]], list[Expression]]:
+    """Clearance of body and legs from all obstacles, less the least one asked for [m].
 
-    Args:
-        setup: Robot, path and obstacles.
-        least: Clearance to keep [m].
-        within: How far the body may stray from the path [m].
-
-    Returns:
-        Expressions that must not be negative, from a stage and a state's entries.
+    The body deviates from its path by at most `within` [m]. The expressions, of a stage
+    and a state's entries, must not be negative.
     """
     pieces = list(near_pieces(setup, within))
     size = FIRST_ANGLE + len(setup.robot.groups)
 
     @lru_cache
-    def least_distances(stratum: str) -> Any:
+    def least_distances(stratum: str) -> Expression:
         import casadi as ca
 
         state = ca.SX.sym("state", size)
         rows = _least_distances(setup, stratum, state, pieces)
         return ca.Function("clearances", [state], [ca.vertcat(*rows)])
 
-    def of(stage: Stage, state: Sequence[Any]) -> list[Any]:
+    def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
         import casadi as ca
 
         found = least_distances(stage.stratum)(ca.vertcat(*state[:size]))
@@ -74,8 +73,8 @@ def clearances(
 
 
 def _least_distances(
-    setup: Setup, stratum: str, state: Any, pieces: Sequence[Near]
-) -> Iterator[Any]:
+    setup: Setup, stratum: str, state: Expression, pieces: Sequence[Near]
+) -> Iterator[Expression]:
     """The least distance of the body, and of each leg, from obstacles."""
     import casadi as ca
 
@@ -91,19 +90,14 @@ def _least_distances(
 
 
 def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
-    """Sides and corners of obstacles that the robot can reach from its path.
-
-    Args:
-        setup: Robot, path and obstacles.
-        within: How far the body may stray from the path [m].
-    """
+    """Sides and corners of obstacles within reach of a body so near to its path [m]."""
     outline = surroundings(setup).outline
     swings = [limits for limits in zip(*setup.equations.limits.values(), strict=True)]
     angles = np.array([*swings, np.zeros(len(setup.robot.groups))])
     still = np.zeros((len(angles), 3)), angles, np.zeros_like(angles)
     reach = max(map(outline.radius, outline.configurations(*still)))
-    reach += min(within, FAR) + setup.scenario.min_clearance
-    way = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, POINTS))[:, :2]
+    reach += min(within, ENDLESS) + setup.scenario.min_clearance
+    way = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, NEARBY_POINTS))[:, :2]
     path, points = shapely.linestrings(way), shapely.points(way)
     for obstacle in setup.scenario.obstacles:
         for piece in obstacle.pieces:
@@ -126,10 +120,10 @@ def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
 
 def _distances(
     parts: Sequence[MovingPart],
-    angle: tuple[Any, Any],
-    pose: tuple[Any, Any, Any, Any],
+    angle: Place,
+    pose: tuple[Expression, Expression, Expression, Expression],
     pieces: Sequence[Near],
-) -> Iterator[Any]:
+) -> Iterator[Expression]:
     """Distances between parts of one leg, or the body, and pieces of obstacles."""
     x, y, cos, sin = pose
     for disc in discs(list(parts)):
@@ -150,15 +144,10 @@ def _distances(
             yield found - part.radius
 
 
-def distance(point: Place, sides: Sides) -> Any:
-    """Signed distance of a point from a convex polygon.
+def distance(point: Place, sides: Sides) -> Expression:
+    """Signed distance of a point from a convex polygon [m]; negative inside.
 
-    Args:
-        point: Its place.
-        sides: Sides in counter-clockwise order; some may be left out.
-
-    Returns:
-        CasADi's expression [m]; inside, minus the distance from the nearest side.
+    Sides are in counter-clockwise order; some may be left out.
     """
     import casadi as ca
 
@@ -166,14 +155,14 @@ def distance(point: Place, sides: Sides) -> Any:
     return ca.if_else(out > 0, apart(point, sides), out)
 
 
-def beyond(point: Place, sides: Sides) -> Any:
+def beyond(point: Place, sides: Sides) -> Expression:
     """Signed distance of a point from the lines that sides are on [m], if convex."""
     import casadi as ca
 
     return reduce(ca.fmax, [_outward(*side, point) for side in sides])
 
 
-def apart(point: Place, sides: Sides) -> Any:
+def apart(point: Place, sides: Sides) -> Expression:
     """Distance of a point from the nearest of several segments [m]."""
     import casadi as ca
 
@@ -181,7 +170,7 @@ def apart(point: Place, sides: Sides) -> Any:
     return ca.sqrt(nearest + TINY)
 
 
-def _square(point: Place, begin: Place, end: Place) -> Any:
+def _square(point: Place, begin: Place, end: Place) -> Expression:
     """Squared distance of a point from a segment."""
     import casadi as ca
 
@@ -192,7 +181,7 @@ def _square(point: Place, begin: Place, end: Place) -> Any:
     return (out[0] - share * along[0]) ** 2 + (out[1] - share * along[1]) ** 2
 
 
-def _outward(begin: Place, end: Place, point: Any) -> Any:
+def _outward(begin: Place, end: Place, point: Expression) -> Expression:
     """Distance of a point to the right of a line."""
     along = end[0] - begin[0], end[1] - begin[1]
     out = point[0] - begin[0], point[1] - begin[1]
@@ -200,9 +189,71 @@ def _outward(begin: Place, end: Place, point: Any) -> Any:
     return (along[1] * out[0] - along[0] * out[1]) / length
 
 
-def _soft_least(values: Sequence[Any]) -> Any:
+def _soft_least(values: Sequence[Expression]) -> Expression:
     """A smooth lower bound on the least of several distances."""
     import casadi as ca
 
     least = reduce(ca.fmin, values)
-    return least - SOFT * ca.log(sum(ca.exp((least - v) / SOFT) for v in values))
+    return least - SMOOTHED * ca.log(
+        sum(ca.exp((least - v) / SMOOTHED) for v in values)
+    )
+
+
+def margins(
+    setup: Setup, least: float
+) -> Callable[[Stage, Sequence[Expression]], list[Expression]]:
+    """Distance of the weight from each side of its support, less the least margin [m].
+
+    The expressions, of a stage and a state's entries, must not be negative.
+    """
+    robot, kinematics = setup.robot, setup.kinematics
+
+    def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
+        planted = robot.planted(stage.stratum)
+        angles = [state[FIRST_ANGLE + g] for g in robot.group_of_leg]
+        raised = np.where(planted, 0.0, setup.limits.lift_angle) * robot.raise_sign
+        feet, center = _places(kinematics, angles, raised)
+        return [
+            -_outward(feet[i], feet[j], center) - least
+            for i, j in _sides(kinematics, planted)
+        ]
+
+    return of
+
+
+def _sides(kinematics: Kinematics, planted: Array) -> Iterator[tuple[int, int]]:
+    """Pairs of feet that have all others on their left."""
+    groups = len(kinematics.robot.groups)
+    feet = kinematics.stance(np.zeros(groups)).feet
+    standing = np.flatnonzero(planted)
+    for i, j in permutations(standing.tolist(), 2):
+        others = [k for k in standing if k not in (i, j)]
+        if all(_outward(feet[i], feet[j], feet[k]) < 0 for k in others):
+            yield i, j
+
+
+def _places(
+    kinematics: Kinematics, angles: Sequence[Expression], raised: Array
+) -> tuple[list[Place], Place]:
+    """Where the feet and the centre of mass are, as expressions."""
+    foot, weight = kinematics.foot_terms, kinematics.weight_terms
+    feet = []
+    x, y = map(float, kinematics.center_of_mass[:2])
+    center: Place = (x, y)
+    for leg, (angle, lift) in enumerate(zip(angles, raised, strict=True)):
+        swing = angle * float(kinematics.robot.swing_gain[leg])
+        place = _sum(foot[leg], swing, float(lift))
+        moved = _sum(weight[leg], swing, float(lift))
+        feet.append(place)
+        center = center[0] + moved[0], center[1] + moved[1]
+    return feet, center
+
+
+def _sum(terms: Array, swing: Expression, lift: float) -> Place:
+    """A leg's terms (3, 3, 3) at a swing to be solved for and a given lift."""
+    by_swing = np.einsum("abi,b->ai", terms, [1.0, np.cos(lift), np.sin(lift)])
+    import casadi as ca
+
+    basis = (1.0, ca.cos(swing), ca.sin(swing))
+    x, y = (sum(float(by_swing[a, i]) * basis[a] for a in range(3)) for i in range(2))
+    return x, y

@@ -18,9 +18,8 @@ from planner import Execution, ExtendedSystem, Flow, Path, Plan, plan, play
 from planner.optimisation import Criterion, Inequality, Task, Tolerance, cycle
 from sim.experiments.predictions import twist_model
 from sim.motion.straying import straying
-from sim.optimisation.clearances import clearances
+from sim.optimisation.clearances import clearances, margins
 from sim.optimisation.judging import Judge, least_clearance, real_prediction
-from sim.optimisation.margins import margins
 from sim.preparation.setup import Setup
 
 ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
@@ -33,11 +32,7 @@ GUARD = 1e-4  # [m] of margin and clearance, for what lies between the ends of s
 
 
 def real_equations(setup: Setup) -> Equations:
-    """The robot's equations with the strokes that its plans use as they really are.
-
-    Args:
-        setup: Robot and floor; the path does not matter.
-    """
+    """The robot's equations with the strokes that its plans use as they really are."""
     return _equations(setup, real_prediction(setup))
 
 
@@ -51,11 +46,9 @@ def _equations(setup: Setup, prediction: str) -> Equations:
 
 
 def tolerances(setup: Setup, stratified: Plan | None) -> tuple[float, float]:
-    """How far the walk may stray from the path [m], and from its yaw [rad].
+    """Largest deviation of the walk from the path [m], and from its yaw [rad].
 
-    Args:
-        setup: What to walk.
-        stratified: The plan whose own deviations stand where none are given.
+    Where none is given, that of the stratified plan stands.
     """
     scenario = setup.scenario
     given = scenario.path_tolerance, scenario.yaw_tolerance
@@ -77,12 +70,7 @@ def straying_of(setup: Setup, plan: Plan) -> dict[str, float]:
 
 
 def task_of(setup: Setup, within: tuple[float, float]) -> Task:
-    """Fields, stages and tolerances, margin and clearance to keep.
-
-    Args:
-        setup: What to walk.
-        within: Tolerances of position [m] and yaw [rad].
-    """
+    """Fields, stages, margin and clearance to keep, within deviations [m] and [rad]."""
     scenario, described = setup.scenario, real_equations(setup)
     system = described.system
     names = [str(symbol) for symbol in system.state]
@@ -113,9 +101,6 @@ def task_of(setup: Setup, within: tuple[float, float]) -> Task:
 
 def criterion_of(setup: Setup) -> Criterion:
     """What is to be least, and how flows are measured.
-
-    Args:
-        setup: What to walk.
 
     Raises:
         ValueError: The scenario asks for no optimisation.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -16,14 +15,15 @@ import shapely
 
 from models import Robot
 from planner import Array
+from planner.optimisation import Expression
 from sim.obstacles.solids import Outline
 from sim.preparation.setup import Setup
 
-Place = tuple[Any, Any]
+Place = tuple[Expression, Expression]
 """x, y in the body's frame [m], as numbers or as expressions."""
 
 SWINGS = np.array([0.0, 0.4, -0.4])  # [rad] of a joint, where it is sampled
-SAME = 1e-7  # [m] between places that are taken for one
+SAME_PLACE = 1e-7  # [m] between places that are taken for one
 BODY = -1  # in place of a leg's index
 
 
@@ -41,7 +41,7 @@ class MovingPart:
     terms: Array
     radius: float
 
-    def corners(self, cos: Any = 1.0, sin: Any = 0.0) -> list[Place]:
+    def corners(self, cos: Expression = 1.0, sin: Expression = 0.0) -> list[Place]:
         """Corners in counter-clockwise order, at the cosine and sine of a swing."""
         one, by_cos, by_sin = self.terms
         if self.leg == BODY:
@@ -69,12 +69,7 @@ _BASIS = np.stack([np.ones(3), np.cos(SWINGS), np.sin(SWINGS)], axis=-1)
 
 
 def moving_parts(setup: Setup, stratum: str) -> list[MovingPart]:
-    """The parts that can collide, as they are on a stratum.
-
-    Args:
-        setup: Robot, and how far it raises its feet.
-        stratum: Where it stands.
-    """
+    """The parts that can collide, as they are on a stratum."""
     robot, outline = setup.robot, Outline(setup.robot, setup.model)
     raised = np.array([g not in stratum for g in robot.groups])
     lift = np.tile(raised * setup.limits.lift_angle, (len(SWINGS), 1))
@@ -109,7 +104,7 @@ def discs(parts: list[MovingPart]) -> list[MovingPart]:
 
 def _covers(disc: MovingPart, other: MovingPart) -> bool:
     apart = np.linalg.norm(disc.sampled - other.sampled, axis=-1).max()
-    return bool(apart + other.radius <= disc.radius + SAME)
+    return bool(apart + other.radius <= disc.radius + SAME_PLACE)
 
 
 def _between(disc: MovingPart, one: MovingPart, other: MovingPart) -> bool:
@@ -121,7 +116,7 @@ def _between(disc: MovingPart, one: MovingPart, other: MovingPart) -> bool:
     share = ((disc.sampled - begin) * way).sum(axis=-1) / squares
     off = np.linalg.norm(begin + share[..., None] * way - disc.sampled, axis=-1)
     radius = one.radius + share * (other.radius - one.radius)
-    inside = (share >= 0) & (share <= 1) & (off + disc.radius <= radius + SAME)
+    inside = (share >= 0) & (share <= 1) & (off + disc.radius <= radius + SAME_PLACE)
     return bool(inside.all())
 
 

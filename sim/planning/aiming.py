@@ -29,16 +29,7 @@ JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
 def plan_along(
     setup: Setup, path: Path, coordinates: Coordinates | None = None
 ) -> Plan:
-    """One plan for a whole path of configurations.
-
-    Args:
-        setup: Robot and scenario.
-        path: Configurations to pass through.
-        coordinates: Hall coordinates to follow; those of the scenario if not given.
-
-    Raises:
-        PlannerError: If there is none, or it leaves the joint range.
-    """
+    """One plan for a whole path, in the scenario's coordinates if none are given."""
     return plan(
         setup.extended,
         path,
@@ -56,17 +47,9 @@ def plan_towards(
     pose: Array,
     swing: tuple[float, ...],
 ) -> Step:
-    """Plan one segment from the pose reached to a target.
+    """Plan one segment from the pose reached to a target, both in the start frame.
 
-    Args:
-        setup: What to walk.
-        segment: Its number, from 0.
-        target: Pose to go to, in the start frame, shape (3,).
-        pose: Pose reached, likewise.
-        swing: Angle of every group [rad].
-
-    Raises:
-        PlannerError: If the target cannot be approached from there.
+    Segments count from 0; `swing` is the angle of every group [rad].
     """
     last = segment == setup.scenario.segments - 1
     execution = setup.execution(finish=last or setup.learns)
@@ -81,10 +64,6 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     coordinates were chosen anew in each round, the prediction would jump. It still
     jumps where a bracket changes its sign; there a segment may end beside the path by
     a small part of its length.
-
-    Args:
-        setup: What to walk.
-        twists: Prediction to steer on.
 
     Raises:
         PlannerError: If there is no plan, or one of the plans leaves the joint range.
@@ -158,11 +137,7 @@ def segment_ends(
 ) -> Array:
     """Predicted pose at the start and at the end of each segment, (segments + 1, 3).
 
-    Args:
-        setup: What to walk.
-        planned: Flows of all segments.
-        twists: Prediction to follow.
-        swing: Angle of every group at the start [rad]; all 0 when left out.
+    The walk begins with every group at `swing` [rad], or at angle 0.
     """
     swings, groups = setup.equations.swings, setup.robot.groups
     moves = [

@@ -74,9 +74,6 @@ def plan_segment(
         swing: Angle of every group [rad].
         missing: By how much it is expected to end off its prediction, seen from where
             it starts, shape (3,); it is aimed as much to the other side.
-
-    Raises:
-        PlannerError: If the target cannot be approached from there.
     """
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])

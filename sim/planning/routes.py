@@ -110,15 +110,7 @@ class _Search:
         shapely.prepare(self._near)
 
     def run(self, seed: int, segments: int) -> Array | None:
-        """Poses along the shortest route found, or None if none is found.
-
-        Args:
-            seed: Of the samples.
-            segments: Number of segments that the route can be divided into.
-
-        Returns:
-            Shape (N, 3), yaw continuous.
-        """
+        """Poses (N, 3) of the shortest route found, for so many segments; or None."""
         if not all(self.is_free(*pose) for pose in (nominal.START, self.goal)):
             return None
         budget = _after(TRIALS)

@@ -32,22 +32,12 @@ def is_shareable(setup: Setup) -> bool:
 
 
 def no_cache(kind: str, make: Callable[[], T]) -> T:
-    """Make a thing and keep nothing.
-
-    Args:
-        kind: What kind of thing.
-        make: Makes it.
-    """
+    """Build a thing and cache nothing."""
     return make()
 
 
 def walk_cache(setup: Setup, shared: Shared | None) -> Cache:
-    """Keeps what follows from a walk's commands alone, whatever the physics made of it.
-
-    Args:
-        setup: What was walked.
-        shared: What earlier walks have made; None keeps nothing.
-    """
+    """Caches what follows from a walk's commands alone, in any physics."""
     scenario = setup.scenario
     if shared is None or scenario.replan or not is_shareable(setup):
         return no_cache
@@ -56,12 +46,7 @@ def walk_cache(setup: Setup, shared: Shared | None) -> Cache:
 
 
 def world_cache(setup: Setup, shared: Shared | None) -> Cache:
-    """Keeps what is measured in a world, whatever is walked in it.
-
-    Args:
-        setup: Whose world.
-        shared: What earlier walks have made; None keeps nothing.
-    """
+    """Caches what is measured in a world, whatever is walked in it."""
     scenario = setup.scenario
     if shared is None or scenario.bumps:  # which lie along the way
         return no_cache
@@ -70,14 +55,6 @@ def world_cache(setup: Setup, shared: Shared | None) -> Cache:
 
 
 def shared_plan(setup: Setup, shared: Shared) -> Plan:
-    """The plan of a shareable walk.
-
-    Args:
-        setup: What to walk.
-        shared: What earlier walks have made.
-
-    Raises:
-        PlannerError: If there is none.
-    """
+    """The plan of a shareable walk."""
     key = setup.scenario.key(*PLAN)
     return shared.cached("plan", key, lambda: plan_open_loop(setup))

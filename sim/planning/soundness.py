@@ -32,11 +32,7 @@ def require_sound(setup: Setup, planned: Plan) -> None:
     """Refuse an open-loop plan that tips over or makes legs collide.
 
     A search may have used up the time to plan in, and what it ends with is looked at
-    all the same.
-
-    Args:
-        setup: Who is to walk it; a scenario that allows unstable plans is passed over.
-        planned: Flows of the whole path.
+    all the same. A scenario that allows unstable plans is passed over.
 
     Raises:
         SimulationError: It says when, and where.

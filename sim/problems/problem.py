@@ -247,13 +247,8 @@ class Trials:
 def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
     """Try changes in turn; one helps if it at least halves what the plan misses.
 
-    Trying takes no longer than planning may take, and ends where enough was found.
-
-    Args:
-        offers: Changes, each with the plan that it makes.
-        miss: What the plan misses without any, as a share of the way; infinite if
-            there is none.
-        seconds: How long trying may take [s].
+    The miss is a share of the way, infinite where there is no plan. Trying takes no
+    longer than planning may take [s], and ends where enough was found.
     """
     found: list[Remedy] = []
     useless: list[str] = []

@@ -216,14 +216,9 @@ class ScenarioProblem(Problem):
 
 
 def miss_of(setup: Setup, pose: Array, goal: Array) -> float:
-    """How far a pose is off a goal, as a share of the way there.
+    """How far a pose (3,) is off a goal, as a share of the way there.
 
     The yaw counts as the way of the feet when the body turns by it.
-
-    Args:
-        setup: What is walked.
-        pose: Pose reached, shape (3,).
-        goal: Pose wanted, shape (3,).
     """
     arm = setup.kinematics.reach
     turn = abs(setup.nominal()(1.0)[2])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.obstacles.clearance import surroundings
-from sim.optimisation.clearances import SOFT, clearances, near_pieces
+from sim.optimisation.clearances import SMOOTHED, clearances, near_pieces
 from sim.optimisation.judging import Judge
 from sim.optimisation.outlines import BODY, moving_parts
 from sim.preparation.setup import prepare
@@ -51,7 +51,7 @@ def test_outside_of_obstacles_they_are_exact_but_for_the_smoothing(passage, stra
     least = np.array([float(found(x)) for x in np.hstack([poses, swing])])
     over = exact - least
     assert over[free].min() > -1e-7  # [m], TINY's root apart
-    assert over[free].max() < SOFT * np.log(30)  # of as many distances at most
+    assert over[free].max() < SMOOTHED * np.log(30)  # of as many distances at most
     assert least[~free].max() < 0.0
 
 

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.optimisation.judging import Judge
-from sim.optimisation.lower_bound import least_time, shortest_way, top_speed
+from sim.optimisation.judging import Judge, least_time, shortest_way, top_speed
 from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
@@ -38,5 +37,5 @@ def test_a_plan_takes_longer():
     setup = prepare(load_scenario("line", {"path.goal": [0.1, 0.0, 0.0]}))
     planned = plan_open_loop(setup)
     judge = Judge(setup)
-    bound = least_time(setup, judge.strays(planned)["position"])
+    bound = least_time(setup, judge.deviation(planned)["position"])
     assert 0.1 < bound < judge.duration(planned.flows)

@@ -11,8 +11,8 @@ from sim.errors import UsageError
 from sim.motion.prediction import inspections
 from sim.motion.stability import stability_margin
 from sim.motion.straying import straying
+from sim.optimisation.clearances import margins
 from sim.optimisation.judging import Judge
-from sim.optimisation.margins import margins
 from sim.planning.open_loop import plan_open_loop
 from sim.planning.soundness import require_sound
 from sim.preparation.setup import prepare
