@@ -21,11 +21,13 @@ from planner.systems.flows import Flow
 from planner.systems.formulas import read_formula, write_formula
 from planner.systems.strata import StratifiedSystem
 
-LARGEST = 10**9  # bytes
+Table = Mapping[str, Any]
+
+MOST_BYTES = 10**9
 FORMAT = "stratified plan, version 2"
 
 
-def system_table(system: StratifiedSystem) -> dict[str, Any]:
+def system_table(system: StratifiedSystem) -> Table:
     """A system as a table of formulas.
 
     Raises:
@@ -53,7 +55,7 @@ def system_table(system: StratifiedSystem) -> dict[str, Any]:
     }
 
 
-def system_from(table: Mapping[str, Any]) -> StratifiedSystem:
+def system_from(table: Table) -> StratifiedSystem:
     """The system that a table describes, as `system_table` gives it.
 
     Raises:
@@ -79,7 +81,7 @@ def system_from(table: Mapping[str, Any]) -> StratifiedSystem:
 
 
 def _require_keys(
-    table: Mapping[str, Any], needed: set[str], optional: set[str], what: str
+    table: Table, needed: set[str], optional: set[str], what: str
 ) -> None:
     for key in sorted(needed - table.keys()):
         raise ValueError(
@@ -137,7 +139,7 @@ def load_plan(path: Path | str) -> Plan:
         (2, 3)
     """
     try:
-        table = json.loads(read_file(path, LARGEST))
+        table = json.loads(read_file(path, MOST_BYTES))
     except (ValueError, RecursionError):
         raise ValueError(
             f"{path} is not JSON; give a file that a plan was saved to"
@@ -150,7 +152,7 @@ def load_plan(path: Path | str) -> Plan:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None
 
 
-def _plan(table: Mapping[str, Any]) -> Plan:
+def _plan(table: Table) -> Plan:
     return Plan(
         system=system_from(table["system"]),
         elements=tuple(table["elements"]),

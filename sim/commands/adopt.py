@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.trusted import add_robot_argument
+from sim.commands.options import add_robot_argument
 from sim.errors import UsageError
 
 if TYPE_CHECKING:

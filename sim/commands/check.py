@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
-from sim.commands.options import add_set_argument
-from sim.commands.trusted import add_trust_argument, robot_of
+from sim.commands.options import add_set_argument, add_trust_argument, robot_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from sim.commands.options import needs_extra, whole
-from sim.commands.trusted import add_robot_argument, robot_of
+from sim.commands.options import add_robot_argument, needs_extra, robot_of, whole
 from sim.errors import ExitCode, UsageError
 
 HELP = "how few joints suffice: swings locked or coupled, legs lifted in groups"

@@ -10,8 +10,13 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import NAMED, add_scenario_arguments, real, scenario_of
-from sim.commands.trusted import robot_of
+from sim.commands.options import (
+    NAMED,
+    add_scenario_arguments,
+    real,
+    robot_of,
+    scenario_of,
+)
 from sim.errors import UsageError
 
 if TYPE_CHECKING:

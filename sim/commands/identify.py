@@ -6,8 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import add_set_argument
-from sim.commands.trusted import add_robot_argument, robot_of
+from sim.commands.options import add_robot_argument, add_set_argument, robot_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import add_scenario_arguments, scenario_of
+from sim.commands.options import add_scenario_arguments, robot_of, scenario_of
 from sim.commands.plan_report import (
     Accuracy,
     Prospect,
@@ -20,7 +20,6 @@ from sim.commands.plan_report import (
     SystemFacts,
     WalkFacts,
 )
-from sim.commands.trusted import robot_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:

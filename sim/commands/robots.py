@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from sim.commands.trusted import add_robot_argument, robot_of
+from sim.commands.options import add_robot_argument, robot_of
 
 if TYPE_CHECKING:
     from models import Card

@@ -14,10 +14,10 @@ from sim.commands.options import (
     add_setting_argument,
     folder_of,
     real,
+    robot_of,
     scenario_of,
     whole,
 )
-from sim.commands.trusted import robot_of
 from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:

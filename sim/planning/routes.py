@@ -24,7 +24,9 @@ from sim.preparation.setup import Setup
 from sim.scenarios import body_path as nominal
 from sim.scenarios.body_path import NominalPath, Pose
 
-ROOMS = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
+Ompl = Any  # modules and objects of OMPL, which have no types
+
+SIDE_ROOM = (0.03, 0.02, 0.01, 0.005)  # for the tube [m], the most that can be had
 TRIALS = 5000  # samples for all searches; some seconds where there is no way
 SEARCHES = 8  # of which the shortest way is taken
 TIGHTEST = 0.5  # arc, in radii of the robot's outline
@@ -58,14 +60,14 @@ def _around(around: Surroundings, setup: Setup) -> NominalPath:
     postures = list(setup.raised.values())
     for name, pose in (("start", nominal.START), ("goal", goal)):
         _require_room(around, name, pose, postures, least)
-    for room in ROOMS:
+    for room in SIDE_ROOM:
         search = _Search(around, goal, postures, least, room)
         found = search.run(scenario.seed, scenario.segments)
         if found is not None:
             path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
             return replace(path, goal=goal)
     raise BoundError(
-        f"no way found to {point(goal)} that keeps {1e3 * (least + ROOMS[-1]):.1f} mm "
+        f"no way found to {point(goal)} that keeps {1e3 * (least + SIDE_ROOM[-1]):.1f} mm "
         "from all obstacles; make more room, or give waypoints"
     )
 
@@ -123,7 +125,7 @@ class _Search:
         best.interpolate(pieces + 1)
         return self._joined([_pose(state) for state in best.getStates()])
 
-    def _once(self, seed: int, done: Callable[[], bool]) -> Any:
+    def _once(self, seed: int, done: Callable[[], bool]) -> Ompl:
         """A shortened route as an OMPL path; None if none is found until `done`."""
         base, geometric, util = _ompl()
         util.setLogLevel(util.LOG_NONE)
@@ -159,7 +161,7 @@ class _Search:
         placed = shapely.transform(self._body, lambda points: points @ turn + (x, y))
         return not shapely.intersects(self._area, placed)
 
-    def _bounds(self, base: Any) -> Any:
+    def _bounds(self, base: Ompl) -> Ompl:
         """Start, goal and all obstacles, with the width of a robot around them."""
         places = shapely.multipoints([nominal.START[:2], self.goal[:2]])
         west, south, east, north = shapely.union(self._area, places).bounds
@@ -180,7 +182,7 @@ class _Search:
         return way
 
 
-def _ompl() -> tuple[Any, Any, Any]:
+def _ompl() -> tuple[Ompl, Ompl, Ompl]:
     try:
         from ompl import base, geometric, util
     except ImportError as error:
@@ -192,11 +194,11 @@ def _ompl() -> tuple[Any, Any, Any]:
     return base, geometric, util
 
 
-def _pose(state: Any) -> Pose:
+def _pose(state: Ompl) -> Pose:
     return state.getX(), state.getY(), state.getYaw()
 
 
-def _state(space: Any, pose: Pose) -> Any:
+def _state(space: Ompl, pose: Pose) -> Ompl:
     state = space.allocState()
     state.setXY(*pose[:2])
     state.setYaw(math.remainder(pose[2], math.tau))

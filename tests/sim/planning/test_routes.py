@@ -39,7 +39,7 @@ def test_the_straight_line_is_blocked_and_the_way_found_is_clear(detour):
     assert clearance(detour, nominal.line(goal)).min() < 0
     # room for the tube is kept where OMPL looks, half of it in between; the rest is
     # what chords of arcs are off them
-    room = detour.scenario.min_clearance + route.ROOMS[0] / 2 - 5e-4
+    room = detour.scenario.min_clearance + route.SIDE_ROOM[0] / 2 - 5e-4
     assert clearance(detour, detour.scenario.path).min() > room
 
 
@@ -118,7 +118,7 @@ def test_a_gap_that_leaves_little_room_is_taken_where_nothing_else_is_open():
     setup = routed(shut(*walls))
     least = clearance(setup, setup.scenario.path).min()
     # jambs end half a thickness short of the gap's edge
-    assert 0.005 + route.ROOMS[-1] / 2 - 5e-4 < least < (GAP - 0.376) / 2 + 1e-3
+    assert 0.005 + route.SIDE_ROOM[-1] / 2 - 5e-4 < least < (GAP - 0.376) / 2 + 1e-3
     assert setup.scenario.path.length < 1.5
 
 
