@@ -66,9 +66,10 @@ def _around(around: Surroundings, setup: Setup) -> NominalPath:
         if found is not None:
             path = nominal.waypoints([tuple(pose) for pose in found.tolist()])
             return replace(path, goal=goal)
+    clearance = least + SIDE_ROOM[-1]
     raise BoundError(
-        f"no way found to {point(goal)} that keeps {1e3 * (least + SIDE_ROOM[-1]):.1f} mm "
-        "from all obstacles; make more room, or give waypoints"
+        f"no way found to {point(goal)} that keeps {1e3 * clearance:.1f} mm from all "
+        "obstacles; make more room, or give waypoints"
     )
 
 
