@@ -185,10 +185,11 @@ def _system_problem(options: argparse.Namespace) -> SystemProblem:
     problem = find(options.scenario, options.set)
     by_elements = any(getattr(options, name) not in (None, []) for name in BY_ELEMENTS)
     chained = problem.flat is not None and not by_elements
+    segments = 1 if chained and options.segments is None else options.segments
     changes = {
         "start": options.start and coordinates(options.start, "--start"),
         "goal": options.goal and coordinates(options.goal, "--goal"),
-        "segments": options.segments or (1 if chained else None),
+        "segments": segments,
         "elements": options.elements,
         "degree": options.degree,
         "words": options.words,
