@@ -119,7 +119,7 @@ def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:
 
 
 STEEP = np.deg2rad(20)  # largest angle between a swing axis and the vertical
-APART = 0.02  # of the stance's size; tolerance of the feet's heights
+UNEVEN_FEET = 0.02  # of the stance's size; tolerance of the feet's heights
 BEYOND = 1e-6  # [rad] by which a start may be out of range
 CLEAR = 2e-4  # [m]; least rise of a lifted foot, more than soft feet sink in
 
@@ -176,7 +176,7 @@ def _off_its_feet(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
             "put the legs down in keyframe 'start', or correct the foot",
         )
     size = float(np.ptp(stance.feet, axis=0).max())
-    if height[highest] - height[lowest] > APART * size:
+    if height[highest] - height[lowest] > UNEVEN_FEET * size:
         yield (
             f"its feet do not start on one floor: leg {legs[highest]} ends "
             f"{1e3 * (height[highest] - height[lowest]):.1f} mm above leg "

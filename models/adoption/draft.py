@@ -33,7 +33,7 @@ from models.motion.mobility import Mobility, mobility_of
 from models.motion.robot_equations import equations
 from planner import Array, PlannerError
 
-SOFT = 0.05  # of the stiffness with which a servo sags little
+SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
 
 
 @dataclass(frozen=True)
@@ -157,7 +157,7 @@ def _said(limbs: Sequence[Limb], gait: GaitDraft, servo: Servo | None) -> Iterat
 def _soft(model: mujoco.MjModel, own: Sequence[str], suited: Servo) -> Iterator[str]:
     """What to say of servos that would bend much under the load of a leg."""
     found = {joint: servo_stiffness(model, joint) for joint in own}
-    soft = [joint for joint in own if found[joint] < SOFT * suited.stiffness]
+    soft = [joint for joint in own if found[joint] < SOFT_SHARE * suited.stiffness]
     if soft:
         yield (
             f"the servos of {soft[0]!r} and {len(soft) - 1} further joints are soft, "

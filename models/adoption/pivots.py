@@ -25,7 +25,7 @@ LEAST_SWING = 0.1  # [rad] either way, of a group
 LEAST_LOAD = 0.06  # share of the weight on each foot of a group that stands
 MOST_WAYS = 12  # pairs of groups that are tried
 MOST_PAIRS = 200  # pairs of pivots of each
-APART = 0.6  # of the distance between neighbouring feet, that turned legs keep
+NEIGHBOUR_DISTANCE = 0.6  # of that between feet, which turned legs keep
 
 Groups = tuple[tuple[int, ...], tuple[int, ...]]
 
@@ -150,7 +150,7 @@ def _clear(limbs: Sequence[Limb], one: Stand, other: Stand) -> bool:
     after[list(one.legs)], after[list(other.legs)] = one.feet, other.feet
     nearest = (_nearest(points) for points in (before, after))
     was, now = nearest
-    return now > APART * was
+    return now > NEIGHBOUR_DISTANCE * was
 
 
 def _nearest(points: Array) -> float:

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose
-from models.checks import APART
+from models.checks import UNEVEN_FEET
 from models.contact.kinematics import Kinematics
 from models.description.card import Servo
 from models.description.compiled import actuators_of, is_position_servo
@@ -23,7 +23,7 @@ from planner import Array
 GRID = 41  # angles of each joint that are tried
 CLEARANCE = 0.3  # of a leg's reach, that the body is wanted above the floor
 MARGIN = 0.15  # of a joint's range to keep from its ends
-STEPS = 30  # of the bisection for the height of a foot
+BISECTIONS = 30  # of the bisection for the height of a foot
 
 
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
@@ -33,7 +33,7 @@ def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
     size = float(np.ptp(toes[:, :2], axis=0).max())
     others = [pose.bottom(g)[2] for g in pose.solid() if g not in feet]
     highest = float(toes[:, 2].max())
-    flat = np.ptp(toes[:, 2]) <= APART * size
+    flat = np.ptp(toes[:, 2]) <= UNEVEN_FEET * size
     return bool(flat and min(others, default=np.inf) > highest)
 
 
@@ -121,7 +121,7 @@ def _lowered(
             f"no posture was found to stand in: {source}; {limb.foot!r} cannot be put "
             "on one floor with the others, give it a keyframe 'start'"
         )
-    for _ in range(STEPS):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
         if above(middle) * first > 0:
             low = middle

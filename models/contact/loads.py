@@ -16,7 +16,7 @@ from models.contact.kinematics import Kinematics
 from models.description.robot import Robot
 from planner import Array
 
-ROUNDING = 1e-12  # share of the weight that counts as zero
+ROUNDING_LOAD = 1e-12  # share of the weight that counts as zero
 
 
 def static_loads(feet: Array, center_of_mass: Array) -> Array:
@@ -42,7 +42,7 @@ def static_loads(feet: Array, center_of_mass: Array) -> Array:
         balance = np.einsum("nfi,nfj->nij", G, G)
         sink = np.einsum("nij,nj->ni", np.linalg.pinv(balance), target)
         loads = np.einsum("nfi,ni->nf", G, sink)
-        pulled = standing & (loads < -ROUNDING)
+        pulled = standing & (loads < -ROUNDING_LOAD)
         if not pulled.any():
             break
         standing &= ~pulled

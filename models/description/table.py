@@ -35,7 +35,7 @@ def parse_toml(text: str) -> dict[str, Any]:
     return table
 
 
-def _check_toml(values: Iterable[Any], depth: int = 0) -> None:
+def _check_toml(values: Iterable[object], depth: int = 0) -> None:
     if depth > DEEPEST_NESTING:
         raise ValueError(f"nested deeper than {DEEPEST_NESTING}")
     for value in values:
@@ -69,7 +69,7 @@ class Table:
     def __contains__(self, key: str) -> bool:
         return key in self.values
 
-    def get(self, key: str) -> Any:
+    def get(self, key: str) -> object:
         """A value that must be there."""
         if key not in self.values:
             raise ValueError(f"{self._place(key)} is missing")
@@ -99,7 +99,7 @@ class Table:
         """A whole number."""
         return int(self._of("a whole number", key, _is_whole))
 
-    def list(self, key: str) -> list[Any]:
+    def list(self, key: str) -> list[object]:
         """A list; empty if left out."""
         if key not in self.values:
             return []

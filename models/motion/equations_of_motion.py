@@ -14,13 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy as sp
 
 from planner import StratifiedSystem
 
-Twist = tuple[Any, Any, Any]  # numbers or expressions: forward, left, yaw per unit
+Twist = tuple[sp.Expr | float, sp.Expr | float, sp.Expr | float]
+"""Forward, left and yaw of the body per unit of a field."""
 Direction = tuple[float, ...]  # rate of each group's angle per unit of a field
 POSE = sp.symbols("x y theta")
 STILL: Twist = (0, 0, 0)
@@ -100,7 +100,7 @@ def _velocity(twist: Twist, trailer: float | None) -> list[sp.Expr]:
     return [*body, (forward * sp.sin(behind) + left * sp.cos(behind)) / trailer]
 
 
-def _exact(value: Any) -> sp.Expr:
+def _exact(value: sp.Expr | float) -> sp.Expr:
     """Floats that are whole as integers, so that zeros vanish from the brackets."""
     exact = sp.sympify(value)
     whole = exact.is_Float and float(exact).is_integer() and abs(exact) < EXACT

@@ -24,7 +24,7 @@ from models.motion.robot_equations import Equations
 from models.motion.twists import TwistModel
 from planner import Array, StratifiedSystem
 
-NODES = 13  # along the stroke; the twist is smooth there but for where feet let go
+STROKE_NODES = 13  # along it the twist is smooth but for where feet let go
 ACROSS = 5  # along the angle of the other group, which matters through its weight alone
 DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out if not said
 WHOLE = 2  # groups up to which every combination of angles is covered
@@ -147,7 +147,7 @@ def _fit(
 ) -> ContactField:
     along = np.array(direction)
     axes, ranges = _axes(along, spans)
-    nodes = [NODES if axis @ along else ACROSS for axis in axes]
+    nodes = [STROKE_NODES if axis @ along else ACROSS for axis in axes]
     points = [np.cos(np.pi * (np.arange(n) + 0.5) / n) for n in nodes]
     lift = np.linalg.pinv(axes)  # from the combinations back to the angles, (G, A)
 

@@ -25,22 +25,22 @@ from models.contact.kinematics import Kinematics
 from models.motion.twists import TwistModel
 from planner import Array
 
-NODES = 4  # exact for integrands of degree 7 over a panel
-_POINTS, _WEIGHTS = legendre.leggauss(NODES)
+PANEL_NODES = 4  # exact for integrands of degree 7 over a panel
+_POINTS, _WEIGHTS = legendre.leggauss(PANEL_NODES)
 
 
 def _integrals(u: Array) -> Array:
-    """Integrals from 0 to u of the shifted Legendre polynomials, shape (..., NODES)."""
-    P = legendre.legvander(2 * u - 1, NODES)  # (..., NODES + 1)
-    k = np.arange(1, NODES)
+    """Integrals from 0 to u of the shifted Legendre polynomials, (..., PANEL_NODES)."""
+    P = legendre.legvander(2 * u - 1, PANEL_NODES)  # (..., PANEL_NODES + 1)
+    k = np.arange(1, PANEL_NODES)
     higher = (P[..., 2:] - P[..., :-2]) / (2 * (2 * k + 1))
     return np.concatenate([u[..., None], higher], axis=-1)
 
 
 # Values at the nodes -> Legendre coefficients -> integrals from the panel's start.
-_COEFFICIENTS = np.linalg.inv(legendre.legvander(_POINTS, NODES - 1))
+_COEFFICIENTS = np.linalg.inv(legendre.legvander(_POINTS, PANEL_NODES - 1))
 FRACTIONS = (_POINTS + 1) / 2  # where the nodes lie in a panel
-_TO_NODES = _integrals(FRACTIONS) @ _COEFFICIENTS  # (NODES, NODES)
+_TO_PANEL_NODES = _integrals(FRACTIONS) @ _COEFFICIENTS  # (PANEL_NODES, PANEL_NODES)
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Integral:
     """The integral of a vector function from the start of the first panel."""
 
     edges: Array  # ends of the panels on the clock, increasing, shape (P + 1,)
-    values: Array  # integrand by the panel's own clock (0 to 1), shape (P, NODES, C)
+    values: Array  # integrand by the panel's clock (0 to 1), (P, PANEL_NODES, C)
 
     def __call__(self, clock: Array) -> Array:
         """The integral up to some moments, (M,) to (M, C); constant beyond the ends."""
@@ -58,13 +58,13 @@ class Integral:
         panel = np.clip(panel, 0, len(self.values) - 1)
         begin, end = self.edges[panel], self.edges[panel + 1]
         u = np.clip((clock - begin) / (end - begin), 0.0, 1.0)
-        weights = _integrals(u) @ _COEFFICIENTS  # (M, NODES)
+        weights = _integrals(u) @ _COEFFICIENTS  # (M, PANEL_NODES)
         inside = np.einsum("mn,mnc->mc", weights, self.values[panel])
         return self._starts[panel] + inside
 
     def at_nodes(self) -> Array:
-        """The integral at every node, shape (P, NODES, C)."""
-        inside = np.einsum("jn,pnc->pjc", _TO_NODES, self.values)
+        """The integral at every node, shape (P, PANEL_NODES, C)."""
+        inside = np.einsum("jn,pnc->pjc", _TO_PANEL_NODES, self.values)
         return self._starts[:-1, None] + inside
 
     @property
@@ -165,7 +165,7 @@ class _Panels:
             swing, rates = self.swing[on], self.rates[on]
             groups = swing.shape[-1]
             flat = twists(stratum, swing.reshape(-1, groups), rates.reshape(-1, groups))
-            out[on] = flat.reshape(-1, NODES, 3)
+            out[on] = flat.reshape(-1, PANEL_NODES, 3)
         return out
 
     def slip_rates(self, twist: Array, kinematics: Kinematics) -> Array:

@@ -98,7 +98,7 @@ class QuasiStaticTwists:
         return twist * unit
 
 
-ROUNDING = 1e-6  # [rad] by which angles may lie beyond the reach
+ROUNDING_ANGLE = 1e-6  # [rad] by which angles may lie beyond the reach
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class IdentifiedTwists:
         inputs, ways = rates @ inverse, swing @ inverse  # (N, fields)
         for name, f, u, w in zip(named, on, inputs.T, ways.T, strict=True):
             farthest = np.abs(w[u != 0.0]).max(initial=0.0)
-            if farthest > f.reach + ROUNDING:
+            if farthest > f.reach + ROUNDING_ANGLE:
                 raise MeasurementError(
                     f"field {name} swings to {farthest:.3g} rad, and is confirmed to "
                     f"{f.reach:.3g} rad either way; plan more segments"

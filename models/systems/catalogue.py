@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any, get_type_hints
+from typing import get_type_hints
 
 from models.errors import ProblemError
 from models.systems import hexapods, legged, smooth
@@ -28,7 +28,7 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
 }
 """Function that makes each problem; its arguments are the system's parameters."""
 
-KINDS: Mapping[Any, str] = {bool: "true or false", int: "a whole number"}
+KINDS: Mapping[object, str] = {bool: "true or false", int: "a whole number"}
 
 
 def parameters(name: str) -> dict[str, object]:

@@ -22,7 +22,7 @@ from __future__ import annotations
 import runpy
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import sympy as sp
 
@@ -80,7 +80,7 @@ def _run(path: Path, values: Mapping[str, object]) -> Problem:
 
 
 def _decode(
-    name: str, content: Mapping[str, Any], values: Mapping[str, object]
+    name: str, content: Mapping[str, object], values: Mapping[str, object]
 ) -> Problem:
     table = Table(content, known=REQUIRED + OPTIONAL)
     state, formula = _language(table, values)

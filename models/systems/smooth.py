@@ -6,7 +6,6 @@ For them the method is that of Sec. 2.1; no contact changes.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import sympy as sp
 
@@ -17,7 +16,7 @@ from planner.planning import FlatOutputs
 ONLY = "0"  # the one stratum, without contacts that change
 MOST_TRAILERS = 3  # words of degree 3 + trailers double in length with each degree
 LONGEST_CHAIN = 8  # likewise
-Column = Sequence[Any]  # of expressions
+Column = Sequence[sp.Expr | float]
 
 
 def unicycle() -> Problem:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 from sim.commands.options import needs_extra
@@ -36,7 +37,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     """Print what a sweep has found, and draw its maps."""
     from sim.folder import ensure_folder
     from sim.progress import bar, stage
-    from sim.studies.findings import describe, findings
+    from sim.studies.findings import findings
     from sim.studies.maps import draw_maps
     from sim.studies.results import read_results
 
@@ -47,9 +48,9 @@ def execute(options: argparse.Namespace) -> ExitCode:
     with bar(quiet=options.json) as progress, stage(progress, "drawing maps"):
         found, drawn = findings(results), draw_maps(results, folder)
     if options.json:
-        print(json.dumps(found | {"maps": [str(path) for path in drawn]}))
+        print(json.dumps(asdict(found) | {"maps": [str(path) for path in drawn]}))
         return ExitCode.OK
-    print(*describe(found), sep="\n")
+    print(found)
     for path in drawn:
         print(f"{'map':8}{path}")
     return ExitCode.OK

@@ -35,7 +35,7 @@ from sim.progress import Progress, silent
 
 SPAN = 0.25  # [rad] either side; loaded sweeps of the shipped walks stay within
 DEGREE = 6  # of the pose by the angle; the twist is of one degree less
-ROWS = 400  # poses read during a swing
+POSE_ROWS = 400  # poses read during a swing
 SPEED = 0.5  # [rad/s], at least
 ACCELERATION = 5.0  # [rad/s^2], at least
 HOLD = 0.5  # [s], at most; a robot has settled by then
@@ -165,7 +165,7 @@ def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list
 def _record(setup: Setup, schedule: Schedule, begin: int) -> Recording:
     check_effort(setup, schedule.stop)
     engine, sensors = Engine(setup.model), Sensors(setup.model, setup.robot)
-    every = max(schedule.phases[-1].steps // ROWS, 1)
+    every = max(schedule.phases[-1].steps // POSE_ROWS, 1)
     recorder = Recorder(engine, sensors, every)
     for _ in recorder.play(setup.commands(schedule), np.array([begin])):
         pass

@@ -20,10 +20,10 @@ from planner import Array
 from sim.errors import SimulationError
 
 OF_SPEED = (mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
-KEPT = 100  # states before a divergence
+LAST_STATES = 100  # states before a divergence
 STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 FIRST = 50  # steps handed to the engine at once to begin with
-PATIENCE = 0.3  # [s] that it may be busy at once, Ctrl-C waits meanwhile
+BUSY_TIME = 0.3  # [s] that it may be busy at once, Ctrl-C waits meanwhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ class Engine:
         self._recent = self._last(record, len(ctrl))
         self.steps += len(ctrl)
         a_step = (time.perf_counter() - began) / len(ctrl)
-        self._piece = min(max(int(PATIENCE / a_step), 1), 4 * self._piece, STRETCH)
+        self._piece = min(max(int(BUSY_TIME / a_step), 1), 4 * self._piece, STRETCH)
         return record
 
     def _check_commands(self, ctrl: Array) -> None:
@@ -137,13 +137,13 @@ class Engine:
         return f" at joint {model.joint(int(joints[-1])).name!r}" if len(joints) else ""
 
     def _last(self, record: Record, count: int) -> State:
-        """States of the last steps up to one of a record, at most `KEPT`."""
-        new = slice(max(count - KEPT, 0), count)
+        """States of the last steps up to one of a record, at most `LAST_STATES`."""
+        new = slice(max(count - LAST_STATES, 0), count)
         last = State(record.qpos[new], record.qvel[new])
-        if self._recent is None or count >= KEPT:
+        if self._recent is None or count >= LAST_STATES:
             return last
         pairs = zip(self._recent, last, strict=True)
-        return State(*(np.concatenate(pair)[-KEPT:] for pair in pairs))
+        return State(*(np.concatenate(pair)[-LAST_STATES:] for pair in pairs))
 
     def _failure(self, what: str, step: int) -> SimulationError:
         time = (self.steps + step) * self.model.opt.timestep

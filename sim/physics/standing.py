@@ -24,7 +24,7 @@ from sim.world.walls import PREFIX
 SETTLING = 0.5  # [s]
 CHUNK = 10  # steps between two looks at whether Ctrl-C was pressed
 SHORTER = (0.002, 0.001, 0.0005)  # timesteps to try where a longer one fails [s]
-MOST = 4000  # steps, for tiny timesteps
+MOST_STEPS = 4000  # steps, for tiny timesteps
 
 
 def check_standing(
@@ -58,7 +58,7 @@ def _check_standing(
     _refuse_obstacles(model, data)
     _refuse(robot, _lying(robot, model, data))
     height = data.qpos[_height(robot, model)]
-    for _ in range(0, min(round(SETTLING / model.opt.timestep), MOST), CHUNK):
+    for _ in range(0, min(round(SETTLING / model.opt.timestep), MOST_STEPS), CHUNK):
         mujoco.mj_step(model, data, nstep=CHUNK)  # a large model is slow
     if any(warning.number for warning in data.warning):
         return

@@ -9,8 +9,8 @@ what chance alone would give.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,9 +21,11 @@ from sim.studies.results import CLASSES, FELL, NO_WALK, Results
 FEW = 12  # values, of which each is a group of its own
 BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
+ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
+PRINTED_REASONS = 5
 
 
-def explained(values: Sequence[Any], results: Array) -> float | None:
+def explained(values: Sequence[object], results: Array) -> float | None:
     """Share of the variance of results that one setting alone explains, from 0 to 1.
 
     Points whose result is NaN are left out. None where nothing varies, or where every
@@ -44,7 +46,7 @@ def explained(values: Sequence[Any], results: Array) -> float | None:
     return float(np.clip(1.0 - chance / total, 0.0, 1.0))
 
 
-def group(values: Sequence[Any]) -> Array:
+def group(values: Sequence[object]) -> Array:
     """Number of each point's group of equal or neighbouring values, shape (N,)."""
     distinct = sorted(set(map(_comparable, values)))
     place = {value: number for number, value in enumerate(distinct)}
@@ -55,55 +57,66 @@ def group(values: Sequence[Any]) -> Array:
     return ranks * bins // len(distinct)
 
 
-def _comparable(value: Any) -> tuple[str, Any]:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return ("", float(value)) if number else (type(value).__name__, str(value))
+def _comparable(value: object) -> tuple[str, object]:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return "", float(value)
+    return type(value).__name__, str(value)
 
 
-ROUNDING_SHARE = 1e-9  # share of the path; smaller ones are rounding
-PRINTED_REASONS = 5
+@dataclass(frozen=True)
+class Explained:
+    """Shares of the variance that a setting alone explains; None where nothing does."""
+
+    departure: float | None  # of the order of magnitude of departures
+    falls: float | None  # of whether the walk is lost
 
 
-def findings(results: Results) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Findings:
     """Points in each class, and how much every setting alone explains."""
+
+    points: int
+    prediction: str  # that departures are from
+    classes: Mapping[str, int]
+    explained: Mapping[str, Explained]
+    reasons: Mapping[str, int]  # points without numbers, most frequent reasons first
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        name = PREDICTIONS[self.prediction].label
+        yield f"{self.points} points, farthest off the {name} prediction on the way"
+        for word, count in self.classes.items():
+            yield f"{word:14}{count:6} {count / max(self.points, 1):7.1%}"
+        for reason, count in self.reasons.items():
+            yield f"{CLASSES[NO_WALK]:14}{count:6}  {reason}"
+        yield ""
+        yield f"{'alone explains':24}{'of departures':>14}{'of lost walks':>15}"
+        ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
+        for key, share in ranked:
+            yield f"{key:24}{_percent(share.departure):>14}{_percent(share.falls):>15}"
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{share:.0%}"
+
+
+def findings(results: Results) -> Findings:
+    """What the table of a sweep says."""
     counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
     off = np.log10(np.maximum(results.off, ROUNDING_SHARE))
     off[results.classes >= FELL] = np.nan
     lost = (results.classes >= FELL).astype(float)
-    matters = {
-        key: {
-            "departure": explained(results.columns[key], off),
-            "falls": explained(results.columns[key], lost),
-        }
-        for key in results.keys
-    }
-    statuses = results.columns["status"]
-    reasons = Counter(status for status in statuses if status != "ok")
-    return {
-        "points": len(results),
-        "prediction": results.prediction,
-        "classes": dict(zip(CLASSES, counts.tolist(), strict=True)),
-        "explained": matters,
-        "reasons": dict(reasons.most_common(PRINTED_REASONS)),
-    }
-
-
-def describe(found: dict[str, Any]) -> Iterator[str]:
-    """Findings, line by line."""
-    name = PREDICTIONS[found["prediction"]].label
-    yield f"{found['points']} points, farthest off the {name} prediction on the way"
-    for word, count in found["classes"].items():
-        share = count / max(found["points"], 1)
-        yield f"{word:14}{count:6} {share:7.1%}"
-    for reason, count in found["reasons"].items():
-        yield f"{CLASSES[NO_WALK]:14}{count:6}  {reason}"
-    yield ""
-    yield f"{'alone explains':24}{'of departures':>14}{'of lost walks':>15}"
-    matters = found["explained"]
-    for key in sorted(matters, key=lambda one: -(matters[one]["departure"] or 0.0)):
-        shares = (_share(matters[key][what]) for what in ("departure", "falls"))
-        yield f"{key:24}{next(shares):>14}{next(shares):>15}"
-
-
-def _share(value: float | None) -> str:
-    return "-" if value is None else f"{value:.0%}"
+    columns = {key: results.columns[key] for key in results.keys}
+    reasons = Counter(str(s) for s in results.columns["status"] if s != "ok")
+    return Findings(
+        points=len(results),
+        prediction=results.prediction,
+        classes=dict(zip(CLASSES, counts.tolist(), strict=True)),
+        explained={
+            key: Explained(explained(values, off), explained(values, lost))
+            for key, values in columns.items()
+        },
+        reasons=dict(reasons.most_common(PRINTED_REASONS)),
+    )

@@ -6,14 +6,14 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
-from sim.palette import FAINT, OUTCOMES, Style
+from sim.palette import FAINT, OUTCOMES
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import FORMER, SETTINGS
 from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
@@ -21,8 +21,8 @@ from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-LEAST = 1e-6  # share of the path; what is smaller is drawn there
-MOST = 12  # maps
+SMALLEST_SHARE = 1e-6  # share of the path; what is smaller is drawn there
+MOST_MAPS = 12  # maps
 FEW = 12  # values at most that are places of a table
 CELL = 0.92  # of the way from one place to the next
 SHAPE = "geometry."
@@ -39,7 +39,7 @@ def draw_maps(results: Results, folder: Path) -> list[Path]:
     import matplotlib as mpl
 
     varying = [key for key in results.keys if len(_labels(results.columns[key])) > 1]
-    pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:MOST]
+    pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:MOST_MAPS]
     drawn = []
     with mpl.rc_context(STYLE):
         for keys in pairs or [(key,) for key in varying]:
@@ -104,7 +104,7 @@ def _badness(results: Results, point: int) -> tuple[int, float]:
 
 def _draw_curve(axes: Axes, results: Results, key: str) -> None:
     x = _place(axes, results, key, "x")
-    share = np.maximum(np.nan_to_num(results.off, nan=1.0), LEAST)
+    share = np.maximum(np.nan_to_num(results.off, nan=1.0), SMALLEST_SHARE)
     colours = [OUTCOMES[found].hex for found in results.classes]
     axes.scatter(x, share, s=12, c=colours, linewidths=0)
     axes.set_yscale("log")
@@ -129,7 +129,7 @@ def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
     return numbers.tolist()
 
 
-def _is_table(values: Sequence[Any]) -> bool:
+def _is_table(values: Sequence[object]) -> bool:
     """Whether values are few, or words, and get places side by side."""
     words = not all(type(value) in (int, float) for value in values)
     return words or len(set(values)) <= FEW
@@ -143,13 +143,14 @@ def _named(key: str) -> str:
     return f"{key} [{declared.unit}]" if declared and declared.unit else key
 
 
-def _labels(values: Sequence[Any]) -> list[str]:
+def _labels(values: Sequence[object]) -> list[str]:
     """Values as they are written at an axis, numbers in ascending order."""
-    numbers = all(type(value) in (int, float) for value in values)
-    return list(dict.fromkeys(map(_label, sorted(values) if numbers else values)))
+    numbers = [value for value in values if isinstance(value, int | float)]
+    plain = len(numbers) == len(values) and bool not in map(type, values)
+    return list(dict.fromkeys(map(_label, sorted(numbers) if plain else values)))
 
 
-def _label(value: Any) -> str:
+def _label(value: object) -> str:
     return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
@@ -157,9 +158,8 @@ def _legend(axes: Axes, results: Results) -> None:
     from matplotlib.lines import Line2D
 
     counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
-    square: Style = {"marker": "s", "linestyle": ""}
     marks = [
-        Line2D([], [], label=f"{name}: {count}", color=colour.hex, **square)
+        Line2D([], [], label=f"{name}: {count}", color=colour.hex, marker="s", ls="")
         for name, colour, count in zip(CLASSES, OUTCOMES, counts, strict=True)
         if count
     ]

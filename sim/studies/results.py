@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +29,7 @@ BEYOND, FELL, NO_WALK = 3, 4, 5
 class Results:
     """The rows of a sweep's table."""
 
-    columns: Mapping[str, list[Any]]  # values by column, a list of one a row
+    columns: Mapping[str, list[object]]  # values by column, a list of one a row
     keys: tuple[str, ...]  # columns that vary
     prediction: str  # name of the prediction that points are judged by
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -16,45 +15,43 @@ from sim.errors import UsageError
 from sim.scenarios.declaration import is_number
 from sim.scenarios.settings import SETTINGS
 
-Choice = tuple[Any, ...]  # values of the block's keys
+Choice = tuple[object, ...]  # values of the block's keys
 Block = tuple[tuple[str, ...], Sequence[Choice]]  # keys, and their choices
 RANGE = {"from", "to", "count", "scale"}
 LINEAR, LOGARITHMIC = "linear", "log"
-MOST = 1_000_000  # points of a sweep
+MOST_POINTS = 1_000_000  # of a sweep
 WHOLE = {name for name, item in SETTINGS.items() if item.includes(int)}
 
 
-def grid_blocks(table: Mapping[str, Any]) -> Iterator[Block]:
+def grid_blocks(table: Mapping[str, object]) -> Iterator[Block]:
     """A block for each key, so that all combinations are gone through."""
     for key, given in flat(table):
         yield (key,), [(value,) for value in _values(key, given, "[grid]")]
 
 
-def list_block(table: Mapping[str, Any]) -> Block:
+def list_block(table: Mapping[str, object]) -> Block:
     """One block, in which the lists of all keys go side by side."""
     columns = {key: _values(key, given, "[list]") for key, given in flat(table)}
     lengths = {key: len(values) for key, values in columns.items()}
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{key} has {count}" for key, count in lengths.items())
+        counts = ", ".join(f"{key} has {count}" for key, count in lengths.items())
         raise UsageError(
-            f"lists of different lengths, {told}",
+            f"lists of different lengths, {counts}",
             "[list]",
             "give all of them as many values, or put them under [grid]",
         )
     return tuple(columns), list(zip(*columns.values(), strict=True))
 
 
-def sobol_block(table: Mapping[str, Any]) -> Block:
+def sobol_block(table: Mapping[str, object]) -> Block:
     """One block of a scrambled Sobol sequence between lowest and highest values.
 
     The table has the number of `points`, a `seed`, and for each key its `[low, high]`.
     """
     from scipy.stats import qmc
 
-    count: Any = table.get("points")
-    seed = table.get("seed", 0)
-    _require_whole("points", count, 1, MOST)
-    _require_whole("seed", seed, 0, 2**32 - 1)
+    count = _whole("points", table.get("points"), 1, MOST_POINTS)
+    seed = _whole("seed", table.get("seed", 0), 0, 2**32 - 1)
     spans = dict(flat({k: v for k, v in table.items() if k not in ("points", "seed")}))
     if not spans:
         raise UsageError("no key varies", "[sobol]", "give a key = [low, high]")
@@ -67,20 +64,23 @@ def sobol_block(table: Mapping[str, Any]) -> Block:
     return tuple(spans), list(zip(*columns, strict=True))
 
 
-def flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
+def flat(table: Mapping[str, object], head: str = "") -> Iterator[tuple[str, object]]:
     """Keys of a table and of the tables in it, as `path.goal`, with their values.
 
     Ranges, and tables that say what kind of thing they are, count as values.
     """
     for key, value in table.items():
-        inner = isinstance(value, Mapping) and "kind" not in value
-        if inner and not ({"from", "to"} <= value.keys()):
+        if isinstance(value, Mapping) and not _is_value(value):
             yield from flat(value, f"{head}{key}.")
         else:
             yield f"{head}{key}", value
 
 
-def _values(key: str, given: object, block: str) -> list[Any]:
+def _is_value(table: Mapping[str, object]) -> bool:
+    return "kind" in table or {"from", "to"} <= table.keys()
+
+
+def _values(key: str, given: object, block: str) -> list[object]:
     if isinstance(given, list) and given:
         return list(given)
     where = f"{block} {key}"
@@ -90,9 +90,8 @@ def _values(key: str, given: object, block: str) -> list[Any]:
             where,
             "give [a, b, ...] or { from = a, to = b, count = n }",
         )
-    count = given.get("count")
-    _require_whole(f"{where}: count", count, 1, MOST)
-    parts = np.linspace(0.0, 1.0, given["count"])
+    count = _whole(f"{where}: count", given.get("count"), 1, MOST_POINTS)
+    parts = np.linspace(0.0, 1.0, count)
     return _stretch(parts, *_span(given, where), key in WHOLE)
 
 
@@ -116,7 +115,7 @@ def _span(given: object, where: str) -> tuple[float, float, str]:
 
 def _stretch(
     unit: np.ndarray, low: float, high: float, scale: str, whole: bool
-) -> list[Any]:
+) -> list[object]:
     """Numbers from 0 to 1 stretched between two ends; rounded if whole ones are due."""
     values = low + unit * (high - low)
     if scale == LOGARITHMIC:
@@ -124,11 +123,11 @@ def _stretch(
     return [round(value) if whole else float(f"{value:.12g}") for value in values]
 
 
-def _require_whole(what: str, value: object, low: int, high: int) -> None:
-    whole = isinstance(value, int) and not isinstance(value, bool)
-    if not whole or not low <= value <= high:  # type: ignore[operator]
-        raise UsageError(
-            f"{what} = {value!r} is not allowed",
-            "the sweep's file",
-            f"give a whole number from {low} to {high}",
-        )
+def _whole(what: str, value: object, low: int, high: int) -> int:
+    if not isinstance(value, bool) and isinstance(value, int) and low <= value <= high:
+        return value
+    raise UsageError(
+        f"{what} = {value!r} is not allowed",
+        "the sweep's file",
+        f"give a whole number from {low} to {high}",
+    )

@@ -7,13 +7,19 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.file import anchor, read_toml, scenario_from, scenario_table
 from sim.scenarios.scenario import Scenario
-from sim.sweeps.axes import MOST, Block, flat, grid_blocks, list_block, sobol_block
+from sim.sweeps.axes import (
+    MOST_POINTS,
+    Block,
+    flat,
+    grid_blocks,
+    list_block,
+    sobol_block,
+)
 
 STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
@@ -27,8 +33,8 @@ class Sweep:
     """What a sweep's file says."""
 
     name: str  # of the file
-    scenario: Mapping[str, Any]  # the scenario as a table of plain values
-    fixed: Mapping[str, Any]  # settings of every point, by their dotted names
+    scenario: Mapping[str, object]  # the scenario as a table of plain values
+    fixed: Mapping[str, object]  # settings of every point, by their dotted names
     blocks: tuple[Block, ...]  # what varies
     without: tuple[str, ...]  # measures that are left out
     run_folders: tuple[int, ...] = ()  # numbers of the points that get a run folder
@@ -42,9 +48,9 @@ class Sweep:
         """Keys that vary, in the order of the file."""
         return tuple(key for keys, _ in self.blocks for key in keys)
 
-    def varied(self, point: int) -> dict[str, Any]:
+    def varied(self, point: int) -> dict[str, object]:
         """Values of the varying keys at a point; the last block varies fastest."""
-        values: dict[str, Any] = {}
+        values: dict[str, object] = {}
         for keys, choices in reversed(self.blocks):
             point, place = divmod(point, len(choices))
             values |= zip(keys, choices[place], strict=True)
@@ -66,12 +72,10 @@ def read_sweep(source: str) -> Sweep:
     scenario = _scenario(table, path)
     fixed = dict(flat(_inner(table, "set")))
     _anchor_values(fixed, path.parent)
-    blocks = tuple(_blocks(table))
-    for keys, choices in blocks:
-        _anchor_choices(keys, choices, path.parent)
+    blocks = tuple(_anchored(block, path.parent) for block in _blocks(table))
     _require_once([*fixed, *(key for keys, _ in blocks for key in keys)], source)
-    if (count := math.prod(len(choices) for _, choices in blocks)) > MOST:
-        raise UsageError(f"{count} points", source, f"ask for {MOST} at most")
+    if (count := math.prod(len(choices) for _, choices in blocks)) > MOST_POINTS:
+        raise UsageError(f"{count} points", source, f"ask for {MOST_POINTS} at most")
     run_folders, filmed = _run_folders(_inner(table, "keep"), count)
     return Sweep(
         name=path.stem,
@@ -103,7 +107,7 @@ def _find(source: str) -> Path:
     )
 
 
-def _scenario(table: Mapping[str, Any], path: Path) -> Mapping[str, Any]:
+def _scenario(table: Mapping[str, object], path: Path) -> Mapping[str, object]:
     """The scenario that is named, or the one whose tables stand in the sweep's file."""
     named = table.get("scenario")
     own = {key: value for key, value in table.items() if key not in KEYS}
@@ -125,14 +129,14 @@ def _scenario(table: Mapping[str, Any], path: Path) -> Mapping[str, Any]:
     return scenario_table(str(beside) if beside.is_file() else named)[0]
 
 
-def _inner(table: Mapping[str, Any], key: str) -> Mapping[str, Any]:
+def _inner(table: Mapping[str, object], key: str) -> Mapping[str, object]:
     inner = table.get(key, {})
     if not isinstance(inner, Mapping):
         raise UsageError(f"{key} is no table", "the sweep's file", f"write [{key}]")
     return inner
 
 
-def _blocks(table: Mapping[str, Any]) -> Iterator[Block]:
+def _blocks(table: Mapping[str, object]) -> Iterator[Block]:
     yield from grid_blocks(_inner(table, "grid"))
     if side_by_side := _inner(table, "list"):
         yield list_block(side_by_side)
@@ -147,18 +151,19 @@ def _require_once(keys: list[str], source: str) -> None:
             raise UsageError(what, source, "keep it in one table")
 
 
-def _anchor_values(values: dict[str, Any], folder: Path) -> None:
+def _anchor_values(values: dict[str, object], folder: Path) -> None:
     anchor(values, folder)
     if isinstance(file := values.get("path.file"), str):
         values["path.file"] = str((folder / file).resolve())
 
 
-def _anchor_choices(keys: tuple[str, ...], choices: Any, folder: Path) -> None:
-    """Make the robots' files that a block names findable from anywhere."""
-    for place, choice in enumerate(choices):
-        values = dict(zip(keys, choice, strict=True))
+def _anchored(block: Block, folder: Path) -> Block:
+    """A block that names the files of robots so that they are found from anywhere."""
+    keys, choices = block
+    rows = [dict(zip(keys, choice, strict=True)) for choice in choices]
+    for values in rows:
         _anchor_values(values, folder)
-        choices[place] = tuple(values[key] for key in keys)
+    return keys, [tuple(values[key] for key in keys) for values in rows]
 
 
 def _without(given: object) -> tuple[str, ...]:
@@ -169,13 +174,15 @@ def _without(given: object) -> tuple[str, ...]:
     return tuple(sorted(given))
 
 
-def _run_folders(table: Mapping[str, Any], count: int) -> tuple[tuple[int, ...], bool]:
+def _run_folders(
+    table: Mapping[str, object], count: int
+) -> tuple[tuple[int, ...], bool]:
     points, filmed = table.get("points", []), table.get("film", False)
     for key in table.keys() - {"points", "film"}:
         near = did_you_mean(key, ("points", "film"))
         raise UsageError(f"unknown key {key!r}", "[keep]", near)
-    whole = isinstance(points, list) and all(type(point) is int for point in points)
-    if not whole or not all(0 <= point < count for point in points):
+    numbers = points if isinstance(points, list) else [None]
+    if not all(type(point) is int and 0 <= point < count for point in numbers):
         raise UsageError(
             f"points = {points!r} is not allowed",
             "[keep]",
@@ -183,4 +190,4 @@ def _run_folders(table: Mapping[str, Any], count: int) -> tuple[tuple[int, ...],
         )
     if not isinstance(filmed, bool):
         raise UsageError(f"film = {filmed!r}", "[keep]", "give true or false")
-    return tuple(sorted(set(points))), filmed
+    return tuple(sorted(set(numbers))), filmed

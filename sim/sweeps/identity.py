@@ -14,7 +14,6 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
 
 from models import ModelError, load
 from sim.scenarios.file import to_table
@@ -35,8 +34,8 @@ def digest(scenario: Scenario, without: Sequence[str]) -> str:
     for key in ("name", "description"):
         table.pop(key, None)
     robot = [(str(path), _digest_of(path)) for path in _own_files(scenario.robot)]
-    told = json.dumps([table, sorted(without), robot], sort_keys=True, default=str)
-    return hashlib.sha256(told.encode()).hexdigest()[:32]
+    content = json.dumps([table, sorted(without), robot], sort_keys=True, default=str)
+    return hashlib.sha256(content.encode()).hexdigest()[:32]
 
 
 def software() -> dict[str, str]:
@@ -44,18 +43,18 @@ def software() -> dict[str, str]:
     return versions() | {"machine": platform.machine(), "code": _code()}
 
 
-def differences(first: Mapping[str, Any], second: Mapping[str, Any]) -> list[str]:
+def differences(first: Mapping[str, object], second: Mapping[str, object]) -> list[str]:
     """What two tables disagree on by dotted names, as `key: value, now value`."""
     one, other = dict(flat(first)), dict(flat(second))
     keys = [*one, *(key for key in other if key not in one)]
     return [
-        f"{key}: {_told(one, key)}, now {_told(other, key)}"
+        f"{key}: {_shown(one, key)}, now {_shown(other, key)}"
         for key in keys
         if one.get(key) != other.get(key)
     ]
 
 
-def _told(table: Mapping[str, Any], key: str) -> str:
+def _shown(table: Mapping[str, object], key: str) -> str:
     text = json.dumps(table[key]) if key in table else "nothing"
     return text if len(text) <= 80 else f"{text[:38]} ... {text[-38:]}"
 

@@ -13,7 +13,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 from sim.errors import FilesError
 
@@ -27,7 +26,7 @@ class Outcome:
     digest: str  # of its settings
     status: str  # `ok`, or the reason why it has no numbers
     # the summary's numbers by their dotted names
-    numbers: Mapping[str, Any] = field(default_factory=dict)
+    numbers: Mapping[str, object] = field(default_factory=dict)
     # versions that they come from
     software: Mapping[str, str] = field(default_factory=dict)
 

@@ -13,25 +13,25 @@ from pyarrow import parquet
 from sim.errors import UsageError
 from sim.folder import whole
 
-ROWS = 10_000  # of a group; any other number gives other bytes
+GROUP_ROWS = 10_000  # any other number gives other bytes
 ABOUT = "stratawalk"  # key of the metadata
-Row = Mapping[str, Any]
+Row = Mapping[str, object]
 
 
-def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, Any]) -> None:
+def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, object]) -> None:
     """Write the rows as they are given, as a whole file or not at all.
 
     What a row lacks is null. What the rows come from is kept in the file's metadata.
     """
     names = list(dict.fromkeys(name for row in rows for name in row))
     columns = [_column([row.get(name) for row in rows]) for name in names]
-    told = {ABOUT: json.dumps(about, sort_keys=True)}
-    table = pa.table(columns, names=names).replace_schema_metadata(told)
+    metadata = {ABOUT: json.dumps(about, sort_keys=True)}
+    table = pa.table(columns, names=names).replace_schema_metadata(metadata)
     with whole(path, table.nbytes // 4) as part:
-        parquet.write_table(table, part, compression="zstd", row_group_size=ROWS)
+        parquet.write_table(table, part, compression="zstd", row_group_size=GROUP_ROWS)
 
 
-def read_table(path: Path) -> tuple[dict[str, list[Any]], dict[str, Any]]:
+def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
     """Values by column, and what the rows come from; other files are refused."""
     if not path.is_file():
         raise UsageError("no such table", str(path), "give the table of a sweep")
@@ -45,7 +45,7 @@ def read_table(path: Path) -> tuple[dict[str, list[Any]], dict[str, Any]]:
     return {name: table[name].to_pylist() for name in table.column_names}, about
 
 
-def _column(values: Sequence[Any]) -> pa.Array:
+def _column(values: Sequence[object]) -> pa.Array:
     """Values in the narrowest type that holds them all, text if they are mixed."""
     kinds = {type(value) for value in values if value is not None}
     if not kinds or kinds == {int, float} or kinds == {float}:
@@ -61,7 +61,7 @@ def _numbers(values: Iterable[Any]) -> list[float | None]:
     return [None if value is None else float(value) for value in values]
 
 
-def _text(value: Any) -> str | None:
+def _text(value: object) -> str | None:
     if value is None or isinstance(value, str):
         return value
     return json.dumps(value)

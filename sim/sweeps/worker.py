@@ -7,7 +7,6 @@ common is kept between them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from sim.errors import one_line
 from sim.preparation.shared import Shared
@@ -22,7 +21,7 @@ LEFT_OUT = ("timing",)  # which differs from run to run
 
 
 def carry_out(
-    digest: str, table: Mapping[str, Any], without: Sequence[str] = ()
+    digest: str, table: Mapping[str, object], without: Sequence[str] = ()
 ) -> Outcome:
     """Walk one point; whatever goes wrong with it becomes its status.
 
@@ -36,14 +35,16 @@ def carry_out(
     return Outcome(digest, OK, dict(numbers(summary)), software())
 
 
-def numbers(summary: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, Any]]:
+def numbers(
+    summary: Mapping[str, object], head: str = ""
+) -> Iterator[tuple[str, object]]:
     """Numbers and words of a summary by their dotted names."""
     for key, value in summary.items():
         if head or key not in LEFT_OUT:
             yield from _leaves(f"{head}{key}", value)
 
 
-def _leaves(name: str, value: Any) -> Iterator[tuple[str, Any]]:
+def _leaves(name: str, value: object) -> Iterator[tuple[str, object]]:
     if isinstance(value, Mapping):
         yield from numbers(value, f"{name}.")
     elif isinstance(value, list | tuple):

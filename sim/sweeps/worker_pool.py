@@ -26,7 +26,7 @@ from sim.sweeps.identity import differences, software
 from sim.sweeps.ledger import Outcome
 from sim.sweeps.worker import carry_out
 
-PATIENCE = 120.0  # [s] without any worker, before that is an error
+NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error
 ANSWER = "15s"  # for the scheduler to come forward
 TRIES = 2  # of a point whose worker dies
 # A search for a plan keeps the rest of its process waiting, on a busy machine for
@@ -45,7 +45,7 @@ class Task:
     """A point to be walked."""
 
     digest: str
-    table: Mapping[str, Any]
+    table: Mapping[str, object]
     without: Sequence[str]
 
 
@@ -97,7 +97,7 @@ class WorkerPool:
         busy = {worker for _, worker in self.running.values()}
         return [worker for worker in there if worker in self.accepted - busy]
 
-    def _there(self) -> Mapping[str, Any]:
+    def _there(self) -> Mapping[str, object]:
         """Workers that the scheduler has, by address.
 
         The client's own `scheduler_info` may give the answer to another question, which
@@ -106,7 +106,7 @@ class WorkerPool:
         told: Mapping[str, Any] = self.client.sync(
             self.client.scheduler.identity, n_workers=-1
         )
-        found: Mapping[str, Any] = told["workers"]
+        found: Mapping[str, object] = told["workers"]
         return found
 
     def _judge(self, worker: str, answer: Future) -> None:
@@ -125,7 +125,7 @@ class WorkerPool:
         else:
             self.accepted.add(worker)
 
-    def _submit(self, worker: str, work: Any, *given: Any) -> Future:
+    def _submit(self, worker: str, work: object, *given: object) -> Future:
         return self.client.submit(
             work, *given, workers=[worker], allow_other_workers=False, pure=False
         )
@@ -171,9 +171,9 @@ class WorkerPool:
             )
         if there.keys() - unlike.keys():  # it is loading what it is asked about
             since = time.monotonic()
-        if time.monotonic() - since > PATIENCE:
+        if time.monotonic() - since > NO_WORKER_TIMEOUT:
             raise SweepError(
-                f"no worker for {PATIENCE:.0f} s",
+                f"no worker for {NO_WORKER_TIMEOUT:.0f} s",
                 str(self.client.scheduler.address),
                 "start some with `dask worker`, and go on with --resume",
             )

@@ -54,7 +54,7 @@ def test_stretches_are_bit_for_bit_a_bare_loop_over_mj_step(model, wobble):
 def test_an_engine_of_a_slow_model_gives_python_its_turn(model, wobble, monkeypatch):
     """Between two of its calls Ctrl-C is answered; the states do not depend on them."""
     whole, calls = Engine(model).advance(wobble[:300]), []
-    monkeypatch.setattr("sim.physics.engine.PATIENCE", 0.0)  # as if very slow
+    monkeypatch.setattr("sim.physics.engine.BUSY_TIME", 0.0)  # as if very slow
     engine = Engine(model)
     rollout = engine._batch.rollout
 
