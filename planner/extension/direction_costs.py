@@ -26,7 +26,7 @@ MISSED = 1e-6  # of a unit of any coordinate
 
 @dataclass(frozen=True, slots=True)
 class DirectionCost:
-    """What moving a coordinate by one unit takes.
+    """Cost of moving a coordinate by one unit.
 
     Attributes:
         direction: Name of the coordinate.
@@ -86,7 +86,7 @@ def _cost(
 ) -> DirectionCost:
     """The strokes for a unit of one row, by elements of low degree if they suffice.
 
-    What is missed may be a millionth of a unit: nobody pays for cancelling that.
+    The motion may miss a millionth of a unit, which is not worth further strokes.
     """
     unit = np.eye(len(matrix))[row]
     scaled = matrix / prices  # one stroke of each

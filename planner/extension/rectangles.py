@@ -39,7 +39,7 @@ MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
 
 @dataclass(frozen=True, eq=False)
 class Rectangles:
-    """The ways to run a basis' words, judged by the brackets one degree higher.
+    """Corners and shapes of rectangles, compared by the brackets of the next degree.
 
     Attributes:
         hall: The generators and the Hall basis over them, of degree 2.

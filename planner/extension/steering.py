@@ -7,7 +7,7 @@ realised as well, unless their fields vanish.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 from numbers import Integral
@@ -37,12 +37,6 @@ Wording = Literal[
     "alternating",
 ]
 Spelled = Literal["backward", "forward", "backward-turned", "forward-turned"]
-PLAIN: Mapping[Spelled, Order] = {
-    "backward": "backward",
-    "forward": "forward",
-    "backward-turned": "backward",
-    "forward-turned": "forward",
-}
 MOST_SIGNED = 4  # generators whose signs are tried, all combinations of them
 MOST_COORDINATES = 500  # of a segment; its words are far longer still
 
@@ -126,7 +120,8 @@ class Steering:
         if order == "alternating":
             return self._alternating_words(hall_coordinates)
         scales = None
-        if self.rectangles is not None and at is not None and PLAIN[order] == order:
+        turned = order.endswith("-turned")
+        if self.rectangles is not None and at is not None and not turned:
             scales = self.rectangles.scales(hall_coordinates, at)
         return self.scaled_words(hall_coordinates, order, scales)
 
@@ -164,13 +159,13 @@ class Steering:
     def _spelled(
         self, hall_coordinates: Array, order: Spelled, units: Array | None = None
     ) -> list[Spelling]:
-        plain = PLAIN[order]
+        plain: Order = "backward" if order.startswith("backward") else "forward"
         return spellings(
             self.hall.elements,
             hall_coordinates,
             plain,
             self.hall.vanishing,
-            turned=plain != order,
+            turned=order.endswith("-turned"),
             units=units,
         )
 

@@ -13,7 +13,7 @@ from planner.errors import BoundError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Margins
 from planner.optimisation.task import Solution
-from planner.optimisation.windows import KEPT, Window, WindowSearch
+from planner.optimisation.windows import KEPT_WIDTH, Window, WindowSearch
 from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
@@ -45,7 +45,7 @@ class Search(WindowSearch):
             ends = (place, 1.0 if last else place + width)
             window = Window(here, ends, self.path(1.0) if last else None, first)
             found = self.solve(window, count)
-            if found is None or found.width > KEPT:
+            if found is None or found.width > KEPT_WIDTH:
                 lacking = found.width**2 if found else 2.0
                 width /= np.clip(lacking, 2.0, LARGEST_CUT)
                 if width * length < LAST_WINDOW:
@@ -71,7 +71,7 @@ class Search(WindowSearch):
         with unlimited():
             for near in (True, False):
                 found = program.solve(solution, ends, goal, margins, near)
-                if found and found.width <= KEPT:
+                if found and found.width <= KEPT_WIDTH:
                     return found
         return None
 

@@ -36,7 +36,7 @@ SOFT_GUESSES = 2  # guesses there with soft constraints, which cost more
 STRIDE = 1.1  # ratio of numbers of stages that are tried one after another
 PATIENT_FOR = 2  # numbers of stages without progress, after which the search ends
 PROGRESS = 0.999  # of the least score so far, which counts as progress
-KEPT = 1.0 + 1e-6  # width of the corridor, in tolerances, that counts as keeping them
+KEPT_WIDTH = 1.0 + 1e-6  # of the corridor, in tolerances, that counts as keeping them
 STEEPNESS = 0.8  # relative growth of the stages per tolerance of excess width
 WORKED = 0.97  # share of a window's work that remains after each solution, as reported
 
@@ -127,7 +127,7 @@ class WindowSearch:
         try:
             self._explore_both(window, count)
         except (KeyboardInterrupt, BudgetError) as stop:
-            if self.without_soft or self._width_of(self._best) > KEPT:
+            if self.without_soft or self._width_of(self._best) > KEPT_WIDTH:
                 raise  # nothing is found
             if isinstance(stop, BudgetError) and window.ends[1] < 1.0:
                 raise
@@ -143,24 +143,24 @@ class WindowSearch:
         self._tried.clear()
         count = self._fewest(window, few, count)
         if self.without_soft:
-            if self._width_of(self._best) > KEPT:
+            if self._width_of(self._best) > KEPT_WIDTH:
                 return
             self._best, self.without_soft = None, False
             self._tried.clear()
             count = self._fewest(window, count - 1, count)
-        if self._width_of(self._best) <= KEPT:
+        if self._width_of(self._best) <= KEPT_WIDTH:
             self._improve(window, count)
 
     def _fewest(self, window: Window, few: int, count: int) -> int:
         """The fewest stages, more than `few`, that keep the tolerances, if any do."""
-        while (width := self._width_found(window, count)) > KEPT:
+        while (width := self._width_found(window, count)) > KEPT_WIDTH:
             if count >= MOST_STAGES:
                 return count
             growth = np.clip(1 + STEEPNESS * (width - 1), STRIDE, 2.0)
             few, count = count, min(max(count + 1, round(count * growth)), MOST_STAGES)
         while count - few > max(1, count * (STRIDE - 1)) and not self.hurried:
             middle = (few + count) // 2
-            if self._width(window, middle, ROUGHLY) <= KEPT:
+            if self._width(window, middle, ROUGHLY) <= KEPT_WIDTH:
                 count = middle
             else:
                 few = middle
@@ -199,7 +199,7 @@ class WindowSearch:
                 self._keep(here)
                 self._worked(window)
                 least = min(least, self._width_of(here))
-                if least <= KEPT and self.hurried:
+                if least <= KEPT_WIDTH and self.hurried:
                     return least
         return float(least)
 
@@ -213,7 +213,7 @@ class WindowSearch:
         relaxed = self._guesses[trial]
         if self.without_soft or not self._relaxes:
             return relaxed
-        if relaxed is None or relaxed.width > KEPT or self._hopeless(relaxed):
+        if relaxed is None or relaxed.width > KEPT_WIDTH or self._hopeless(relaxed):
             return None
         tick()
         guess = replace(relaxed, width=np.inf)  # far inside of a wide corridor
@@ -223,7 +223,7 @@ class WindowSearch:
 
     def _hopeless(self, relaxed: Solution) -> bool:
         """Whether a score is no better even without soft constraints."""
-        good = self._width_of(self._best) <= KEPT
+        good = self._width_of(self._best) <= KEPT_WIDTH
         return good and self.score(relaxed) >= self._least()
 
     def _keep(self, found: Solution | None) -> None:
@@ -231,11 +231,11 @@ class WindowSearch:
         best = self._best
         if found is None or best is None:
             self._best = best or found
-        elif best.width > KEPT:
+        elif best.width > KEPT_WIDTH:
             self._best = min(best, found, key=lambda solution: solution.width)
-        elif found.width <= KEPT:
+        elif found.width <= KEPT_WIDTH:
             self._best = min(best, found, key=self.score)
-        if found is None or found is not self._best or found.width > KEPT:
+        if found is None or found is not self._best or found.width > KEPT_WIDTH:
             return
         if not self.without_soft:
             stages, begin = len(found.strokes), float(found.places[0])

@@ -13,7 +13,7 @@ from planner.extension.extended import ExtendedSystem
 from planner.planning.algorithm import Plan, follow_path
 from planner.planning.paths import line
 
-NODES = 9  # of a straight step; its inputs vary with the heading only
+SEGMENT_NODES = 9  # of a straight step; its inputs vary with the heading only
 FINEST = 2.0**-20  # smallest part of the way to the target that a step may go
 
 
@@ -66,4 +66,4 @@ def plan_step(
 def _straight(
     extended: ExtendedSystem, start: ArrayLike, goal: ArrayLike, execution: Execution
 ) -> Plan:
-    return follow_path(extended, line(start, goal), 1, execution, NODES)
+    return follow_path(extended, line(start, goal), 1, execution, SEGMENT_NODES)

@@ -21,7 +21,7 @@ from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, assemble, with_remedy
 from planner.planning.nominal import fictitious_inputs_along, require_segments, sample
 from planner.planning.paths import Path, as_path, grid, line
-from planner.planning.replanning import FINEST, NODES
+from planner.planning.replanning import FINEST, SEGMENT_NODES
 from planner.planning.rollouts import play
 from planner.support.stopping import tick
 
@@ -264,7 +264,7 @@ def shot_towards(
             "the end of a shot depends on the coordinates that it follows; choose "
             "backward, forward or shortest instead of fewest"
         )
-    samples = sample(line(here, target), extended.system, 1, NODES)
+    samples = sample(line(here, target), extended.system, 1, SEGMENT_NODES)
     inputs = fictitious_inputs_along(extended, samples)
     coordinates = extended.steering.hall_coordinates(inputs)
     (word,) = extended.steering.words(coordinates, orders[0], here[None])

@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-LARGEST = 10**7  # bytes of a text that somebody has written
+LARGEST_TEXT = 10**7  # bytes of a text that somebody has written
 _unfinished: set[Path] = set()
 
 
@@ -97,7 +97,7 @@ def open_file(path: Path | str) -> BinaryIO:
     raise OSError(code, reason, str(path))
 
 
-def read_file(path: Path | str, largest: int = LARGEST) -> bytes:
+def read_file(path: Path | str, largest: int = LARGEST_TEXT) -> bytes:
     """Contents of a file that somebody else may have made.
 
     Args:

@@ -123,7 +123,7 @@ class NumericField:
 
 
 def _called(function: Callable[[Array], ArrayLike], x: Array) -> ArrayLike:
-    """What a user's function gives; whatever it raises is told with the place."""
+    """The value of a user's function; its errors become those of the configuration."""
     try:
         return function(x)
     except (KeyboardInterrupt, PlannerError):
