@@ -5,11 +5,18 @@ The site needs no network: formulas are MathML, and fonts are the reader's own.
 
 from __future__ import annotations
 
+import ast
+import inspect
 import tomllib
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+from docutils.statemachine import StringList
 from latex2mathml.converter import convert
+from sphinx.pycode import ModuleAnalyzer
+from sphinx.util.docutils import SphinxDirective
 
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
@@ -67,6 +74,48 @@ def _moved(text: str) -> str:
     return text.replace("](docs/", "](")
 
 
+class Public(SphinxDirective):
+    """Public names of a front door, each with its signature, docstring and example.
+
+    The argument names the door, the content the names.
+    """
+
+    required_arguments = 1
+    has_content = True
+
+    def run(self) -> list[Any]:
+        """What autodoc makes of the names, in the order in which they are given."""
+        door = self.arguments[0]
+        lines = StringList()
+        for name in " ".join(self.content).split():
+            for line in _directive(door, name):
+                lines.append(line, self.get_location())
+        section = nodes.section()
+        self.state.nested_parse(lines, 0, section)
+        return section.children
+
+
+def _directive(door: str, name: str) -> list[str]:
+    """What makes a name's entry; a constant has its value's text and no signature."""
+    value = getattr(import_module(door), name)
+    if inspect.isfunction(value):
+        return [f".. autofunction:: {door}.{name}", ""]
+    if not inspect.isclass(value):
+        text = [f"   {line}" for line in constant_text(door, name)]
+        return [f".. py:data:: {door}.{name}", "", *text, ""]
+    if issubclass(value, BaseException):
+        return [f".. autoexception:: {door}.{name}", ""]
+    return [f".. autoclass:: {door}.{name}", "   :members:", ""]
+
+
+def constant_text(door: str, name: str) -> list[str]:
+    """The lines of text that stand under a constant where it is defined."""
+    stub = ast.parse((ROOT / door / "__init__.pyi").read_text())
+    (module,) = (n.module for n in stub.body if name in {a.name for a in n.names})
+    analyzer = ModuleAnalyzer.for_module(f"{door}.{module}")
+    return analyzer.find_attr_docs().get(("", name), [])
+
+
 def inline_formula(writer: Any, node: Any) -> None:
     """A formula within a line."""
     _write(writer, node, "inline")
@@ -78,15 +127,14 @@ def displayed_formula(writer: Any, node: Any) -> None:
 
 
 def _write(writer: Any, node: Any, display: str) -> None:
-    from docutils.nodes import SkipNode
-
     writer.body.append(convert(node.astext(), display=display))
-    raise SkipNode
+    raise nodes.SkipNode
 
 
 def setup(app: Any) -> dict[str, bool]:
     """What Sphinx calls when it reads this file."""
     app.connect("source-read", read_outside)
+    app.add_directive("public", Public)
     app.add_html_math_renderer(
         "mathml", (inline_formula, None), (displayed_formula, None)
     )

@@ -2,8 +2,14 @@
 
 import os
 import re
+import subprocess
 import sys
+import tempfile
+from multiprocessing import get_context
+from pathlib import Path
+from subprocess import PIPE
 
+from sim import start
 from sim.pictures import gl
 
 COMMAND = [sys.executable, "-m", "sim.cli"]
@@ -13,6 +19,45 @@ OUTSIDE = {
     if key != gl.ASKED and not key.startswith("PYTHON")
 } | {"PYTHONPATH": os.getcwd()}
 """The tests' surroundings without what changes Python or the driver of pictures."""
+
+FORKS = get_context("forkserver")
+FORKS.set_forkserver_preload(["tests.commands", "tests.warm"])
+
+
+def run(words, folder, stdout=PIPE, stderr=PIPE, **environment):
+    """Run the command in a folder, in a process of its own.
+
+    It is forked from one that has loaded all libraries, which takes longer than most
+    commands, unless its streams or environment are not the usual ones.
+    """
+    words = [str(word) for word in words]
+    if (stdout, stderr, environment) != (PIPE, PIPE, {}):
+        return subprocess.run(
+            [*COMMAND, *words],
+            cwd=folder,
+            env=OUTSIDE | environment,
+            stdout=stdout,
+            stderr=stderr,
+            text=True,
+        )
+    with tempfile.TemporaryDirectory() as outputs:
+        paths = [Path(outputs, name) for name in ("stdout", "stderr")]
+        process = FORKS.Process(target=_run, args=(words, folder, OUTSIDE, *paths))
+        process.start()
+        process.join()
+        texts = (path.read_text() for path in paths)
+        return subprocess.CompletedProcess(words, process.exitcode, *texts)
+
+
+def _run(words, folder, environment, *paths):
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    for number, path in enumerate(paths, start=1):
+        os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT), number)
+    sys.stdout, sys.stderr = map(os.fdopen, (1, 2), "ww")
+    sys.argv = ["stratawalk", *words]
+    sys.exit(start.main())
 
 
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")

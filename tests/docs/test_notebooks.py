@@ -51,6 +51,7 @@ def test_every_notebook_is_run_below_and_kept_without_outputs():
         assert [c.outputs for c in code if c.outputs] == []
 
 
+@pytest.mark.full
 def test_a_bracket_in_three_lines(outputs):
     texts, shown = outputs("bracket")
     assert "- \\cos{\\left(\\theta \\right)}" in shown[0]["text/latex"]
@@ -58,6 +59,7 @@ def test_a_bracket_in_three_lines(outputs):
     assert sum("image/png" in data for data in shown) == 1
 
 
+@pytest.mark.full
 def test_a_system_of_ones_own(outputs):
     texts, shown = outputs("cupboard")
     assert "is controllable by closure: filtration 4, closure 5 of 5" in texts
@@ -66,6 +68,7 @@ def test_a_system_of_ones_own(outputs):
     assert off == sorted(off, reverse=True)
 
 
+@pytest.mark.full
 @pytest.mark.physics
 @pytest.mark.render
 @pytest.mark.usefixtures("driver")

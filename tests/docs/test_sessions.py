@@ -12,7 +12,7 @@ import pytest
 from scripts.adoptees import ADOPTEES
 from sim.cli import main
 from sim.sweeps.file import read_sweep
-from tests.commands import COMMAND, OUTSIDE
+from tests.commands import COMMAND, OUTSIDE, run
 from tests.docs.test_code import agrees
 from tests.pages import PROMPT, blocks
 from tests.sweeps import write_sweep
@@ -59,9 +59,7 @@ def test_every_command_shown_as_text_is_run_below():
 
 def printed(words, folder):
     """What a command prints that must end with 0, in a process of its own."""
-    done = subprocess.run(
-        [*COMMAND, *words], cwd=folder, env=OUTSIDE, capture_output=True, text=True
-    )
+    done = run(words, folder)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -58,6 +58,7 @@ def test_the_biped_needs_brackets_across_strata(shown):
     assert "strata one by one   4 of 5" in across
 
 
+@pytest.mark.full
 @pytest.mark.physics
 @pytest.mark.render
 def test_the_hexapod_walks_and_is_filmed(shown, tmp_path, driver):

@@ -12,10 +12,10 @@ from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
-from sim.simulation import simulate
 from sim.world.model import build, load as load_world
 from sim.world.sensors import SELF_CONTACT
 from tests import foreign
+from tests.walks import simulated
 
 pytestmark = pytest.mark.physics
 
@@ -60,11 +60,10 @@ def test_its_folder_replays_in_bare_mujoco(walked):
 @pytest.mark.parametrize("size", [0.2, 5.0])
 def test_small_and_large_robots_are_predicted_as_closely(size, tmp_path):
     """A robot of 10 g that fits on a palm, and one of 159 kg as wide as a car."""
-    robot, folder = str(foreign.scaled(tmp_path, size)), tmp_path / "run"
-    folder.mkdir()
+    robot = str(foreign.scaled(tmp_path, size))
     path = line((0.005 * size, 0.005 * size, 0.0))
     scenario = Scenario(name="short", robot=robot, path=path, segments=1)
-    summary = run(scenario, RunFolder(folder))
+    summary = simulated(scenario).summary
     assert summary["contact_switches_achieved"] == summary["contact_switches"]
     farthest = summary["error"]["quasi_static"]["farthest"]
     assert farthest < 0.003 * summary["distance_walked"]  # 0.001 measured for both
@@ -83,7 +82,7 @@ def test_a_urdf_of_light_links_walks_on_stiff_servos_without_bouncing(tmp_path):
     box = adopted(next(a for a in ADOPTEES if a.name == "box"), tmp_path)
     path = line((0.03, 0.03, 0.0))
     scenario = Scenario(name="short", robot=box, path=path, segments=5, timestep=1e-3)
-    summary = simulate(scenario).summary
+    summary = simulated(scenario).summary
     assert summary["servo"]["stiffness"] > 900
     # without the rotors of its servos 1339, and 80 % off
     assert (summary["verdict"], summary["bounces"]) == ("arrived", 0)

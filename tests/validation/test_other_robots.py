@@ -12,7 +12,7 @@ from models.library import load as load_robot
 from planner.controllability.gaits import gait_controllability
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.simulation import simulate
+from tests.walks import simulated
 
 pytestmark = pytest.mark.physics
 
@@ -31,7 +31,7 @@ def walked(robot, goal, segments):
     """Summary of a replanned walk."""
     path = {"kind": "line", "goal": [float(g) for g in goal]}
     changes = {"robot": robot, "path": path, "segments": segments, "replan": True}
-    return simulate(load_scenario("line", changes)).summary
+    return simulated(load_scenario("line", changes)).summary
 
 
 def check_steady(summary):

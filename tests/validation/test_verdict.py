@@ -13,7 +13,7 @@ from sim.evaluation.assessment import evaluate, summarise
 from sim.planning.soundness import Collisions
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-from sim.simulation import simulate
+from tests.walks import simulated
 
 SHORT = ["--set", "path.goal=[0.01,0,0]", "--set", "timestep=0.001"]
 SIDES = (
@@ -72,7 +72,7 @@ def test_robot_that_falls_ends_with_four_and_keeps_its_files(tmp_path, capsys):
 @pytest.fixture(scope="module")
 def short_walk():
     overrides = {"path.goal": [0.01, 0.0, 0.0], "segments": 1, "timestep": 0.001}
-    return simulate(load_scenario("line", overrides))
+    return simulated(load_scenario("line", overrides))
 
 
 def test_robot_that_walks_as_predicted_arrives(short_walk):

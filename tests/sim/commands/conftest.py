@@ -1,26 +1,17 @@
 """The command in an empty folder, and robots of one's own there."""
 
-import subprocess
-
 import pytest
 
 from models.description.robot import FOLDER
-from tests.commands import COMMAND, OUTSIDE
+from tests import commands
 
 
 @pytest.fixture
 def stratawalk(tmp_path):
     """Run the real command in an empty folder."""
 
-    def run(*words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **environment):
-        return subprocess.run(
-            [*COMMAND, *words],
-            cwd=tmp_path,
-            env=OUTSIDE | environment,
-            stdout=stdout,
-            stderr=stderr,
-            text=True,
-        )
+    def run(*words, **surroundings):
+        return commands.run(words, tmp_path, **surroundings)
 
     return run
 

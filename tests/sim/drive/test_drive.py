@@ -13,8 +13,8 @@ from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine
 from sim.preparation.setup import prepare
-from sim.simulation import simulate
 from sim.walking.walker import Walker
+from tests.walks import simulated
 
 SOFT = {"servo_stiffness": 50.0, "servo_damping": 1.0}
 
@@ -133,7 +133,7 @@ def test_a_rehearsal_with_soft_servos_measures_the_torques_of_stiff_ones(scenari
 @pytest.mark.physics
 def test_soft_servos_with_lead_go_where_stiff_ones_go(scenario):
     def off(**changes):
-        error = simulate(scenario(**changes)).summary["error"]["quasi_static"]
+        error = simulated(scenario(**changes)).summary["error"]["quasi_static"]
         return error["farthest"]
 
     led = off(command_rate=50.0, **SOFT)

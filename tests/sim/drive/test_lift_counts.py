@@ -11,7 +11,7 @@ from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
-from sim.simulation import simulate
+from tests.walks import simulated
 
 
 def classroom(**changes):
@@ -91,7 +91,7 @@ def test_statics_on_three_feet_are_those_of_the_physics(name):
 
 @pytest.mark.physics
 def test_the_classroom_robot_walks_on_its_own_servos_without_a_bounce():
-    summary = simulate(classroom()).summary
+    summary = simulated(classroom()).summary
     assert summary["servo"]["name"] == "mg90"
     assert summary["bounces"] == 0  # 4 with each joint's feed-forward rounded by itself
     assert summary["achieved"]["min_margin"] > 0.03

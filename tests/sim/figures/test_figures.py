@@ -57,11 +57,14 @@ pytestmark = pytest.mark.physics
 
 @pytest.fixture(scope="module")
 def walks():
-    """Walks for every figure, far shorter than those it shows."""
-    return {
-        name: {key: perform(job) for key, job in jobs.items()}
-        for name, jobs in SHORT.items()
-    }
+    """Walks for every figure, far shorter than those it shows, walked when needed."""
+
+    class Walks(dict):
+        def __missing__(self, name):
+            self[name] = {key: perform(job) for key, job in SHORT[name].items()}
+            return self[name]
+
+    return Walks()
 
 
 def test_every_figure_can_be_asked_for():

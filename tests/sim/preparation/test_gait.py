@@ -11,7 +11,7 @@ from sim.evaluation.assessment import summarise
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared
 from sim.scenarios.file import dumps, load_scenario
-from sim.simulation import simulate
+from tests.walks import simulated
 
 TRIPODS = ["12", "1", "12", "2", "12"]
 CRAWL = ["1234", "123", "1234", "124", "1234", "134", "1234", "234", "1234"]
@@ -69,7 +69,7 @@ def test_a_robot_walks_every_stratum_of_its_gait_in_the_physics():
     """Tripod 1 stands twice before tripod 2: more touchdowns, the same way."""
     short = {"path.goal": [0.01, 0.01, 0.0], "segments": 1}
     walks = [
-        simulate(load_scenario("line", short | changes)).evaluation
+        simulated(load_scenario("line", short | changes)).evaluation
         for changes in ({}, {"gait": ["12", "1", "12", "1", "12", "2", "12"]})
     ]
     plain, slow = (summarise(walk) for walk in walks)

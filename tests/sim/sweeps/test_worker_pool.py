@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import pandas
 import pytest
 
+from sim.cli import main
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
 from sim.sweeps.sweeping import points_of
@@ -111,13 +112,15 @@ def test_workers_with_another_mujoco_get_no_points(tmp_path):
     assert not (out / "table.parquet").exists()
 
 
-def test_a_scheduler_that_does_not_answer_is_refused(tmp_path):
+def test_a_scheduler_that_does_not_answer_is_refused(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("sim.sweeps.worker_pool.ANSWER", "1s")
     file = write_sweep(tmp_path, "[grid]\nfriction = [0.5]\n")
     nobody = "tcp://127.0.0.1:9"
-    done = stratawalk("sweep", file, "--out", tmp_path / "o", "--scheduler", nobody)
-    assert done.returncode == 2
-    assert nobody in done.stderr
-    assert "dask scheduler" in done.stderr
+    words = ("sweep", file, "--out", tmp_path / "o", "--scheduler", nobody)
+    assert main(list(map(str, words))) == 2
+    message = capsys.readouterr().err
+    assert nobody in message
+    assert "dask scheduler" in message
 
 
 # A port that another scheduler has is warned of by a library.

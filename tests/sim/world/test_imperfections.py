@@ -8,8 +8,8 @@ from sim.drive.drive import Drive
 from sim.drive.feed_forward import leg_actuators
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
-from sim.simulation import simulate
 from sim.world.imperfections import BACKLASH
+from tests.walks import simulated
 
 
 @pytest.fixture(scope="module")
@@ -162,7 +162,7 @@ def _hold(setup):
 def test_a_walk_with_play_on_a_slope_is_walked_and_its_prediction_is_not_met(scenario):
     bent = {"backlash": 0.01, "slope": [0.03, 1.0], "zero_offset": 0.01}
     off, true = (
-        simulate(scenario(**changes)).summary["error"]["quasi_static"]["farthest"]
+        simulated(scenario(**changes)).summary["error"]["quasi_static"]["farthest"]
         for changes in (bent, {})
     )
     assert off > 3 * true
@@ -184,8 +184,8 @@ def test_bumps_are_as_high_as_asked_for_and_differ_from_draw_to_draw(standing):
 
 @pytest.mark.physics
 def test_feet_on_bumps_carry_the_weight_and_the_walk_strays(scenario):
-    summary = simulate(scenario(bumps=0.001)).summary
-    plain = simulate(scenario()).summary
+    summary = simulated(scenario(bumps=0.001)).summary
+    plain = simulated(scenario()).summary
     off = [s["error"]["quasi_static"]["farthest"] for s in (summary, plain)]
     assert off[0] > 2 * off[1]
     assert summary["achieved"]["min_margin"] > 0.02  # so contacts are seen
