@@ -22,7 +22,16 @@ LAYERS = ("planner", "models", "sim")
 
 
 class StratawalkError(Exception):
-    """An error of one line; the root of this package's errors."""
+    """An error of one line; the root of this package's errors.
+
+    Example:
+        >>> from sim import StratawalkError, load_scenario
+        >>> try:
+        ...     load_scenario("lien")
+        ... except StratawalkError as error:
+        ...     print(error.what, int(error.exit_code))
+        unknown scenario 'lien' 2
+    """
 
     exit_code: ClassVar[ExitCode]
 
@@ -55,25 +64,51 @@ class StratawalkError(Exception):
 
 
 class UsageError(StratawalkError, ValueError):
-    """A command line, scenario or setting that asks for the impossible."""
+    """A command line, scenario or setting that asks for the impossible.
+
+    Example:
+        >>> from sim import load_scenario
+        >>> load_scenario("line", {"friction": -1.0})
+        Traceback (most recent call last):
+        sim.errors.UsageError: friction = -1.0 is not allowed: ...
+    """
 
     exit_code = ExitCode.USAGE
 
 
 class SimulationError(StratawalkError):
-    """Physics that diverged, or a plan that the robot cannot carry out."""
+    """Physics that diverged, or a plan that the robot cannot carry out.
+
+    Example:
+        >>> from sim import SimulationError
+        >>> print(SimulationError("the physics diverged", "t = 1.2 s", "step less"))
+        the physics diverged: t = 1.2 s; step less
+    """
 
     exit_code = ExitCode.SIMULATION
 
 
 class RenderError(StratawalkError):
-    """No way to draw or to encode pictures on this machine."""
+    """No way to draw or to encode pictures on this machine.
+
+    Example:
+        >>> from sim import RenderError
+        >>> print(RenderError("no driver", "MUJOCO_GL=egl", "install libegl1"))
+        no driver: MUJOCO_GL=egl; install libegl1
+    """
 
     exit_code = ExitCode.RENDER
 
 
 class FilesError(StratawalkError):
-    """A folder that cannot be written, or a disk that is full."""
+    """A folder that cannot be written, or a disk that is full.
+
+    Example:
+        >>> from sim import FilesError
+        >>> error = FilesError("the disk is full", "runs/line-001", "make room")
+        >>> int(error.exit_code)
+        6
+    """
 
     exit_code = ExitCode.FILES
 

@@ -191,6 +191,13 @@ def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Pa
     Raises:
         UsageError: If the folder exists.
         FilesError: If it cannot be made or written.
+
+    Example:
+        >>> from sim import load_scenario, simulate, write
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> folder = write(simulate(load_scenario("line", short)), "mine")
+        >>> (folder / "report.html").is_file()
+        True
     """
     writer, finished = _written(done, folder)
     writer.reported(finished)
@@ -220,6 +227,13 @@ def film(
             such look.
         RenderError: If pictures cannot be drawn or encoded.
         FilesError: If the film cannot be written.
+
+    Example:
+        >>> from sim import film, load_scenario, simulate
+        >>> short = {"segments": 1, "path.goal": [0.005, 0.0, 0.0], "playback": 60}
+        >>> done = simulate(load_scenario("line", short))
+        >>> film(done, "mine.mp4").name  # doctest: +SKIP
+        'mine.mp4'
     """
     from sim.pictures.run_film import film_folder
 

@@ -59,6 +59,13 @@ class Simulation:
         evaluation: The walk beside its predictions.
         timing: Seconds by stage.
         missed: How far from the goal each walk ended [m], the last one last.
+
+    Example:
+        >>> from sim import load_scenario, simulate
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> done = simulate(load_scenario("line", short), without=("identified",))
+        >>> list(done.evaluation.predicted)
+        ['ideal', 'quasi_static']
     """
 
     prepared: Prepared
@@ -124,6 +131,13 @@ def simulate(
         UsageError: If the walk takes more steps or memory than there can be.
         SimulationError: If the robot cannot go there, the plan tips it over or makes
             legs collide, or the physics diverges.
+
+    Example:
+        >>> from sim import load_scenario, simulate
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> done = simulate(load_scenario("line", short), without=("identified",))
+        >>> done.summary["verdict"]
+        'arrived'
     """
     timing: dict[str, float] = {}
     with _timed(timing, "compile"), stage(progress, "compiling"):

@@ -45,7 +45,15 @@ from sim.walking.finished import Walk
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A walk with its predictions, at every recorded moment."""
+    """A walk with its predictions, at every recorded moment.
+
+    Example:
+        >>> from sim import load_scenario, simulate
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> found = simulate(load_scenario("line", short)).evaluation
+        >>> abs(found.achieved.pose[-1] - [0.01, 0.01, 0.0]).max() < 1e-4
+        True
+    """
 
     walk: Walk
     achieved: Achieved
@@ -90,6 +98,16 @@ def evaluate(
             and `creep_floor`, which the robot stands for as long as it walked.
         shared: What earlier evaluations have made.
         progress: Called with the stage and the finished part of it.
+
+    Example:
+        >>> from models import equations, load
+        >>> from planner import line, plan
+        >>> from sim import evaluate, walk
+        >>> robot = load("hexapod")
+        >>> path = line((0, 0, 0), (0.01, 0.01, 0))
+        >>> report = evaluate(walk(robot, plan(equations(robot), path, segments=2)))
+        >>> report.summary["error"]["quasi_static"]["position"] < 1e-4  # [m]
+        True
     """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}

@@ -44,6 +44,15 @@ def error_sources(
 
     Returns:
         For each source its part in x, y [m] and yaw [rad].
+
+    Example:
+        >>> from sim import error_sources, load_scenario, simulate
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> found = simulate(load_scenario("line", short)).evaluation
+        >>> ideal = found.predicted["ideal"]
+        >>> sources = error_sources(found.walk, found.achieved.pose, ideal)
+        >>> "swing S1" in sources
+        True
     """
     phases = [phase for phase in walk.phases if phase.start >= walk.starts]
     edges = np.array([phases[0].start, *(phase.stop for phase in phases)])

@@ -53,7 +53,15 @@ def least_clearance(setup: Setup) -> float | None:
 
 @dataclass(frozen=True)
 class Judge:
-    """Judges flows of one setup."""
+    """Judges flows of one setup.
+
+    Example:
+        >>> from sim import Judge, PlannedWalk, load_scenario, prepare
+        >>> setup = prepare(load_scenario("line", {"path.goal": [0.1, 0.0, 0.0]}))
+        >>> plan = PlannedWalk(setup).plan()
+        >>> Judge(setup).end(plan.flows)[:3].round(3)
+        array([0.1, 0. , 0. ])
+    """
 
     setup: Setup
 

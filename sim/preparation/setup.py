@@ -190,6 +190,12 @@ def prepare(
         ModelError: If the robot cannot be used.
         UsageError: If a setting asks for what the robot cannot do.
         SimulationError: If its strokes reach some directions only.
+
+    Example:
+        >>> from sim import load_scenario, prepare
+        >>> setup = prepare(load_scenario("line"))
+        >>> setup.robot.name, setup.model.nu
+        ('hexapod', 12)
     """
     shared = shared or Shared()
     if robot is None or robot.geometry != (scenario.geometry or {}):

@@ -30,7 +30,13 @@ FOLDER = Path(str(files("sim.scenarios")))
 
 
 def shipped_scenarios() -> tuple[str, ...]:
-    """Names of the scenarios that come with the package."""
+    """Names of the scenarios that come with the package.
+
+    Example:
+        >>> from sim import shipped_scenarios
+        >>> shipped_scenarios()
+        ('corridor', 'detour', 'diagonal', 'ellipse', 'line')
+    """
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
@@ -46,6 +52,13 @@ def load_scenario(
     Raises:
         UsageError: If there is no such file, it is not TOML, a key is unknown or
             missing, or a value is impossible.
+
+    Example:
+        >>> from sim import load_scenario
+        >>> changes = {"friction": 0.5, "path.goal": [0.1, 0, 0]}
+        >>> scenario = load_scenario("line", changes)
+        >>> scenario.segments, scenario.friction, scenario.path.goal
+        (40, 0.5, (0.1, 0.0, 0.0))
     """
     table, where = scenario_table(source)
     given = dict(overrides or {})

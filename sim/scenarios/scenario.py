@@ -23,6 +23,13 @@ class Scenario(Settings):
 
     Raises:
         UsageError: If a value is outside its limits, naming key, value and limits.
+
+    Example:
+        >>> from sim import Scenario, load_scenario
+        >>> path = load_scenario("line").path
+        >>> scenario = Scenario(name="mine", path=path, segments=20)
+        >>> scenario.robot, scenario.swing_speed
+        ('hexapod', 0.5)
     """
 
     obstacles: tuple[Obstacle, ...] = field(

@@ -25,7 +25,15 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Walk:
-    """A finished walk."""
+    """A finished walk.
+
+    Example:
+        >>> from sim import load_scenario, simulate
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> walk = simulate(load_scenario("line", short)).evaluation.walk
+        >>> walk.phases[0].kind
+        'hold'
+    """
 
     setup: Setup
     stretches: tuple[Stretch, ...]

@@ -50,6 +50,16 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
         ModelError: If the robot cannot be used.
         SimulationError: If the plan tips the robot over or makes legs collide, or the
             physics diverges.
+
+    Example:
+        >>> from models import equations, load
+        >>> from planner import line, plan
+        >>> from sim import walk
+        >>> robot = load("hexapod")
+        >>> path = line((0, 0, 0), (0.01, 0.01, 0))
+        >>> walked = walk(robot, plan(equations(robot), path, segments=2), friction=0.8)
+        >>> len(walked.phases)
+        43
     """
     setup = prepare(scenario_of(robot, plan, **changes), robot)
     require_sound(setup, plan)
