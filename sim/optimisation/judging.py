@@ -56,9 +56,9 @@ class Judge:
     """Judges flows of one setup.
 
     Example:
-        >>> from sim import Judge, PlannedWalk, load_scenario, prepare
+        >>> from sim import Judge, ScenarioProblem, load_scenario, prepare
         >>> setup = prepare(load_scenario("line", {"path.goal": [0.1, 0.0, 0.0]}))
-        >>> plan = PlannedWalk(setup).plan()
+        >>> plan = ScenarioProblem.ready(setup).solve().plan
         >>> Judge(setup).end(plan.flows)[:3].round(3)
         array([0.1, 0. , 0. ])
     """

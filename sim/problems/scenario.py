@@ -50,6 +50,12 @@ class ScenarioProblem(Problem):
         undivided: The scenario before its path was divided to keep its bounds.
         centre: The same problem with its own goal, where this one aims beside it: its
             stratified plan and its optimiser serve both.
+
+    Example:
+        >>> from sim import ScenarioProblem, load_scenario, prepare
+        >>> setup = prepare(load_scenario("line", {"path.goal": [0.1, 0.0, 0.0]}))
+        >>> len(ScenarioProblem.ready(setup).solve().plan.segment_ends)
+        40
     """
 
     def __init__(
