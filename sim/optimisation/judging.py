@@ -147,6 +147,12 @@ def least_time(setup: Setup, within: float) -> float:
     Args:
         setup: Robot, path and speeds.
         within: How far the body may stray from the path [m].
+
+    Example:
+        >>> from sim import least_time, load_scenario, prepare
+        >>> setup = prepare(load_scenario("line"))
+        >>> least_time(setup, within=0.02) > 5  # [s]
+        True
     """
     points = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, BOUND_POINTS))
     return shortest_way(points[:, :2], within) / top_speed(setup)
