@@ -19,7 +19,13 @@ from models.morphology.shipped import reshaped
 
 
 def shipped_robots() -> tuple[str, ...]:
-    """Names of the shipped robots."""
+    """Names of the shipped robots.
+
+    Example:
+        >>> from models import shipped_robots
+        >>> shipped_robots()[:2]
+        ('hexapod', 'hexapod-classroom')
+    """
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
@@ -43,6 +49,12 @@ def load(
         UnknownRobotError: If there is no such robot or file.
         ModelError: If file, card or geometry cannot be used, or the model is too large
             or opens what it may not.
+
+    Example:
+        >>> from models import load
+        >>> robot = load("hexapod")
+        >>> robot.legs, robot.groups
+        ((1, 2, 3, 4, 5, 6), ('1', '2'))
     """
     path = _find(name)
     opened = None if path.parent == FOLDER else _inspected(path, allow_external)

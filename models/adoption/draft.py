@@ -45,6 +45,12 @@ class Draft:
         guesses: What was guessed, one line each.
         limbs: Legs in the order of their numbers, where the robot starts.
         gait: How it is to walk.
+
+    Example:
+        >>> from models import draft_card, load, source_of
+        >>> draft = draft_card(source_of(str(load("hexapod").path)))
+        >>> draft.card.splitlines()[1]
+        'lift_angle = 0.3'
     """
 
     card: str
@@ -62,6 +68,11 @@ def draft_card(source: Source) -> Draft:
     Raises:
         ModelError: It has no legs that this project can move, no groups that stand, or
             no posture to stand in; it says which.
+
+    Example:
+        >>> from models import draft_card, load, source_of
+        >>> len(draft_card(source_of(str(load("hexapod").path))).limbs)
+        6
     """
     spec = source.spec()
     named(spec)

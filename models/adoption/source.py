@@ -35,6 +35,11 @@ class Source:
         given: File that was named, or found in a folder; never changed.
         path: MJCF that the card will stand beside.
         text: That MJCF, where it has yet to be written; None if it is the given file.
+
+    Example:
+        >>> from models import load, source_of
+        >>> source_of(str(load("hexapod").path)).text is None
+        True
     """
 
     given: Path
@@ -60,6 +65,11 @@ def source_of(name: str, allow_external: bool = False) -> Source:
     Raises:
         UnknownRobotError: There is no such file, or no robot in the folder.
         ModelError: The file cannot be used.
+
+    Example:
+        >>> from models import load, source_of
+        >>> source_of(str(load("hexapod").path)).path.name
+        'hexapod.xml'
     """
     path = Path(name)
     if path.is_dir():

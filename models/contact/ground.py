@@ -22,7 +22,14 @@ _TOUCH = 1e-6  # [m]; depth to which the feet are lowered so that contacts appea
 
 @dataclass(frozen=True)
 class Ground:
-    """Springs under the feet, and the effect of sliding on them."""
+    """Springs under the feet, and the effect of sliding on them.
+
+    Example:
+        >>> import numpy as np
+        >>> from models import Ground
+        >>> Ground(np.full(6, 1e-6), np.full(6, 1e3), friction=1.0, weight=12.5).push
+        0.0
+    """
 
     contact: Array  # compliance of floor and foot, (F,) [m/N]
     servo: Array  # stiffness of the lift joint, (F,) [N m/rad]

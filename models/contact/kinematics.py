@@ -38,7 +38,13 @@ class Stance:
 
 @dataclass(frozen=True)
 class Kinematics:
-    """Forward kinematics of one robot, as a function of its groups' angles."""
+    """Forward kinematics of one robot, as a function of its groups' angles.
+
+    Example:
+        >>> from models import Kinematics, load
+        >>> Kinematics(load("hexapod")).standing.feet[0].round(3)  # x, y [m]
+        array([0.15, 0.18])
+    """
 
     robot: Robot
 

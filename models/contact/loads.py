@@ -52,7 +52,14 @@ def static_loads(feet: Array, center_of_mass: Array) -> Array:
 
 @dataclass(frozen=True)
 class StaticStability:
-    """Loads of a robot's feet with some of them in the air."""
+    """Loads of a robot's feet with some of them in the air.
+
+    Example:
+        >>> from models import StaticStability, load
+        >>> rest, best = StaticStability(load("quadruped")).at_rest_and_best()["123"]
+        >>> rest < 0 < best  # it tips unless its legs are moved before a hind leg lifts
+        True
+    """
 
     robot: Robot
 

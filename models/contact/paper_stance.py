@@ -31,6 +31,12 @@ class PaperStance:
 
     Raises:
         ValueError: A length is not positive.
+
+    Example:
+        >>> from models import PaperStance
+        >>> low, high = PaperStance(3.0, leg_length=1.0, half_width=0.5).bounds(0.0)
+        >>> float(low), float(high)
+        (0.75, 2.25)
     """
 
     body_length: float

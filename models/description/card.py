@@ -119,7 +119,14 @@ class Servo:
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """Everything about a robot that its MJCF file does not say."""
+    """Everything about a robot that its MJCF file does not say.
+
+    Example:
+        >>> from models import load
+        >>> card = load("hexapod").card
+        >>> card.gait, card.bottom
+        (('12', '1', '12', '2', '12'), '12')
+    """
 
     lift_angle: float  # [rad], clears the ground
     legs: Mapping[int, LegCard]

@@ -35,7 +35,13 @@ FOLDER = Path(str(files("models.robots")))
 
 @dataclass(frozen=True)
 class Robot:
-    """A legged robot that the testbed can plan for, walk and judge."""
+    """A legged robot that the testbed can plan for, walk and judge.
+
+    Example:
+        >>> from models import load
+        >>> load("hexapod").lift_joints[:2]
+        ('lift_1', 'lift_2')
+    """
 
     name: str
     path: Path  # MJCF file

@@ -36,6 +36,11 @@ class ServoKind:
 
     Raises:
         ValueError: A number is not finite, or of the wrong sign.
+
+    Example:
+        >>> from models import ServoKind
+        >>> ServoKind(stall_torque=1.0, no_load_speed=6.0, full_error=0.1).stiffness
+        10.0
     """
 
     stall_torque: float
@@ -98,6 +103,11 @@ class JointServo:
 
     Raises:
         ValueError: A value is impossible.
+
+    Example:
+        >>> from models import JointServo
+        >>> JointServo(channel=3, sign=-1).offset
+        0.0
     """
 
     channel: int | None = None
@@ -175,4 +185,10 @@ SERVO_KINDS = {
         source="emanual.robotis.com/docs/en/dxl/x/xl330-m288, 5 V, P gain 8000",
     ),
 }
-"""Servos by name."""
+"""Servos by name.
+
+Example:
+    >>> from models import SERVO_KINDS
+    >>> sorted(SERVO_KINDS)
+    ['ax-12', 'mg90', 'xl-330']
+"""

@@ -32,6 +32,12 @@ class Mobility:
         costs: Strokes for a metre of x and y, and for a radian of yaw.
         lacking: What the robot cannot do, such as `go sideways`; empty if nothing.
         reason: Why it cannot, in words; empty if nothing lacks.
+
+    Example:
+        >>> from models import equations, load, mobility_of
+        >>> parallel = load("hexapod-parallel")
+        >>> [c.direction for c in mobility_of(parallel, equations(parallel)).costs]
+        ['x', 'y', 'theta']
     """
 
     costs: tuple[DirectionCost, ...]
@@ -45,6 +51,12 @@ def mobility_of(robot: Robot, described: Equations) -> Mobility:
     Args:
         robot: Robot in question.
         described: Its equations.
+
+    Example:
+        >>> from models import equations, load, mobility_of
+        >>> robot = load("hexapod")
+        >>> mobility_of(robot, equations(robot)).lacking
+        ()
     """
     costs = _costs(described)
     reached = {cost.direction for cost in costs if not cost.in_theory_only}

@@ -37,7 +37,14 @@ STILL: Twist = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Equations:
-    """A robot as a stratified system, with the elements to steer it by."""
+    """A robot as a stratified system, with the elements to steer it by.
+
+    Example:
+        >>> from models import equations, load
+        >>> hexapod = equations(load("hexapod"))
+        >>> hexapod.twists["g1_1"]  # forward, left [m/rad], yaw [rad/rad]
+        (0.0378, 0.0, 0.56)
+    """
 
     system: StratifiedSystem
     elements: tuple[str, ...]
@@ -92,6 +99,11 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
 
     Raises:
         ModelError: If groups do not stand where they swing, or cannot be steered.
+
+    Example:
+        >>> from models import equations, load
+        >>> equations(load("hexapod"), "paper").elements
+        ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
     strata = robot.card.strata
     swings = [swing for stratum in strata for swing in _swings(robot, stratum)]

@@ -26,7 +26,15 @@ from planner import Array
 
 
 class TwistModel(Protocol):
-    """The body twist on a stratum, for many configurations at once."""
+    """The body twist on a stratum, for many configurations at once.
+
+    Example:
+        >>> import numpy as np
+        >>> from models import IdealTwists, TwistModel, equations, load
+        >>> ideal: TwistModel = IdealTwists(equations(load("hexapod")))
+        >>> ideal("1", swing=np.zeros((1, 2)), rates=np.array([[0.0, 1.0]]))
+        array([[0., 0., 0.]])
+    """
 
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
         """Twist (forward, left, yaw) of the body in its own frame, shape (N, 3).
@@ -41,7 +49,15 @@ class TwistModel(Protocol):
 
 @dataclass(frozen=True)
 class IdealTwists:
-    """Constant stride and yaw gain of each field, eqs. (16)-(18)."""
+    """Constant stride and yaw gain of each field, eqs. (16)-(18).
+
+    Example:
+        >>> import numpy as np
+        >>> from models import IdealTwists, equations, load
+        >>> ideal = IdealTwists(equations(load("hexapod")))
+        >>> ideal("1", swing=np.zeros((1, 2)), rates=np.array([[0.5, 0.0]]))
+        array([[0.0189, 0.    , 0.28  ]])
+    """
 
     equations: Equations
 
@@ -61,6 +77,14 @@ class QuasiStaticTwists:
 
     Three feet are loaded by statics alone. On more the loads are those of springs, and
     the engine's soft contacts let them depend on how fast the feet slide.
+
+    Example:
+        >>> import numpy as np
+        >>> from models import Ground, Kinematics, QuasiStaticTwists, load
+        >>> ground = Ground(np.full(6, 1e-6), np.full(6, 1e3), 1.0, weight=12.5)
+        >>> twists = QuasiStaticTwists(Kinematics(load("hexapod")), ground)
+        >>> twists("1", np.zeros((1, 2)), np.array([[1.0, 0.0]])).round(6)
+        array([[0.0378, 0.    , 0.56  ]])
     """
 
     kinematics: Kinematics
@@ -128,7 +152,13 @@ class FailedField:
 
 @dataclass(frozen=True)
 class IdentifiedTwists:
-    """Measured fields added up; the angles of other groups are taken not to matter."""
+    """Measured fields added up; the angles of other groups are taken not to matter.
+
+    Example:
+        >>> from models import IdentifiedTwists
+        >>> IdentifiedTwists(fields={}).failed
+        {}
+    """
 
     fields: Mapping[str, MeasuredField]
     failed: Mapping[str, FailedField] = field(default_factory=dict)

@@ -26,7 +26,13 @@ SYSTEMS: Mapping[str, Callable[..., Problem]] = {
     "engel": smooth.engel,
     "chained": smooth.chained,
 }
-"""Function that makes each problem; its arguments are the system's parameters."""
+"""Function that makes each problem; its arguments are the system's parameters.
+
+Example:
+    >>> from models import SYSTEMS
+    >>> SYSTEMS["unicycle"]().goal
+    {'y': 1}
+"""
 
 KINDS: Mapping[object, str] = {bool: "true or false", int: "a whole number"}
 
@@ -46,6 +52,11 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
 
     Raises:
         ProblemError: There is no such system, or a parameter is unknown or impossible.
+
+    Example:
+        >>> from models import shipped_system
+        >>> shipped_system("finger-gaiting", {"fingers": 4}).gait[0]
+        '1234'
     """
     values = values or {}
     maker = _maker(name)

@@ -55,6 +55,23 @@ def load_system(path: Path, values: Mapping[str, object] | None = None) -> Probl
     Raises:
         ProblemError: It cannot be read, or what it says is impossible.
         OSError: The file cannot be opened.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import TemporaryDirectory
+        >>> from models import load_system
+        >>> wheel = '''
+        ... state = ["x", "y", "theta"]
+        ... goal = { y = 1 }
+        ... [strata.0]
+        ... roll = { x = "cos(theta)", y = "sin(theta)" }
+        ... turn = { theta = 1 }
+        ... '''
+        >>> with TemporaryDirectory() as folder:
+        ...     file = Path(folder, "wheel.toml")
+        ...     _ = file.write_text(wheel)
+        ...     load_system(file).elements
+        ()
     """
     source = read_file(path)
     try:

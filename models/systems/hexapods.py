@@ -48,6 +48,11 @@ def paper_hexapod(
         stride_2: Way forward per radian of tripod 2; that of tripod 1 if None.
         yaw_gain_2: Turn to the right per radian of tripod 2; that of tripod 1 if None.
         heights: Whether the state holds the tripods' foot heights.
+
+    Example:
+        >>> from models import paper_hexapod
+        >>> paper_hexapod().elements
+        ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
     first: Twist = (stride, 0, yaw_gain)
     second: Twist = (
