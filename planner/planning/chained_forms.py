@@ -34,7 +34,7 @@ from planner.systems.strata import StratifiedSystem
 AHEAD, TURN = "ahead", "turn"  # the combined fields
 NEARBY = 0.3  # of the random configurations at which forms are checked
 MET = 1e-6  # distance from the goal to which flows of a chained form are followed
-TOLERANCE = 1e-8  # relative, of what must vanish there
+VANISHED = 1e-8  # relative, of what must vanish there
 
 
 @dataclass(frozen=True)
@@ -271,7 +271,7 @@ class _Check:
     def vanishes(self, expression: sp.Expr, size: float = 1.0) -> bool:
         """Whether an expression is zero wherever it is finite."""
         values = self._values(expression)
-        return bool(np.abs(values).max(initial=0.0) <= TOLERANCE * size)
+        return bool(np.abs(values).max(initial=0.0) <= VANISHED * size)
 
     def equal(self, derived: sp.Expr, declared: sp.Expr | None) -> sp.Expr:
         """The declared expression if it equals the derived one, or else an error."""

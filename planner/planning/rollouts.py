@@ -16,7 +16,7 @@ from planner.planning.batched_flows import batched
 from planner.systems.flows import Flow, flow_map, require_flows
 from planner.systems.strata import StratifiedSystem
 
-MANY = 8  # flows that are worth being integrated at once
+WORTH_BATCHING = 8  # flows that are worth being integrated at once
 
 
 def rollout(plan: Plan, samples: int = 1) -> Array:
@@ -78,7 +78,9 @@ def play(
             for stratum, field, duration in flows
             for _ in range(samples)
         ]
-    together = batched(system, parts, states[0]) if len(parts) >= MANY else None
+    together = (
+        batched(system, parts, states[0]) if len(parts) >= WORTH_BATCHING else None
+    )
     if together is not None:
         return np.concatenate([states, together])
     for flow in parts:

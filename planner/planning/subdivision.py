@@ -19,7 +19,7 @@ from planner.errors import BoundError
 from planner.numerics.arrays import Array
 from planner.support.stopping import tick
 
-MOST_SEGMENTS = 1000  # more than an hour of walking
+MOST_DIVIDED = 1000  # more than an hour of walking
 MOST_PIECES = 3  # of a segment at once, since the law holds for short segments only
 
 
@@ -45,7 +45,7 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
         Parameters that divide the path so that no slack is negative.
 
     Raises:
-        BoundError: More than `MOST_SEGMENTS` segments would be needed.
+        BoundError: More than `MOST_DIVIDED` segments would be needed.
 
     Example:
         >>> import numpy as np
@@ -63,7 +63,7 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
         if (pieces == 1).all():
             return cuts
         tick(_described(cuts, found))
-        if pieces.sum() > MOST_SEGMENTS:
+        if pieces.sum() > MOST_DIVIDED:
             raise _refusal(cuts, found)
         cuts = refined(cuts, pieces)
 
@@ -83,7 +83,7 @@ def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
     worst = max(found, key=lambda slack: needed(slack).max())
     at = int(needed(worst).argmax())
     many = (
-        f"more than {MOST_SEGMENTS} segments, above all between s = {cuts[at]:.4g} and "
+        f"more than {MOST_DIVIDED} segments, above all between s = {cuts[at]:.4g} and "
         f"{cuts[at + 1]:.4g} of the path"
     )
     if not worst.unit:

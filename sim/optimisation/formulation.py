@@ -22,13 +22,15 @@ from sim.optimisation.clearances import clearances, margins
 from sim.optimisation.judging import Judge, least_clearance, real_prediction
 from sim.preparation.setup import Setup
 
-ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
+RANGE_ROOM = 1e-4  # [rad] kept from the ends of the joint range, for servos
 LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
 ROUGH = 1e-6  # [m/rad], [rad/rad] of fields; the aim makes up for what they leave out
 CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
 FLOW_SAMPLES = 8  # of a flow of the stratified plan
 PATH_POINTS = 1001  # that a plan's deviation is measured from
-GUARD = 1e-4  # [m] of margin and clearance, for what lies between the ends of strokes
+INNER_ROOM = (
+    1e-4  # [m] of margin and clearance, for what lies between the ends of strokes
+)
 
 
 def real_equations(setup: Setup) -> Equations:
@@ -54,7 +56,7 @@ def tolerances(setup: Setup, stratified: Plan | None) -> tuple[float, float]:
     given = scenario.path_tolerance, scenario.yaw_tolerance
     own = {"position": LEAST_POSITION, "yaw": LEAST_YAW}
     if stratified is not None and None in given:
-        found = straying_of(setup, stratified)
+        found = own_deviation(setup, stratified)
         own = {key: max(own[key], found[key]) for key in own}
     position, yaw = given
     return (
@@ -63,8 +65,8 @@ def tolerances(setup: Setup, stratified: Plan | None) -> tuple[float, float]:
     )
 
 
-def straying_of(setup: Setup, plan: Plan) -> dict[str, float]:
-    """How far a plan itself strays from the nominal path, by the fields it is of."""
+def own_deviation(setup: Setup, plan: Plan) -> dict[str, float]:
+    """Largest deviation of a plan from the nominal path, by the fields it is of."""
     states = play(plan.system, plan.flows, plan.start, FLOW_SAMPLES)
     return straying(setup.scenario.path.curve, states[:, :3])
 
@@ -87,7 +89,7 @@ def task_of(setup: Setup, within: tuple[float, float]) -> Task:
         stages=stages,
         tolerances=(Tolerance((0, 1), within[0]), Tolerance((2,), yaw)),
         limits={
-            names.index(name): (low + ROOM, high - ROOM)
+            names.index(name): (low + RANGE_ROOM, high - RANGE_ROOM)
             for name, (low, high) in described.limits.items()
         },
         price={
@@ -126,12 +128,14 @@ def _inequalities(setup: Setup, within: float) -> Iterator[Inequality]:
     judge = Judge(setup)
     if margin is not None:
         yield Inequality(
-            "stability margin", margins(setup, margin + GUARD), judge.margin_lack
+            "stability margin",
+            margins(setup, margin + INNER_ROOM),
+            judge.margin_lack,
         )
     if clearance is not None:
         yield Inequality(
             "clearance",
-            clearances(setup, clearance + GUARD, within),
+            clearances(setup, clearance + INNER_ROOM, within),
             judge.clearance_lack,
             relaxed=True,
         )

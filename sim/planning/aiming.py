@@ -21,9 +21,9 @@ from planner.support import tick
 from sim.motion.poses import compose, relative
 from sim.preparation.setup import Setup
 
-ROUNDS = 12  # each at least halves the error, unless the prediction jumps
-MISS = 1e-7  # [m] and [rad]
-JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
+AIMING_ROUNDS = 12  # each at least halves the error, unless the prediction jumps
+MET_WITHIN = 1e-7  # [m] and [rad]
+TOLERATED_JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
 
 
 def plan_along(
@@ -72,10 +72,10 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     nominal = setup.nominal()
     goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
     wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
-    tolerable = JUMP * np.abs(wanted).max()
+    tolerable = TOLERATED_JUMP * np.abs(wanted).max()
     aims, best, least, worst = wanted, None, np.inf, 0
     steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
-    for _ in range(ROUNDS):
+    for _ in range(AIMING_ROUNDS):
         tick()
         try:
             planned = plan_along(setup, _path(setup, goals[0], aims), steady)
@@ -87,7 +87,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
         misses = np.abs(ends - goals).max(axis=1)
         if misses.max() < least:
             best, least, worst = planned, misses.max(), int(misses.argmax())
-        if least < MISS:
+        if least < MET_WITHIN:
             break
         aims = compose(aims, relative(relative(ends[:-1], ends[1:]), wanted))
     if best is None or least > tolerable:
@@ -114,17 +114,17 @@ def steer_towards(
     """
     wanted = relative(pose, target)
     aim, best, least = wanted, None, np.inf
-    for _ in range(ROUNDS):
+    for _ in range(AIMING_ROUNDS):
         tick()
         step = plan_towards(setup, segment, compose(pose, aim), pose, swing)
         got = segment_ends(setup, step.plan, twists, swing)[-1]
         miss = float(np.abs(got - wanted).max())
-        if step.fraction < 1 or miss < MISS:
+        if step.fraction < 1 or miss < MET_WITHIN:
             return step
         if miss < least:
             best, least = step, miss
         aim = compose(aim, relative(got, wanted))
-    if best is None or least > JUMP * np.abs(wanted).max():
+    if best is None or least > TOLERATED_JUMP * np.abs(wanted).max():
         raise _failure(setup, segment, least)
     return best
 

@@ -168,7 +168,7 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     gain = robot.swing_gain[fastest]
     joint = robot.card.legs[robot.legs[fastest]].swing
     standing = robot.standing_angle(joint)
-    resolution *= _together(np.abs(robot.swing_gain[legs] / gain))
+    resolution *= _counts_in_common(np.abs(robot.swing_gain[legs] / gain))
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
     count = np.round((standing + gain * angle) / resolution)
     around = (resolution * (count + np.array([0, 1, -1])) - standing) / gain
@@ -176,7 +176,7 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     return float(around[within][np.abs(around[within] - angle).argmin()])
 
 
-def _together(gains: Array) -> int:
+def _counts_in_common(gains: Array) -> int:
     """Counts of the fastest leg after which all legs of a group are on counts; or 1."""
     for counts in range(1, MOST_COUNTS + 1):
         if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:

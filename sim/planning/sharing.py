@@ -11,11 +11,11 @@ from sim.preparation.setup import Setup
 from sim.preparation.shared import PLAN, WORLD, Shared
 
 T = TypeVar("T")
-FEW = 2  # walks whose arrays are kept, a number for every step or moment
+CACHED_WALKS = 2  # walks whose arrays are kept, a number for every step or moment
 
 
 class Cache(Protocol):
-    """Gives a thing that was made before, or makes it."""
+    """Gives a thing that was built before, or builds it."""
 
     def __call__(self, kind: str, make: Callable[[], T]) -> T:
         """The thing of a kind."""
@@ -42,7 +42,7 @@ def walk_cache(setup: Setup, shared: Shared | None) -> Cache:
     if shared is None or scenario.replan or not is_shareable(setup):
         return no_cache
     key = (scenario.key(*PLAN), setup.limits, scenario.sample_every)
-    return lambda kind, make: shared.cached(kind, key, make, FEW)
+    return lambda kind, make: shared.cached(kind, key, make, CACHED_WALKS)
 
 
 def world_cache(setup: Setup, shared: Shared | None) -> Cache:

@@ -22,7 +22,7 @@ from sim.preparation.scheduling import schedule_flows
 from sim.preparation.setup import Setup
 
 TIPPING = -1e-6  # [m], of a margin that is less than rounding
-APART = 5e-3  # [rad] by which configurations differ that are looked at
+INSPECTED_APART = 5e-3  # [rad] by which configurations differ that are looked at
 ALLOW = "or walk it all the same with --allow-unstable"
 
 Pairs = dict[tuple[int, int], float]  # geoms that touch, and how deep [m]
@@ -76,7 +76,7 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
 
 def _refuse_collisions(setup: Setup, schedule: Schedule, rows: Array) -> None:
     angles = np.concatenate(schedule.angles(rows), axis=1)
-    _, first = np.unique(np.round(angles / APART), axis=0, return_index=True)
+    _, first = np.unique(np.round(angles / INSPECTED_APART), axis=0, return_index=True)
     groups = len(setup.robot.groups)
     chosen = np.sort(first)
     apart = Collisions(setup)

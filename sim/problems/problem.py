@@ -28,7 +28,7 @@ from sim.errors import SimulationError, StratawalkError
 
 NO_SHORTER = "no shorter plan was found"
 FAR_OFF = 0.05  # of the way; where a plan ends farther off, changes are tried
-HELPS = 0.5  # of what the plan misses, that a change may leave
+LEFT_BY_HELP = 0.5  # of what the plan misses, that a change may leave
 ENOUGH = 3  # changes that end near the goal
 TRIAL_TIME = 30.0  # [s]
 TIMES_FINER = (4, 16)  # as many segments
@@ -264,7 +264,7 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
             break
         except (PlannerError, StratawalkError, ValueError):
             reached = math.inf  # no plan at all
-        if reached <= HELPS * miss and reached < math.inf:
+        if reached <= LEFT_BY_HELP * miss and reached < math.inf:
             found.append(Remedy(change, reached))
         else:
             useless.append(change)

@@ -17,7 +17,7 @@ from sim.motion.poses import wrap
 from sim.optimisation.formulation import (
     Coarse,
     criterion_of,
-    straying_of,
+    own_deviation,
     task_of,
     tolerances,
 )
@@ -202,7 +202,7 @@ class ScenarioProblem(Problem):
     def _keeps_tolerances(self) -> bool:
         if self._first_plan is None:
             return False
-        found = straying_of(self.setup, self._first_plan)
+        found = own_deviation(self.setup, self._first_plan)
         position, yaw = (ROUNDED * within for within in self._within)
         return found["position"] <= position and found["yaw"] <= yaw
 

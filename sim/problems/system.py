@@ -31,7 +31,7 @@ from sim.errors import UsageError
 from sim.optimisation.formulation import CHEAP, FLOW_SAMPLES, PATH_POINTS, Coarse
 from sim.problems.problem import Problem
 
-LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan strays less
+LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan deviates less
 PLAN_TIME = 300.0  # [s]
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
@@ -114,7 +114,7 @@ class SystemProblem(Problem):
         return sum(self._task.cost(f.field) * abs(f.duration) for f in plan.flows)
 
     def shortest(self) -> Plan:
-        """The shortest plan found that strays no farther than the stratified one."""
+        """The shortest plan found that deviates no farther than the stratified one."""
         (objective,) = (known for known in OBJECTIVES if known == self.objective)
         return Optimiser(
             self._task,

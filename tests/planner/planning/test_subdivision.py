@@ -60,7 +60,7 @@ def test_refining_keeps_the_cuts_there_are():
 
 
 def test_too_many_segments_are_refused_with_what_can_be_kept(monkeypatch):
-    monkeypatch.setattr(module, "MOST_SEGMENTS", 50)
+    monkeypatch.setattr(module, "MOST_DIVIDED", 50)
     with pytest.raises(
         BoundError,
         match=r"tube of 0 m would need more than 50 segments, above all between "
@@ -70,7 +70,7 @@ def test_too_many_segments_are_refused_with_what_can_be_kept(monkeypatch):
 
 
 def test_a_path_that_is_too_long_for_the_legs_is_refused_as_such(monkeypatch):
-    monkeypatch.setattr(module, "MOST_SEGMENTS", 50)
+    monkeypatch.setattr(module, "MOST_DIVIDED", 50)
 
     def reach(cuts):
         left = 0.01 - np.diff(cuts)

@@ -85,7 +85,7 @@ def passage():
 @pytest.fixture
 def few(monkeypatch):
     """Give up early."""
-    monkeypatch.setattr(subdivide, "MOST_SEGMENTS", 80)
+    monkeypatch.setattr(subdivide, "MOST_DIVIDED", 80)
 
 
 def test_without_bounds_nothing_is_changed():
