@@ -137,10 +137,7 @@ class Rectangles:
     def _signs(self) -> Array:
         """Ways to sign the generators, the printed one first, shape (ways, m)."""
         tried = self.hall.entangled[1:MOST_SIGNED]  # all at once change no size
-        ways = np.ones((2 ** len(tried), len(self.hall.generators)))
-        for way, signs in zip(ways, product((1, -1), repeat=len(tried)), strict=True):
-            way[[i - 1 for i in tried]] = signs
-        return ways
+        return sign_choices(len(self.hall.generators), tried)
 
     @cached_property
     def _leading(self) -> Array:
@@ -174,6 +171,16 @@ def entangled(hall: HallFields) -> tuple[Element, ...]:
 
 def _small_basis(hall: HallFields) -> tuple[Element, ...]:
     return hall_basis(len(hall.entangled), DEGREE + 1)
+
+
+def sign_choices(count: int, numbers: Sequence[int]) -> Array:
+    """All signs of some of `count` generators, the printed ones first, (ways, count).
+
+    The generators are given by their numbers, from 1.
+    """
+    ways = np.ones((2 ** len(numbers), count))
+    ways[:, [i - 1 for i in numbers]] = list(product((1, -1), repeat=len(numbers)))
+    return ways
 
 
 def weights(elements: Sequence[Element], scales: Array) -> Array:

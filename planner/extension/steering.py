@@ -9,14 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 from numbers import Integral
 from typing import Literal
 
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, hall_fields
-from planner.extension.rectangles import Rectangles, rectangles, weights
+from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
 from planner.lie.hall import Bracket
@@ -150,11 +149,9 @@ class Steering:
         Generators that commute with all others run as they are printed, and so do all
         where there are more than `MOST_SIGNED` of the rest.
         """
-        tried = [i - 1 for i in self.hall.entangled]
-        tried = tried if len(tried) <= MOST_SIGNED else []
-        ways = np.ones((2 ** len(tried), len(self.hall.generators)))
-        ways[:, tried] = list(product((1, -1), repeat=len(tried)))
-        return ways
+        tried = self.hall.entangled
+        few = tried if len(tried) <= MOST_SIGNED else ()
+        return sign_choices(len(self.hall.generators), few)
 
     def _spelled(
         self, hall_coordinates: Array, order: Spelled, units: Array | None = None
