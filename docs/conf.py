@@ -98,7 +98,7 @@ class Public(SphinxDirective):
 def _directive(door: str, name: str) -> list[str]:
     """What makes a name's entry; a constant has its value's text and no signature."""
     value = getattr(import_module(door), name)
-    if inspect.isfunction(value):
+    if inspect.isfunction(inspect.unwrap(value)):
         return [f".. autofunction:: {door}.{name}", ""]
     if not inspect.isclass(value):
         text = [f"   {line}" for line in constant_text(door, name)]

@@ -42,7 +42,7 @@ Rows with the same number in the first column are cases of one kind of fault;
 WRAPPER = '#!/bin/sh\nexec {python} -m sim.cli "$@"\n'
 PYTHON = "#!/bin/sh\nexec {python} {arguments}\n"
 LONGEST = 260  # characters of what is said
-PATIENCE = 400  # [s] for a row
+ROW_LIMIT = 400  # [s] for a row
 AT_ONCE = 2  # rows
 
 
@@ -90,9 +90,9 @@ def ending(row: Row) -> Ending:
                 start_new_session=True,
             )
         try:
-            process.wait(PATIENCE)
+            process.wait(ROW_LIMIT)
         except subprocess.TimeoutExpired:
-            return Ending(-1, "", 0, PATIENCE)
+            return Ending(-1, "", 0, ROW_LIMIT)
         finally:
             with suppress(ProcessLookupError):  # what it left in the background
                 os.killpg(process.pid, signal.SIGKILL)

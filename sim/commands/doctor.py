@@ -14,7 +14,7 @@ from sim.errors import ExitCode, RenderError, one_line
 
 HELP = "say what works here: physics, pictures, films, figures and reports"
 PICTURES = 3  # of a film to try
-STEPS = 2000  # of the default robot, a tenth of a second or less
+PROBE_STEPS = 2000  # of the default robot, a tenth of a second or less
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
 
@@ -101,8 +101,8 @@ def _physics() -> str:
     model = mujoco.MjModel.from_xml_path(str(load("hexapod").path))
     data = mujoco.MjData(model)
     began = time.perf_counter()
-    mujoco.mj_step(model, data, nstep=STEPS)
-    speed = STEPS / (time.perf_counter() - began)
+    mujoco.mj_step(model, data, nstep=PROBE_STEPS)
+    speed = PROBE_STEPS / (time.perf_counter() - began)
     return f"MuJoCo {mujoco.__version__}, {speed:,.0f} steps a second"
 
 

@@ -28,7 +28,7 @@ def public(door):
 def documentation(door, name):
     """The docstring of a function or class, or the text under a constant."""
     value = getattr(import_module(door), name)
-    if inspect.isclass(value) or inspect.isfunction(value):
+    if inspect.isclass(value) or inspect.isfunction(inspect.unwrap(value)):
         return inspect.getdoc(value)
     texts = ModuleAnalyzer.for_module(public(door)[name]).find_attr_docs()
     return "\n".join(texts.get(("", name), []))
