@@ -16,12 +16,23 @@ import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from sim import error_sources, load_scenario, simulate
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
+LOOK: dict[Any, Any] = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "0.9",
+    "lines.linewidth": 1.0,
+}
 UNITS = {
     "timestep": "timestep [s]",
     "swing_speed": "swing speed [rad/s]",
@@ -105,7 +116,7 @@ def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    with mpl.rc_context({"font.size": 8, "axes.grid": True, "axes.axisbelow": True}):
+    with mpl.rc_context(LOOK):
         figure = Figure(figsize=(7.0, 3.6), layout="constrained")
         panels = figure.subplot_mosaic("ABE\nCDE")
         for letter, (setting, results) in zip("ABCD", studies.items(), strict=True):

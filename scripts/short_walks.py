@@ -91,12 +91,14 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    from scripts.convergence import LOOK
+
     styles = {
         "printed": ("C0", "o-"),
         "shortest": ("C1", "s--"),
         "optimised": ("C2", "D-"),
     }
-    with mpl.rc_context({"font.size": 8, "axes.grid": True, "axes.axisbelow": True}):
+    with mpl.rc_context(LOOK):
         figure = Figure(figsize=(7.0, 2.4), layout="constrained")
         panels = figure.subplots(1, len(studies), squeeze=False)[0]
         for axes, (name, points) in zip(panels, studies.items(), strict=True):

@@ -63,10 +63,11 @@ def _components(run: Run, heading: str) -> Drawing:
     error = MM * run.error(run.best)
     with sheet(PANEL_HEIGHT) as (figure, axes):
         colour = PREDICTED[run.best].colour
+        pale = colour.tint(0.45)
         _line(axes, run, error[:, 0], color=colour.hex)
-        _line(axes, run, error[:, 1], color=colour.hex, ls="--", lw=0.9)
+        _line(axes, run, error[:, 1], color=pale.hex, lw=0.9)
         _over_time(axes, run)
-        keys = [Key("in x", colour.hex), Key("in y", colour.hex, dashed=True)]
+        keys = [Key("in x", colour.hex), Key("in y", pale.hex)]
         return finish(figure, heading, keys)
 
 
