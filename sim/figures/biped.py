@@ -31,22 +31,12 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
 
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
-    """Robots that walk on two groups of legs, with their margins.
-
-    Args:
-        axes: Where to draw.
-        walks: None are needed.
-    """
+    """Robots that walk on two groups of legs, with their margins."""
     return of_robots([*axes.values()], ("hexapod", "hexapod-radial", "octopod"))
 
 
 def of_systems(axes: Sequence[Axes], names: Sequence[str]) -> Shown:
-    """The strata of shipped systems with their gaits.
-
-    Args:
-        axes: Where to draw, one for each system; the first one gets the key.
-        names: Of the systems.
-    """
+    """The strata of shipped systems with their gaits; the first panel gets the key."""
     problems = {name: shipped_system(name) for name in names}
     graphs = {name: graph_of(p.system, p.gait) for name, p in problems.items()}
     for panel, graph in zip(axes, graphs.values(), strict=True):
@@ -56,12 +46,7 @@ def of_systems(axes: Sequence[Axes], names: Sequence[str]) -> Shown:
 
 
 def of_robots(axes: Sequence[Axes], names: Sequence[str]) -> Shown:
-    """The strata of shipped robots with the gaits of their cards and their margins.
-
-    Args:
-        axes: Where to draw, one for each robot; the first one gets the key.
-        names: Of the robots.
-    """
+    """The strata, gaits and margins of shipped robots; the first panel gets the key."""
     rows = []
     for panel, name in zip(axes, names, strict=True):
         robot = load(name)

@@ -64,12 +64,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         least, _ = made.clearance(pose, phi)
         _draw_place(axes[above], made.around, made.qpos(pose, phi), least, 1 / PIVOT)
         axes[above].plot(*nominal[:, :2].T, "--", color=NOMINAL, label="nominal path")
-        centre: Style = {
-            "color": IDEAL,
-            "linewidth": 0.7,
-            "label": "body centre, walked",
-        }
-        axes[above].plot(*pose[:, :2].T, **centre)
+        centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
+        axes[above].plot(*pose[:, :2].T, color=IDEAL, **centre)
         as_map(axes[above], "$l$", "box")
         count = len(cuts) - 1
         segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))

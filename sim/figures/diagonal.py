@@ -122,17 +122,15 @@ def matched(planned: Footprints, found: Footprints) -> Array:
 
 
 def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:
-    hollow = {"markersize": 4.5, "markerfacecolor": "none", "markeredgewidth": 0.5}
+    hollow: Style = {"mfc": "none", "markersize": 4.5, "markeredgewidth": 0.5}
+    point: Style = {"markersize": 2}
     for tripod, of in _tripods(planned):
         for prints, kind, marker, style in (
             (planned, "planned", MARKERS[tripod], hollow),
-            (found, "found", ".", {"markersize": 2}),
+            (found, "found", ".", point),
         ):
-            name: Style = {
-                "color": TRIPODS[tripod],
-                "label": f"tripod {tripod}, {kind}",
-            }
-            axes.plot(*(MM * prints.place[of].T), marker, **name, **style)
+            style |= {"color": TRIPODS[tripod], "label": f"tripod {tripod}, {kind}"}
+            axes.plot(*(MM * prints.place[of].T), marker, **style)
     for tripod, leg, of in _legs(planned):
         _number(axes, leg, MM * planned.place[of][0], TRIPODS[tripod])
     as_map(axes, "mm")
@@ -155,13 +153,9 @@ def _draw_over_time(
     for tripod, of in _tripods(planned):
         order = np.argsort(planned.begin[of])
         stays = np.arange(of.sum()) / len(LEGS[tripod])
-        style: Style = {
-            "color": TRIPODS[tripod],
-            "markersize": 2.5,
-            "markeredgewidth": 0,
-        }
-        name = f"tripod {tripod}"
-        axes.plot(stays, MM * values[of][order], MARKERS[tripod], label=name, **style)
+        style: Style = {"markersize": 2.5, "color": TRIPODS[tripod]}
+        style |= {"markeredgewidth": 0, "label": f"tripod {tripod}"}
+        axes.plot(stays, MM * values[of][order], MARKERS[tripod], **style)
         if ncols == 3:
             dots: Style = {"color": INK, "markersize": 1.5, "markeredgewidth": 0}
             name = "ideal" if tripod == "1" else "_"
@@ -178,13 +172,9 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
         _number(axes, leg, places[0], TRIPODS[tripod])
     for tripod, of in _tripods(prints):
         label = f"tripod {tripod}, legs {'-'.join(map(str, LEGS[tripod]))}"
-        marks: Style = {
-            "markersize": 3,
-            "markeredgewidth": 0,
-            "alpha": 0.8,
-            "label": label,
-        }
-        axes.plot(*prints.place[of].T, MARKERS[tripod], color=TRIPODS[tripod], **marks)
+        marks: Style = {"markersize": 3, "markeredgewidth": 0, "alpha": 0.8}
+        marks |= {"color": TRIPODS[tripod], "label": label}
+        axes.plot(*prints.place[of].T, MARKERS[tripod], **marks)
     axes.plot([], [], color=NOMINAL, linewidth=0.5, label="one leg's, in order")
     as_map(axes, "$l$")
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.02), handletextpad=0.2)
@@ -196,11 +186,7 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
     x, y, yaw = walked.states[np.concatenate([[0], walked.ends])][:, :3].T
     arrows: Style = {"angles": "xy", "scale_units": "xy", "scale": 2, "width": 0.004}
     axes.quiver(x, y, np.cos(yaw), np.sin(yaw), color=INK, zorder=3, **arrows)
-    heading: Style = {
-        "marker": ">",
-        "markersize": 3,
-        "label": "heading at segment ends",
-    }
-    axes.plot([], [], color=INK, **heading)
+    heading: Style = {"marker": ">", "markersize": 3, "color": INK}
+    axes.plot([], [], label="heading at segment ends", **heading)
     as_map(axes, "$l$")
     axes.legend(loc="upper left")

@@ -33,12 +33,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
 
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
-    """Three of the robots that walk in MuJoCo.
-
-    Args:
-        axes: Where to draw.
-        walks: None are needed.
-    """
+    """Three of the robots that walk in MuJoCo."""
     rows: list[tuple[Cell, ...]] = []
     for panel, robot in zip(axes.values(), ROBOTS, strict=True):
         rows += _draw_robot(panel, robot)

@@ -99,12 +99,7 @@ def perform(job: Job) -> Walked:
 def begun(
     jobs: Mapping[str, Job], progress: Progress = silent
 ) -> Iterator[Mapping[str, Future[Walked]]]:
-    """Walks being computed in parallel, one on each core.
-
-    Args:
-        jobs: What to walk, by name.
-        progress: Called with the stage and the finished part of it.
-    """
+    """Walks being computed in parallel, one on each core."""
     cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
     done = count(1)
 

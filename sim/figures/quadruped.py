@@ -19,10 +19,5 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
 
 
 def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
-    """The robot that crawls in MuJoCo, with its margins.
-
-    Args:
-        axes: Where to draw.
-        walks: None are needed.
-    """
+    """The robot that crawls in MuJoCo, with its margins."""
     return of_robots([axes["a"]], ["quadruped"])

@@ -121,13 +121,7 @@ def graph_of(system: StratifiedSystem, gait: Sequence[str]) -> Graph:
 def draw_graph(
     axes: Axes, graph: Graph, notes: Mapping[str, str] | None = None
 ) -> None:
-    """Draw a graph with its gait as numbered arrows.
-
-    Args:
-        axes: Where to draw.
-        graph: What to draw.
-        notes: A line to write below the names of some strata.
-    """
+    """Draw a graph, its gait as numbered arrows, and notes below names of strata."""
     at = {name: node.at for name, node in graph.nodes.items()}
     for low, high in graph.edges:
         ends = tuple(zip(at[low], at[high], strict=True))
@@ -194,11 +188,7 @@ def add_key(axes: Axes) -> None:
 
 
 def rows_of_graphs(graphs: Mapping[str, Graph]) -> list[tuple[Cell, ...]]:
-    """The strata of several systems and the places of their gaits.
-
-    Args:
-        graphs: Graphs by the names of systems.
-    """
+    """The strata of several systems, by their names, and the places of their gaits."""
     rows: list[tuple[Cell, ...]] = []
     for name, graph in graphs.items():
         for node in graph.nodes.values():
@@ -223,13 +213,7 @@ def rows_of_graphs(graphs: Mapping[str, Graph]) -> list[tuple[Cell, ...]]:
 
 
 def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> None:
-    """Draw S1 and S2 as rectangles that share the line S12.
-
-    Args:
-        axes: Axes with a 3-D projection.
-        span: Lowest and highest value of the coordinate along S12.
-        top: Largest height of a foot.
-    """
+    """Draw S1 and S2 up to a height of feet, and the line S12 that they share."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     low, high = span

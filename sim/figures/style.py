@@ -165,14 +165,6 @@ def band(
     """Fill between the least and the largest value within each segment.
 
     A line through all values of many segments would be a solid comb.
-
-    Args:
-        axes: Where to draw.
-        low: Least value of each segment, shape (segments,).
-        high: Largest value, same shape.
-        colour: Of the area.
-        alpha: Its opacity.
-        label: Its name in the key.
     """
     segment = np.arange(1, len(low) + 1)
     style: Style = {"color": colour, "alpha": alpha, "label": label}

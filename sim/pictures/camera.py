@@ -145,13 +145,7 @@ class Camera:
 
 
 def camera(walk: Run, clock: Clock, view: View = ACROSS) -> Camera:
-    """The camera of a whole film.
-
-    Args:
-        walk: Finished walk.
-        clock: Which row each picture shows.
-        view: From where; by default across the path, from above.
-    """
+    """The camera of a whole film."""
     looks = _across(walk.nominal) if view.azimuth is None else view.azimuth
     azimuth, elevation = np.full(len(clock.rows), looks), view.elevation
     seen = _seen(walk, clock)

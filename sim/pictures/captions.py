@@ -146,13 +146,7 @@ def _clause(noun: str, names: list[str], verb: Verb) -> str:
 
 
 def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
-    """The panel at the right, above the bar of numbers.
-
-    Args:
-        view: Where the film is taken from.
-        reach: Of the robot [m]; the bar is one cell of the grid long.
-        bottom: Lower edge of the panel [pixels].
-    """
+    """The panel at the right, above the bar of numbers: one cell of the grid."""
     metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
     bar = round(metres * _pixels_per_metre(view, bottom - SCALE // 3))
     width = max(bar, length(words)) + 2 * PAD

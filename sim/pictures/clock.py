@@ -97,18 +97,10 @@ class Playback:
     paused: bool = False
 
     def pass_by(self, seconds: float) -> None:
-        """Let wall time pass; the walk stays at its end.
-
-        Args:
-            seconds: Of the wall clock.
-        """
+        """Let wall time pass; the walk stays at its end."""
         if not self.paused:
             self.go_to(self.time + self.speed * seconds)
 
     def go_to(self, time: float) -> None:
-        """Show another moment, within the walk.
-
-        Args:
-            time: Which one [s].
-        """
+        """Show another moment [s], within the walk."""
         self.time = float(np.clip(time, 0.0, self.end))

@@ -27,22 +27,13 @@ CONTOUR_WIDTH = 0.005  # [reach of the robot]
 
 
 def cell(reach: float) -> float:
-    """Side of a cell of the grid, a round length [m].
-
-    Args:
-        reach: Of the robot [m].
-    """
+    """Side of a cell of the grid for a robot's reach, a round length [m]."""
     power = 10.0 ** np.floor(np.log10(CELLS * reach))
     return float(power * min(ROUND, key=lambda r: abs(r - CELLS * reach / power)))
 
 
 def grid(view: Camera, reach: float) -> Mark:
-    """Lines along x and y on all of the floor that a film will show.
-
-    Args:
-        view: Where the film is taken from.
-        reach: Of the robot [m].
-    """
+    """Lines along x and y on all of the floor that a film will show."""
     side, low, high = cell(reach), *view.floor_seen()
     first, last = np.floor(low / side), np.ceil(high / side)
     eyes = view.eyes()[:: max(1, len(view.azimuth) // FRAMES)]
@@ -83,9 +74,6 @@ def contours(walk: Run) -> Drawing:
 
     Marks lie at the height of the floor's tops; bumps of millimetres are too flat for
     light and shadow to show them.
-
-    Args:
-        walk: Whose world.
     """
     if not walk.scenario.bumps:
         return join([])
@@ -96,11 +84,7 @@ def contours(walk: Run) -> Drawing:
 
 
 def contour_step(walk: Run) -> float:
-    """Height from one contour to the next [m].
-
-    Args:
-        walk: Whose world.
-    """
+    """Height from one contour to the next [m]."""
     return walk.scenario.bumps / LEVELS
 
 

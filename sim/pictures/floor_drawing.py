@@ -110,13 +110,7 @@ def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Dr
 
 
 def dashes(line: Array, period: float, width: float) -> Drawing:
-    """A dashed line that is there from the first frame on.
-
-    Args:
-        line: Points, shape (N, 2) [m].
-        period: Length of a dash and the gap after it [m].
-        width: In [m].
-    """
+    """A dashed line that is there from the first frame on; a period is dash and gap."""
     way = length_up_to(line)
     starts = np.arange(0.0, way[-1], period)
     pieces = []

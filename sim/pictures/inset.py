@@ -101,12 +101,7 @@ def inset(walk: Run, view: Camera, top: int, bottom: int, clear: int) -> Panel:
 
 
 def magnification(largest: float, room: float) -> float:
-    """The greatest round factor with which a length fits.
-
-    Args:
-        largest: Length to be shown [m].
-        room: Length for which there is room in its own size [m].
-    """
+    """The greatest round factor with which a length [m] fits into a room [m]."""
     return _round(room / max(largest, NOTHING))
 
 

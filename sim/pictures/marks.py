@@ -181,15 +181,7 @@ def _solids(walk: Run) -> Solids:
 def outline(
     robot: Solids, walk: Run, clock: Clock, frames: range, width: float
 ) -> Drawing:
-    """The outline in each of some frames, gone in the next.
-
-    Args:
-        robot: What of it covers the floor.
-        walk: What happened.
-        clock: Which row each frame shows.
-        frames: Which ones.
-        width: Of the line [m].
-    """
+    """The outline in each of some frames, gone in the next."""
     shapes = _outlines(robot, walk, clock.rows[frames.start : frames.stop])
     lines = (
         ribbon(ring, np.full(len(ring), frame), width)

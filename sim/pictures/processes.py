@@ -23,7 +23,7 @@ from sim.pictures import gl
 from sim.pictures.clock import WHOLE, Stretch
 from sim.pictures.file import FULL
 
-PATIENCE = 120.0  # [s] without a new picture
+SILENCE = 120.0  # [s] without a new picture
 SPARE = 2**20  # bytes; with less a disk is full
 KEPT = "the run itself is kept"
 
@@ -87,7 +87,7 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
 
     Raises:
         FilesError: If the disk is full.
-        RenderError: If a process fails, or draws nothing for `PATIENCE`.
+        RenderError: If a process fails, or draws nothing for `SILENCE`.
     """
     threads = max(1, len(os.sched_getaffinity(0)) // len(pieces))
     environment = {**gl.environment(driver), "LP_NUM_THREADS": str(threads)}
@@ -123,6 +123,6 @@ def _start(
 
 def _wait(dots: int, folder: Path) -> int:
     """Number of pictures drawn since the last call; 0 when all processes have ended."""
-    if not select.select([dots], [], [], PATIENCE)[0]:
-        raise RenderError(f"no picture for {PATIENCE:g} s", str(folder), KEPT)
+    if not select.select([dots], [], [], SILENCE)[0]:
+        raise RenderError(f"no picture for {SILENCE:g} s", str(folder), KEPT)
     return len(os.read(dots, 4096))

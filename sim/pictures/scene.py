@@ -45,13 +45,7 @@ LOOKS = {
 
 
 def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
-    """The model of a walk with its marks on the floor, one mesh each.
-
-    Args:
-        walk: Whose model.
-        marks: What to draw on the floor, the lowest first.
-        look: Quality of the pictures.
-    """
+    """The model of a walk with its marks on the floor, one mesh each."""
     spec = mujoco.MjSpec.from_file(str(walk.model_file))
     _light(spec)
     floor = _lay_floor(spec)

@@ -157,11 +157,7 @@ def extremes(values: Array, bins: int = BINS) -> Array:
 
 
 def along(points: Array) -> Array:
-    """Rows of a path about evenly apart, the last one among them.
-
-    Args:
-        points: Shape (T, 2).
-    """
+    """Rows of a path, (T, 2), about evenly apart, the last one among them."""
     extent = float(np.ptp(points, axis=0).max()) or 1.0
     rows = spaced_rows(points, SPACING * extent)
     return np.unique(np.append(rows, len(points) - 1))

@@ -48,11 +48,7 @@ class Marks:
         self._prints = landings(walk)
 
     def at(self, row: int) -> list[mujoco.MjvGeom]:
-        """All marks of a row, as MuJoCo draws them.
-
-        Args:
-            row: Of the trajectory.
-        """
+        """All marks of a row, as MuJoCo draws them."""
         walk = self._walk
         come = walk.achieved[: row + 1, :2]
         achieved = self._line(thinned(come), palette.ACHIEVED.colour, THICK, level=3)

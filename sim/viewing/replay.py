@@ -162,11 +162,7 @@ class _Robot:
         return frame
 
     def go_to(self, row: int) -> None:
-        """Show the state of a row.
-
-        Args:
-            row: Of the trajectory.
-        """
+        """Show the state of a row."""
         self._data.qpos[:] = self._walk.qpos[row]
         mujoco.mj_kinematics(self._model, self._data)
         for body, frame in self._bodies:
@@ -214,12 +210,7 @@ def _line(
 
 
 def mesh_of(model: mujoco.MjModel, geom: int) -> Mesh | None:
-    """The surface of a geom in its own frame; None of planes and height fields.
-
-    Args:
-        model: Whose geom.
-        geom: Its index.
-    """
+    """The surface of a geom in its own frame; None of planes and height fields."""
     import trimesh
 
     size, kind = model.geom_size[geom], model.geom_type[geom]

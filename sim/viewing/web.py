@@ -87,9 +87,6 @@ def looked_through(walk: Run) -> mujoco.MjModel:
 
     Paths and support polygon lie under the body, and discs as wide as MuJoCo's own
     would cover the footprints.
-
-    Args:
-        walk: What is shown.
     """
     model = mujoco.MjModel.from_xml_path(str(walk.model_file))
     torso = model.geom_bodyid == root_body(model, walk.model_file)

@@ -89,7 +89,7 @@ def test_an_encoder_that_fails_leaves_no_film(
 )
 def test_a_process_that_fails_is_reported(walked, monkeypatch, command, message):
     monkeypatch.setattr(Piece, "command", command)
-    monkeypatch.setattr(processes, "PATIENCE", 0.3)
+    monkeypatch.setattr(processes, "SILENCE", 0.3)
     piece = Piece(walked, "draft", range(2), walked / "none.mp4")
     with pytest.raises(RenderError, match=message) as error:
         processes.draw([piece, piece], "egl", lambda drawn: None)
