@@ -94,9 +94,9 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
     from scripts.convergence import LOOK
 
     styles = {
-        "printed": ("C0", "o-"),
-        "shortest": ("C1", "s--"),
-        "optimised": ("C2", "D-"),
+        "printed": ("#0072B2", "o-"),
+        "shortest": ("#009E73", "s--"),
+        "optimised": ("#D55E00", "D-"),
     }
     with mpl.rc_context(LOOK):
         figure = Figure(figsize=(7.0, 2.4), layout="constrained")
