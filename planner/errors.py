@@ -12,7 +12,7 @@ def point(configuration: Iterable[float]) -> str:
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """What to do about an unknown name: take the nearest known one, or another one.
+    """Suggestion for an unknown name: the nearest known one, and all known ones.
 
     Args:
         name: The unknown name.
@@ -153,7 +153,7 @@ class RangeError(PlannerError):
 
 
 class BudgetError(PlannerError):
-    """A search that takes longer than it may.
+    """A search that exceeds its time limit.
 
     Example:
         >>> from planner import BudgetError

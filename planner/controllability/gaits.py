@@ -38,7 +38,7 @@ MAX_DEPTH = 12
 
 @dataclass(frozen=True)
 class Controllability:
-    """The result of the two tests.
+    """Result of the two tests of gait controllability (Sec. 4).
 
     Attributes:
         gait: The gait as text.
@@ -230,7 +230,7 @@ def _exactly(
     x: Array,
     closed: Array,
 ) -> Array:
-    """The closure's span, the whole tangent space where exact arithmetic says so."""
+    """The closure's span; the whole tangent space where exact arithmetic finds it."""
     home = system.level_set(strata[0])
     fields = [*_tangent_fields(system, strata).values(), *union.fields]
     found = exact_rank(fields, system.state, x)
@@ -242,7 +242,7 @@ def _exactly(
 def _unjudged(
     system: StratifiedSystem, strata: Sequence[str], union: LieClosure
 ) -> tuple[str, ...]:
-    """What the closure leaves open, as advice; nothing if Assumption 2 holds."""
+    """Advice on what the closure cannot decide; none if Assumption 2 holds."""
     home, *others = dict.fromkeys(strata)
     advice = []
     if nearly_dependent(union.columns):
@@ -282,7 +282,7 @@ def _advice(
     max_depth: int,
     missing: Sequence[str],
 ) -> tuple[str, ...]:
-    """What would help: a further stratum, a higher degree, or another field."""
+    """Advice: a further stratum, a higher degree, or another field."""
     reached = rank(union.columns)
     advice = []
     for stratum in system.strata:

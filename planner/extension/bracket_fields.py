@@ -20,7 +20,7 @@ from planner.systems.strata import StratifiedSystem
 
 @dataclass(frozen=True, eq=False)
 class HallFields:
-    """The Hall basis over some of a system's fields, as fields.
+    """Hall basis over fields of a system, with the vector field of each element.
 
     Attributes:
         generators: Names of the fields, in the order in which the basis numbers them.

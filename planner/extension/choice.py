@@ -162,7 +162,7 @@ def _candidates(
 
 
 def _even(candidates: Sequence[_Candidate]) -> list[_Candidate]:
-    """The candidates in units in which all coordinates and elements are of equal size.
+    """Candidates in units in which all coordinates and elements are of equal size.
 
     Other units of the state or of the fields then change nothing. The logarithms of the
     units are those that leave the least squares of the logarithms of all values.
@@ -194,7 +194,7 @@ def _letters(tree: Tree) -> tuple[str, ...]:
 
 
 def _spans(chosen: Sequence[_Candidate], x: Array) -> list[Array]:
-    """Orthonormal columns of the span of the chosen, at each configuration."""
+    """Orthonormal columns of the span of chosen elements, at each configuration."""
     if not chosen:
         return [np.empty((x.shape[1], 0))] * len(x)
     columns = np.stack([candidate.columns for candidate in chosen], axis=-1)

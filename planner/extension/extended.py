@@ -100,7 +100,7 @@ class ExtendedSystem:
 
     @cached_property
     def grouper(self) -> Grouper:
-        """Arrangements of flows by stratum, kept for later plans."""
+        """Arrangements of flows by stratum, cached for later plans."""
         return Grouper(self.system, self.steering.hall.commute)
 
     @cached_property

@@ -106,7 +106,7 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
 
 
 def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
-    """A number or expression unchanged, a string as the formula that it writes."""
+    """A value as an expression; a string is read as a formula."""
     try:
         text = isinstance(value, str)
         expression = (
@@ -184,7 +184,7 @@ def checked_level_sets(
 
 
 def _kinked(function: sp.Expr, state: Symbols) -> bool:
-    """Whether SymPy knows no derivative, as of the absolute value."""
+    """Whether SymPy finds no derivative, as of the absolute value."""
     slopes = LevelSet((function,), state).differential
     return bool(slopes.atoms(sp.Derivative) - function.atoms(sp.Derivative))
 

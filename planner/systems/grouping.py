@@ -52,7 +52,7 @@ Links = dict[str, tuple[str, int, Arrangement]]
 
 @dataclass(frozen=True, eq=False)
 class Grouper:
-    """Finds the best arrangements of patterns, and keeps them for later plans.
+    """Finds the best arrangements of patterns, and caches them for later plans.
 
     Attributes:
         system: System whose graph of strata says what a change of stratum costs.

@@ -129,7 +129,7 @@ class StratifiedSystem:
 
     @cached_property
     def _level_sets(self) -> dict[str, LevelSet]:
-        """The level set of each stratum, kept so that it is compiled once."""
+        """The level set of each stratum, cached so that it is compiled once."""
         given = self.level_sets
         return {s: LevelSet(given.get(s, ()), self.state) for s in self.strata}
 
