@@ -60,8 +60,8 @@ def planned(name: str, way: str, detail: str, changes: Mapping[str, object]) -> 
     """
     setup = prepare(load_scenario(name, dict(changes)))
     plan, judge = ScenarioProblem(setup).solve().plan, Judge(setup)
-    strays, seconds = judge.deviation(plan), judge.duration(plan.flows)
-    return Point(name, way, detail, seconds, strays["position"], strays["yaw"])
+    off, seconds = judge.deviation(plan), judge.duration(plan.flows)
+    return Point(name, way, detail, seconds, off.position, off.yaw)
 
 
 def study(name: str) -> list[Point]:

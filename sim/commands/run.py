@@ -76,7 +76,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
     if robot.opened is not None:
-        _tell_changes(robot, scenario)
+        _print_changes(robot, scenario)
     try:
         with bar(quiet=options.json) as progress:
             summary = run(
@@ -88,13 +88,13 @@ def execute(options: argparse.Namespace) -> ExitCode:
     return _judged(summary, folder, options.tolerance)
 
 
-def _tell_changes(robot: Robot, scenario: Scenario) -> None:
+def _print_changes(robot: Robot, scenario: Scenario) -> None:
     """What is changed in a robot of the user's own, a line each."""
     from sim.scenarios.imperfect import drawn
     from sim.world.changes import changes
 
-    for told in changes(robot, drawn(scenario, robot)):
-        print(f"stratawalk: notice: {told}: {robot.path}", file=sys.stderr)
+    for change in changes(robot, drawn(scenario, robot)):
+        print(f"stratawalk: notice: {change}: {robot.path}", file=sys.stderr)
 
 
 def _walk_tries(
@@ -124,15 +124,15 @@ def _judged(summary: Summary, folder: RunFolder, tolerance: float | None) -> Exi
     look = f"see {folder.path}"
     if summary.verdict in FAILURES:
         failed = SimulationError(f"the walk {summary.verdict_text}", where, look)
-        return _told(failed, ExitCode.SIMULATION)
+        return _failed(failed, ExitCode.SIMULATION)
     off = summary.farthest_share
     if tolerance is None or off is None or off <= tolerance:
         return ExitCode.OK
     what = f"{off:.3g} of the path off the quasi-static prediction, beyond {tolerance}"
-    return _told(SimulationError(what, where, look), ExitCode.TOLERANCE)
+    return _failed(SimulationError(what, where, look), ExitCode.TOLERANCE)
 
 
-def _told(error: SimulationError, code: ExitCode) -> ExitCode:
+def _failed(error: SimulationError, code: ExitCode) -> ExitCode:
     print(f"stratawalk: error: {one_line(error)}", file=sys.stderr)
     return code
 

@@ -58,7 +58,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
         raise UsageError("no speed", f"--speed {options.speed}", "give 1, or 8, say")
 
     def started(address: str) -> None:
-        _tell(address, options)
+        _print_address(address, options)
 
     try:
         serve(Path(options.run), options.host, options.port, options.speed, started)
@@ -81,7 +81,7 @@ def _write_replay(options: argparse.Namespace) -> ExitCode:
     return ExitCode.OK
 
 
-def _tell(address: str, options: argparse.Namespace) -> None:
+def _print_address(address: str, options: argparse.Namespace) -> None:
     """Print where the page is, and open it where that can be seen."""
     from sim.commands.show import has_display, open_page
 

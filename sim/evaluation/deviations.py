@@ -8,8 +8,8 @@ import numpy as np
 
 from planner import Array, Path
 from sim.evaluation.summary import Departure, PerMetre, PredictionError
+from sim.motion.path_deviation import path_deviation
 from sim.motion.poses import wrap
-from sim.motion.straying import straying
 from sim.scenarios.predictions import IDEAL, QUASI_STATIC
 from sim.scenarios.scenario import Scenario
 
@@ -49,7 +49,7 @@ def deviation_from(curve: Path, poses: Array) -> Departure:
     """
     count = min(len(poses), COMPARED)
     rows = np.linspace(0, len(poses) - 1, count).round().astype(int)
-    return Departure(**straying(curve, poses[rows]))
+    return Departure(**path_deviation(curve, poses[rows])._asdict())
 
 
 def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:

@@ -68,7 +68,7 @@ def write(
         path: The file.
         form: Its format.
         source: Where the commands come from.
-        commands: What servos are told.
+        commands: Angles of the servos.
         table: The servos.
 
     Raises:

@@ -28,7 +28,7 @@ void setup() {{
 void loop() {{
   if (row == {NAME}_COMMANDS || micros() - begun < row * (1e6 / {NAME}_RATE)) return;
   for (uint8_t i = 0; i < {NAME}_JOINTS; i++)
-    board.{tell};
+    board.{call};
   row++;
 }}
 */
@@ -81,7 +81,7 @@ def write_header(
     """The header, a row a command and a column a channel.
 
     Args:
-        commands: What servos are told.
+        commands: Angles of the servos.
         table: Which servos there are, in counts of a PCA9685 or in microseconds.
         title: A line on where the commands come from.
         name: Name of the table in C; what is no letter or digit becomes `_`.
@@ -92,7 +92,7 @@ def write_header(
     """
     counts, name = table.counts(commands), identifier(name)
     names = {"name": name, "NAME": name.upper()}
-    tell = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
+    call = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
     numbers = [str(servo.channel) for servo in table.channels]
     return HEADER.format(
         **names,
@@ -104,7 +104,7 @@ def write_header(
         size=2 * counts.size,
         unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
         listed="\n".join(f"//   {s.channel:2}  {s.joint}" for s in table.channels),
-        player=PLAYER.format(**names, file=file, tell=tell),
+        player=PLAYER.format(**names, file=file, call=call),
         channels=", ".join(numbers),
         rows=",\n".join(f"  {{{', '.join(map(str, r))}}}" for r in counts.tolist()),
     )

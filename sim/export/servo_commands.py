@@ -15,7 +15,7 @@ from sim.physics.engine import STRETCH
 
 @dataclass(frozen=True, eq=False)
 class ServoCommands:
-    """Angles that servos are told, one row a command.
+    """Angles commanded to servos, one row a command.
 
     Attributes:
         joints: Names of the joints.

@@ -15,7 +15,7 @@ from sim.export.servo_commands import ServoCommands
 
 FRAME = 4096  # counts of a PCA9685 from one pulse to the next
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
-TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is said
+TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is given
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
 PWM = SERVO_KINDS["mg90"]  # where no servo is named
 
@@ -79,7 +79,7 @@ class ServoTable:
         return tuple(servo.joint for servo in self.channels)
 
     def in_microseconds(self) -> ServoTable:
-        """The same servos, told the length of their pulses instead of counts."""
+        """The same servos, commanded by the length of pulses instead of counts."""
         length = 1e6 / (FRAME * self.frame_rate)
         channels = (
             replace(
@@ -147,9 +147,9 @@ def servo_table(
     Args:
         card: The robot's, which may say something about single servos.
         joints: Names of all joints in the order of the legs, which is that of the
-            channels where nothing else is said.
+            channels where nothing else is given.
         kind: Make of the servos; another name if it is none of those known.
-        pwm: Whether they are told pulses (True) or ticks on a bus (False); None asks
+        pwm: Whether they take pulses (True) or ticks on a bus (False); None asks
             for their range alone, and servos of no make have none.
         given: A table that replaces the card's.
         rate: Commands a second, which are the frames of a PCA9685 and decide how long
@@ -158,39 +158,39 @@ def servo_table(
     Raises:
         UsageError: If two joints are on the same channel.
     """
-    made = SERVO_KINDS.get(kind)
-    if pwm is not None and (made is None or (made.bus == "pwm") != pwm):
-        made = PWM if pwm else None
-    if made and pwm and FRAMES[0] <= rate <= FRAMES[1]:
-        made = made.at_rate(rate)
-    said = card.joint_servos if given is None else given
+    make = SERVO_KINDS.get(kind)
+    if pwm is not None and (make is None or (make.bus == "pwm") != pwm):
+        make = PWM if pwm else None
+    if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
+        make = make.at_rate(rate)
+    known = card.joint_servos if given is None else given
     servos = [
-        _channel(joint, number, said.get(joint, JointServo()), made, pwm)
+        _channel(joint, number, known.get(joint, JointServo()), make, pwm)
         for number, joint in enumerate(joints)
     ]
-    ticks = round(2 * made.reach / made.resolution) if made else TURN
+    ticks = round(2 * make.reach / make.resolution) if make else TURN
     return ServoTable(
         channels=tuple(sorted(servos, key=lambda servo: servo.channel)),
-        largest=(FRAME if pwm else max(ticks, TURN if said else 0)) - 1,
-        frame_rate=made.command_rate if made and pwm else 0.0,
+        largest=(FRAME if pwm else max(ticks, TURN if known else 0)) - 1,
+        frame_rate=make.command_rate if make and pwm else 0.0,
     )
 
 
 def _channel(
-    joint: str, number: int, said: JointServo, made: ServoKind | None, pwm: bool | None
+    joint: str, number: int, servo: JointServo, make: ServoKind | None, pwm: bool | None
 ) -> Channel:
-    """What is said of a servo, and for the rest what its make or a turn gives."""
-    center = made.center if made else TURN // 2
-    reach = made.reach if made else (inf if pwm is None else pi)
-    low, high = said.limits or (said.offset - reach, said.offset + reach)
+    """The numbers of a servo that are given; its make, or a turn, gives the others."""
+    center = make.center if make else TURN // 2
+    reach = make.reach if make else (inf if pwm is None else pi)
+    low, high = servo.limits or (servo.offset - reach, servo.offset + reach)
     return Channel(
         joint=joint,
-        channel=number if said.channel is None else said.channel,
-        sign=said.sign,
-        center=center if said.center is None else said.center,
-        offset=said.offset,
-        counts_per_radian=said.counts_per_radian
-        or (1 / made.resolution if made else TURN / (2 * pi)),
+        channel=number if servo.channel is None else servo.channel,
+        sign=servo.sign,
+        center=center if servo.center is None else servo.center,
+        offset=servo.offset,
+        counts_per_radian=servo.counts_per_radian
+        or (1 / make.resolution if make else TURN / (2 * pi)),
         low=low,
         high=high,
     )

@@ -17,7 +17,7 @@ from models.motion import contact_equations, contact_fields
 from planner import Execution, ExtendedSystem, Flow, Path, Plan, plan, play
 from planner.optimisation import Criterion, Inequality, Task, Tolerance, cycle
 from sim.experiments.predictions import twist_model
-from sim.motion.straying import straying
+from sim.motion.path_deviation import PathDeviation, path_deviation
 from sim.optimisation.clearances import clearances, margins
 from sim.optimisation.judging import Judge, least_clearance, real_prediction
 from sim.preparation.setup import Setup
@@ -54,21 +54,18 @@ def tolerances(setup: Setup, stratified: Plan | None) -> tuple[float, float]:
     """
     scenario = setup.scenario
     given = scenario.path_tolerance, scenario.yaw_tolerance
-    own = {"position": LEAST_POSITION, "yaw": LEAST_YAW}
+    own = LEAST_POSITION, LEAST_YAW
     if stratified is not None and None in given:
         found = own_deviation(setup, stratified)
-        own = {key: max(own[key], found[key]) for key in own}
+        own = max(own[0], found.position), max(own[1], found.yaw)
     position, yaw = given
-    return (
-        own["position"] if position is None else position,
-        own["yaw"] if yaw is None else yaw,
-    )
+    return own[0] if position is None else position, own[1] if yaw is None else yaw
 
 
-def own_deviation(setup: Setup, plan: Plan) -> dict[str, float]:
-    """Largest deviation of a plan from the nominal path, by the fields it is of."""
+def own_deviation(setup: Setup, plan: Plan) -> PathDeviation:
+    """Deviation of a plan from the nominal path, by the fields it is of."""
     states = play(plan.system, plan.flows, plan.start, FLOW_SAMPLES)
-    return straying(setup.scenario.path.curve, states[:, :3])
+    return path_deviation(setup.scenario.path.curve, states[:, :3])
 
 
 def task_of(setup: Setup, within: tuple[float, float]) -> Task:

@@ -18,9 +18,9 @@ from models import TwistModel
 from planner import Array, Flow, Plan, contact_switches
 from planner.execution import stepped
 from sim.experiments.predictions import twist_model
+from sim.motion.path_deviation import PathDeviation, path_deviation
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule, Scheduler
-from sim.motion.straying import straying
 from sim.obstacles.clearance import surroundings
 from sim.planning.bounds import ClearanceBound
 from sim.planning.forecast import ForeseenStretch
@@ -110,9 +110,9 @@ class Judge:
         rows = inspections(schedule) - 1
         return np.vstack([np.zeros(3), self._predictor(schedule)(rows).pose])
 
-    def deviation(self, plan: Plan) -> dict[str, float]:
+    def deviation(self, plan: Plan) -> PathDeviation:
         """Farthest from the path [m] and from its yaw [rad], as it is predicted."""
-        return straying(self.setup.scenario.path.curve, self.poses(plan))
+        return path_deviation(self.setup.scenario.path.curve, self.poses(plan))
 
     def margin_lack(self, segments: Sequence[Sequence[Flow]]) -> float:
         """What the least predicted margin lacks to the scenario's [m]; at least 0."""

@@ -35,16 +35,32 @@ NONE = np.zeros(0, dtype=int)
 T = TypeVar("T", bound=Iterable[Array])
 
 
-class Moments(NamedTuple):
-    """States of the robot at recorded moments, in world coordinates, (T, ...)."""
+class Sensed(NamedTuple):
+    """Consecutive states as the sensors read them, in world coordinates, (T, ...)."""
 
     step: Array  # (T,)
     qpos: Array  # (T, nq)
     qvel: Array  # (T, nv)
     point: Array  # where each foot touches the ground, or last did, (T, F, 2) [m]
     center_of_mass: Array  # (T, 3) [m]
-    contact: Array  # as the engine says; once decided, bounces bridged, (T, F), bool
-    slip: Array  # speed at the contact [m/s]; once decided, slip so far [m]; (T, F)
+    loaded: Array  # whether each foot bears load, (T, F), bool
+    speed: Array  # at the contact, (T, F) [m/s]
+
+    def at(self, which: slice) -> Sensed:
+        """Some of them."""
+        return Sensed(*(column[which] for column in self))
+
+
+class Moments(NamedTuple):
+    """States at recorded moments, their contacts decided, in world coordinates."""
+
+    step: Array  # (T,)
+    qpos: Array  # (T, nq)
+    qvel: Array  # (T, nv)
+    point: Array  # where each foot touches the ground, or last did, (T, F, 2) [m]
+    center_of_mass: Array  # (T, 3) [m]
+    contact: Array  # load, with bounces bridged, (T, F), bool
+    slip: Array  # so far, (T, F) [m]
 
     def at(self, which: slice | Array) -> Moments:
         """Some of them."""
@@ -97,7 +113,7 @@ class Recorder:
         self._inspections = NONE
         self._state = engine.state
         self._touched: Array | None = None
-        self._pending: list[Moments] = []
+        self._pending: list[Sensed] = []
         self._kept: list[Moments] = []
         self._marks: list[Marks] = []
         self._contacts: list[ContactLog] = []
@@ -151,37 +167,45 @@ class Recorder:
         point = last_touched(readings.point, touching, self._touched)
         self._touched = point[-1:].copy()
         self._pending.append(
-            Moments(
+            Sensed(
                 step=first + np.arange(len(qpos)),
                 qpos=qpos,
                 qvel=qvel,
                 point=point,
                 center_of_mass=readings.center_of_mass,
-                contact=self._sensors.loaded(readings),
-                slip=readings.speed,
+                loaded=self._sensors.loaded(readings),
+                speed=readings.speed,
             )
         )
 
     def _decide(self, last: bool = False) -> None:
         """Evaluate the states whose contacts no later step can change."""
-        states = Moments(*_joined(self._pending))
-        loaded, before = states.contact, self._contact
+        states = Sensed(*_joined(self._pending))
+        loaded, before = states.loaded, self._contact
         contact = bridge(loaded, self._shortest, before)
         count = len(contact) if last else decided(loaded, self._shortest, before)
         self._bounces += count_bounces(loaded[: count + 1], contact[: count + 1])
         if count < len(contact):
             self._pending = [states.at(slice(count, None))]
         if count:
-            judged = states._replace(contact=contact).at(slice(count))
-            self._note_changes(judged)
-            self._keep(self._slipped(judged), last)
+            moments = self._decided(states.at(slice(count)), contact[:count])
+            self._note_changes(moments)
+            self._keep(moments, last)
 
-    def _slipped(self, states: Moments) -> Moments:
-        """Speeds integrated over the steps in contact."""
-        steps = np.where(states.contact, states.slip, 0.0) * self._timestep
+    def _decided(self, states: Sensed, contact: Array) -> Moments:
+        """States with contact decided, and speeds integrated while in contact."""
+        steps = np.where(contact, states.speed, 0.0) * self._timestep
         slip = self._slip + np.cumsum(steps, axis=0)
         self._slip = slip[-1]
-        return states._replace(slip=slip - steps)  # a state's own speed is yet to come
+        return Moments(
+            step=states.step,
+            qpos=states.qpos,
+            qvel=states.qvel,
+            point=states.point,
+            center_of_mass=states.center_of_mass,
+            contact=contact,
+            slip=slip - steps,  # a state's own speed is yet to come
+        )
 
     def _note_changes(self, states: Moments) -> None:
         contact = states.contact

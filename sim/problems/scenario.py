@@ -204,7 +204,7 @@ class ScenarioProblem(Problem):
             return False
         found = own_deviation(self.setup, self._first_plan)
         position, yaw = (ROUNDED * within for within in self._within)
-        return found["position"] <= position and found["yaw"] <= yaw
+        return found.position <= position and found.yaw <= yaw
 
     @cached_property
     def _optimiser(self) -> Optimiser:

@@ -38,9 +38,9 @@ def sequence(run: Run) -> Iterator[tuple[int, Markup]]:
 
 def flow(phase: WalkedPhase) -> Markup:
     """A flow, as in eq. (14)."""
-    said = f"{phase.amount:.4g}".replace("-", MINUS)
+    amount = f"{phase.amount:.4g}".replace("-", MINUS)
     text = "<span class=flow>&phi;<span><sup>{}</sup><sub>{}</sub></span></span>"
-    return Markup(text).format(said, field(phase.field))
+    return Markup(text).format(amount, field(phase.field))
 
 
 def field(name: str) -> Markup:

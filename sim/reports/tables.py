@@ -86,11 +86,10 @@ def sources(run: Run) -> Table | None:
     names = list(found)
     header = ["", "phases", "slip [mm]", "not as planned"]
     for name in names:
-        said = PREDICTIONS[name].label
-        header += [f"{said}: x [mm]", "y [mm]", "yaw [mrad]"]
+        header += [f"{PREDICTIONS[name].label}: x [mm]", "y [mm]", "yaw [mrad]"]
     rows = []
     for label in found[names[0]]:
-        row = [_said(label), *_carried_out(run.phases, label)]
+        row = [_phase_label(label), *_carried_out(run.phases, label)]
         for name in names:
             row += [number(MM * part, 3) for part in found[name][label]]
         rows.append(row)
@@ -103,7 +102,7 @@ def sources(run: Run) -> Table | None:
     return Table(header, rows)
 
 
-def _said(label: str) -> str:
+def _phase_label(label: str) -> str:
     kind, _, stratum = label.partition(" S")
     return SHIFTED.get(kind, f"{kind} S{{}}").format(stratum)
 
@@ -133,8 +132,8 @@ def settings(run: Run) -> Table:
     ]
     rows += [(name, toml_value(value), "") for name, value in flat(given)]
     for key, value in run.summary.servo.items():
-        said = "not set" if value is None else str(value)
-        rows.append((f"servo: {key}", said, "as it was simulated"))
+        text = "not set" if value is None else str(value)
+        rows.append((f"servo: {key}", text, "as it was simulated"))
     return Table(("setting", "value", "meaning"), rows)
 
 

@@ -68,7 +68,7 @@ def test_short_walks_are_drawn_by_how_they_were_planned(tmp_path):
     assert picture.read_text().count('id="axes_') == len(studies)
 
 
-def test_a_plan_is_told_by_its_time_and_what_it_strays_by():
+def test_a_plan_is_told_by_its_time_and_its_path_deviation():
     changes = {"path.goal": [0.02, 0.0, 0.0], "segments": 2}
     point = short_walks.planned("line", "printed", "2", changes)
     assert point.seconds > 1.0

@@ -37,5 +37,5 @@ def test_a_plan_takes_longer():
     setup = prepare(load_scenario("line", {"path.goal": [0.1, 0.0, 0.0]}))
     planned = plan_open_loop(setup)
     judge = Judge(setup)
-    bound = least_time(setup, judge.deviation(planned)["position"])
+    bound = least_time(setup, judge.deviation(planned).position)
     assert 0.1 < bound < judge.duration(planned.flows)

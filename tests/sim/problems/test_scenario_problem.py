@@ -8,9 +8,9 @@ import pytest
 from planner.errors import BoundError, BudgetError
 from planner.support.stopping import limited
 from sim.errors import UsageError
+from sim.motion.path_deviation import path_deviation
 from sim.motion.prediction import inspections
 from sim.motion.stability import stability_margin
-from sim.motion.straying import straying
 from sim.optimisation.clearances import margins
 from sim.optimisation.judging import Judge
 from sim.planning.open_loop import plan_open_loop
@@ -64,8 +64,8 @@ def test_it_is_several_times_faster_than_the_stratified_plan(setup, found):
 
 
 def test_it_stays_within_the_tolerance(setup, found):
-    strays = straying(setup.scenario.path.curve, Judge(setup).poses(found))
-    assert strays["position"] <= 0.02
+    poses = Judge(setup).poses(found)
+    assert path_deviation(setup.scenario.path.curve, poses).position <= 0.02
 
 
 def test_segments_stay_those_of_the_scenario(setup, found):
