@@ -46,7 +46,7 @@ def summary():
     )
     return filled(
         Summary,
-        **dict.fromkeys(tables, {}),
+        **dict.fromkeys(empty, {}),
         predicted={"ideal": filled(Predicted, min_margin=0.05)},
         achieved=filled(Accomplished, min_margin=0.04, slip_per_foot={}),
         error={
