@@ -36,7 +36,7 @@ def filled(kind, **given):
 
 def summary():
     """A summary in which every number is there."""
-    tables = (
+    empty = (
         "unpredicted",
         "error_sources",
         "servo",
