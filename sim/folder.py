@@ -25,24 +25,19 @@ from sim.errors import ExitCode, FilesError, UsageError, exit_code
 
 @dataclass(frozen=True, slots=True)
 class RunFolder:
-    """The folder of one run; every file in it is complete."""
+    """The folder of one run; every file in it is complete.
+
+    Writing raises FilesError where the disk is full or the folder cannot be written.
+    """
 
     path: Path
 
     def write_text(self, name: str, text: str) -> None:
-        """Write a text file.
-
-        Raises:
-            FilesError: If the disk is full or the folder cannot be written.
-        """
+        """Write a text file."""
         self.write_bytes(name, text.encode())
 
     def write_bytes(self, name: str, content: bytes) -> None:
-        """Write a file as it is, in a folder of its own if its name says so.
-
-        Raises:
-            FilesError: If the disk is full or the folder cannot be written.
-        """
+        """Write a file as it is, in a folder of its own if its name says so."""
         path = self.path / name
         if path.parent != self.path:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -50,23 +45,11 @@ class RunFolder:
             part.write_bytes(content)
 
     def write_json(self, name: str, value: Mapping[str, object]) -> None:
-        """Write numbers unrounded; NaN and infinity, unknown to JSON, are refused.
-
-        Raises:
-            FilesError: If the disk is full or the folder cannot be written.
-            ValueError: If a number is not finite.
-        """
+        """Write numbers unrounded; NaN and infinity, unknown to JSON, are refused."""
         self.write_text(name, json.dumps(value, indent=1, allow_nan=False) + "\n")
 
     def reserve(self, size: int) -> None:
-        """Check that the disk has room before work begins.
-
-        Args:
-            size: Bytes that will be written at least.
-
-        Raises:
-            FilesError: If the disk has less.
-        """
+        """Refuse to begin where the disk has less than `size` bytes."""
         try:
             require_space(self.path, size)
         except OSError as error:
@@ -75,11 +58,7 @@ class RunFolder:
     def write_arrays(
         self, name: str, arrays: Iterable[tuple[str, np.ndarray | Pieces]]
     ) -> None:
-        """Write named arrays as compressed .npz; equal arrays give equal bytes.
-
-        Raises:
-            FilesError: If the disk is full or the folder cannot be written.
-        """
+        """Write named arrays as compressed .npz; equal arrays give equal bytes."""
         sizes: list[int] = []
         arrays = _measured(arrays, sizes)
 
@@ -99,11 +78,7 @@ class RunFolder:
                     _write_array(file, array)
 
     def inner(self, name: str) -> RunFolder:
-        """A new folder within this one.
-
-        Raises:
-            FilesError: If it cannot be made.
-        """
+        """A new folder within this one."""
         try:
             return RunFolder(_make(self.path / name))
         except OSError as error:
@@ -148,15 +123,9 @@ def _write_array(file: IO[bytes], array: np.ndarray | Pieces) -> None:
 
 
 def claim(folder: Path | None, scenario: str) -> RunFolder:
-    """Make the folder of a run and check that it can be written.
+    """Make the folder of a run, or the next free `runs/SCENARIO-NNN`.
 
-    Args:
-        folder: Where; None takes the next free number, `runs/SCENARIO-NNN`.
-        scenario: Name for the numbered folder.
-
-    Raises:
-        UsageError: If the folder exists.
-        FilesError: If it cannot be made or written.
+    A folder that exists is a UsageError, one that cannot be written a FilesError.
     """
     try:
         made = _make(folder) if folder else _next_free(Path("runs"), scenario)
@@ -174,15 +143,7 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
 
 
 def ensure_folder(folder: Path, what: str = "folder") -> Path:
-    """Make a folder unless it is there.
-
-    Args:
-        folder: Where.
-        what: What the message calls it.
-
-    Raises:
-        FilesError: If it cannot be made.
-    """
+    """Make a folder, which a message calls `what`, unless it is there."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -220,14 +181,7 @@ def _check_writable(folder: RunFolder) -> None:
 
 @contextmanager
 def blamed_on(folder: Path) -> Iterator[None]:
-    """Say of whatever goes wrong with a finished run that its files are damaged.
-
-    Args:
-        folder: Of a run, whose files anybody may have changed.
-
-    Raises:
-        UsageError: If the block ends with an error that is not its own answer.
-    """
+    """Refuse a finished run whose files are damaged, whatever goes wrong with them."""
     try:
         yield
     except Exception as error:
@@ -246,13 +200,8 @@ def whole(
 ) -> Iterator[Path]:
     """A path to write to, which takes `path`'s name once the block has succeeded.
 
-    Args:
-        path: Final name, in a folder that exists.
-        size: Bytes that will be written, if known: asked of the disk beforehand.
-        at_most: Bytes that may be written; asked for once the disk is full.
-
-    Raises:
-        FilesError: If the disk is full or the folder cannot be written.
+    The disk is asked for `size` bytes beforehand; if it is full after all, the message
+    says that up to `at_most()` are needed.
     """
     try:
         with whole_file(path, size or 0) as part:

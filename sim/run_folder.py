@@ -52,12 +52,7 @@ class Writer:
         self.setup(prepared.setup, prepared.scenario)
 
     def setup(self, setup: Setup, scenario: Scenario) -> None:
-        """Model, card, the robot as it was given, and the scenario.
-
-        Args:
-            setup: The scenario with everything decided.
-            scenario: The scenario before its path was divided to keep its bounds.
-        """
+        """Model, card, the robot as it was given, and the scenario, undivided."""
         robot, copies = origin(setup.robot)
         card = {CARD: setup.robot.card_text.encode()}
         for name, content in (setup.world.files | card | copies).items():
@@ -97,13 +92,7 @@ class Writer:
         warn: Callable[[str], object] = warnings.warn,
         progress: Progress = silent,
     ) -> None:
-        """The page that explains the run; what fails here does not fail the run.
-
-        Args:
-            run: What was written.
-            warn: Called with a line that says why there is no report.
-            progress: Called with the stage and the finished part of it.
-        """
+        """The page that explains the run; what fails here is a warning alone."""
         try:
             from sim.reports.page import write_report
 
@@ -122,26 +111,10 @@ def run(
     warn: Callable[[str], object] = warnings.warn,
     without: Collection[str] = (),
 ) -> Summary:
-    """Carry out a scenario and write everything about it into a folder.
+    """Carry out a scenario and write everything about it into an empty folder.
 
-    Args:
-        scenario: What to walk.
-        folder: Empty folder of this run.
-        robot: The scenario's robot, if it is loaded already.
-        look: Look of the film, `draft` or `final`; None makes no film and needs no GL.
-        progress: Called with each stage and the finished part of it.
-        warn: Told in a line what could not be written though the run is complete.
-        without: Comparisons to leave out; see `simulate`.
-
-    Returns:
-        The summary, as written to summary.json.
-
-    Raises:
-        PlannerError: If there is no plan.
-        UsageError: If the walk takes more steps or memory than there can be.
-        SimulationError: If the physics diverges.
-        FilesError: If the folder cannot be written.
-        RenderError: If a film is wanted and cannot be made.
+    A film has a look; without one no GL is needed. Comparisons can be left out as in
+    `simulate`. A line warns of what could not be written though the run is complete.
     """
     writer = Writer(folder)
     try:

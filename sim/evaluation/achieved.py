@@ -34,11 +34,7 @@ class Achieved:
 
 
 def achieved_motion(walk: Walk) -> Achieved:
-    """What a walk did at every recorded moment.
-
-    Args:
-        walk: A finished walk.
-    """
+    """What a walk did at every recorded moment."""
     recording, moments = walk.recording, walk.recording.moments
     points, center = moments.point, moments.center_of_mass
     (x, y, yaw), before = walk.origin, recording.slip_after(walk.starts)

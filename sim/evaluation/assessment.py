@@ -180,11 +180,8 @@ def summarise(
 ) -> Summary:
     """The numbers of summary.json, unrounded.
 
-    Args:
-        evaluation: The walk beside its predictions.
-        timing: Seconds by stage.
-        fallback: Why the stratified plan stands where a shorter one was asked for.
-        missed: How far from the goal each of several walks ended [m].
+    A fallback says why the stratified plan stands where a shorter one was asked for;
+    `missed` is how far from the goal each of several walks ended [m].
     """
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario

@@ -16,14 +16,10 @@ from sim.walking.finished import Walk
 
 
 def contributions(achieved: Array, predicted: Array) -> Array:
-    """What each phase contributes to the final pose error.
+    """What each phase contributes to the final pose error, shape (P, 3).
 
-    Args:
-        achieved: Pose at the start and at the end of each phase, shape (P + 1, 3).
-        predicted: Likewise; both from the same start.
-
-    Returns:
-        Shape (P, 3); the sum is achieved[-1] - predicted[-1].
+    Given are poses at the start and at the end of each phase, shape (P + 1, 3), from
+    the same start; the sum is achieved[-1] - predicted[-1].
     """
     rest = relative(
         predicted, predicted[-1]

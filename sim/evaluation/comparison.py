@@ -18,11 +18,7 @@ HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'physics ends off by':23}{H
 
 
 def describe(summary: Summary) -> str:
-    """The walk and its comparison with the predictions, in lines for a terminal.
-
-    Args:
-        summary: Of a run.
-    """
+    """The walk and its comparison with the predictions, in lines for a terminal."""
     text = summary.verdict_text
     return "\n".join(
         [
@@ -38,12 +34,7 @@ def describe(summary: Summary) -> str:
 
 
 def describe_export(summary: Summary, played: Played) -> str:
-    """An exported walk, played in the physics, beside where it should be.
-
-    Args:
-        summary: Of the walk.
-        played: What came of the export when it was played.
-    """
+    """An exported walk, played in the physics, beside where it should be."""
     ended = {key: played[key] for key in ("pose", "min_margin", "slip")}
     shown = replace(
         summary, achieved=replace(summary.achieved, **ended), error=played.error

@@ -21,10 +21,8 @@ def deviations(
 ) -> dict[str, Departure | None]:
     """Farthest from the path and from its yaw: planned, quasi-static and achieved.
 
-    Args:
-        scenario: What was to be walked; its plan follows the prediction it steers on,
-            and an optimised one at least the quasi-static.
-        deviation_of: Path deviation of each prediction and of what was achieved.
+    A plan follows the prediction it steers on, an optimised one at least the
+    quasi-static.
     """
     planned = scenario.steered_on
     if planned == IDEAL.key and scenario.optimise != "none":
@@ -41,37 +39,21 @@ def deviations(
 
 
 def deviation_from(curve: Path, poses: Array) -> Departure:
-    """Farthest that poses come from a path, and from its yaw.
-
-    Args:
-        curve: Nominal poses.
-        poses: In time order, shape (T, 3).
-    """
+    """Farthest that poses, in time order, come from a path and from its yaw."""
     count = min(len(poses), COMPARED)
     rows = np.linspace(0, len(poses) - 1, count).round().astype(int)
     return Departure(**path_deviation(curve, poses[rows])._asdict())
 
 
 def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
-    """Time and strokes per metre of the nominal path.
-
-    Args:
-        length: Of the path [m].
-        seconds: From the first lift-off to the last touchdown.
-        strokes: Way of the loaded groups' angles [rad].
-    """
+    """Time and strokes of the loaded groups [rad] per metre of the nominal path."""
     if not length:
         return PerMetre()
     return PerMetre(seconds=seconds / length, strokes=strokes / length)
 
 
 def departure(pose: Array, other: Array) -> Departure:
-    """How far a pose is from another one.
-
-    Args:
-        pose: x [m], y [m], yaw [rad].
-        other: Likewise.
-    """
+    """How far a pose is from another one."""
     return Departure(
         position=float(np.hypot(*(pose - other)[:2])),
         yaw=float(abs(wrap(pose[2] - other[2]))),
@@ -81,11 +63,8 @@ def departure(pose: Array, other: Array) -> Departure:
 def off(poses: Array, others: Array, length: float, walked: float) -> PredictionError:
     """How far a motion is from another one at its end, and at most on the way.
 
-    Args:
-        poses: Shape (T, 3).
-        others: Shape (T, 3), at the same moments.
-        length: Of the nominal path [m]; ratios to a length of zero are None.
-        walked: Length of the way of the ideal body centre [m].
+    Both have shape (T, 3); ratios to lengths of the path and of the way walked [m] are
+    None where these are zero.
     """
     at_end = departure(poses[-1], others[-1])
     return PredictionError(

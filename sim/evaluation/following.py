@@ -48,12 +48,7 @@ def predicted_along(
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:
     """Clearance of the robot's outline at every moment, shape (T,) each [m].
 
-    Args:
-        walk: A finished walk.
-        predicted: Its predictions, by name.
-
-    Returns:
-        That of `achieved` and of every prediction; empty without obstacles.
+    That of what was achieved and of every prediction; empty without obstacles.
     """
     if not walk.setup.scenario.obstacles:
         return {}

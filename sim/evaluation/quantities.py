@@ -51,12 +51,7 @@ class Quantity:
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def value(self, summary: Summary, row: str = "") -> float | None:
-        """The number in SI units; None if there is none.
-
-        Args:
-            summary: Of a run.
-            row: One of `ROWS`, where there is a number for each.
-        """
+        """The number in SI units, that of a row where each has one; None without it."""
         key = self.key.replace("*", row).replace("predicted.achieved", "achieved")
         found: object = summary
         for name in key.split("."):
@@ -64,13 +59,7 @@ class Quantity:
         return found if isinstance(found, int | float) else None
 
     def cell(self, summary: Summary, row: str = "", finer: int = 0) -> str:
-        """The number as tables show it under a title, a dash if there is none.
-
-        Args:
-            summary: Of a run.
-            row: One of `ROWS`, where there is a number for each.
-            finer: How many more digits.
-        """
+        """The number as tables show it under a title, a dash if there is none."""
         value = self.value(summary, row)
         scaled = None if value is None else self.scale * value
         return number(scaled, self.digits + finer)

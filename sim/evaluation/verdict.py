@@ -37,13 +37,9 @@ class Verdict:
 def judge(
     walk: Walk, achieved: Achieved, predicted: Prediction | None, judged: Array
 ) -> Verdict:
-    """The verdict on a walk.
+    """The verdict on a walk, from its motion and its quasi-static prediction, if any.
 
-    Args:
-        walk: A finished walk.
-        achieved: Its motion.
-        predicted: Its quasi-static prediction, if that could be made.
-        judged: Moments over which extremes are taken, shape (T,), bool.
+    Extremes are taken over the moments that are judged, shape (T,), bool.
     """
     failure = _fell(walk, achieved, judged) or _collided(walk)
     if failure is not None:

@@ -29,17 +29,10 @@ def servos(
     microseconds: bool = False,
     rate: float = 0.0,
 ) -> ServoTable:
-    """The servos that a walk is exported for.
+    """The servos that a walk is exported for, those of its card unless others are given.
 
-    Args:
-        source: The walk.
-        form: Format of the file.
-        given: A table that replaces the card's.
-        microseconds: Whether pulses are given in microseconds instead of counts.
-        rate: Commands a second of a walk that has no rate of its own.
-
-    Raises:
-        UsageError: If a joint is missing in the table, or shares a channel.
+    The rate is that of a walk that has none of its own. A joint without a servo is a
+    UsageError.
     """
     missing = [] if given is None else [j for j in source.joints if j not in given]
     if missing:
@@ -62,19 +55,7 @@ def servos(
 def write(
     path: Path, form: str, source: Source, commands: ServoCommands, table: ServoTable
 ) -> None:
-    """Write commands.
-
-    Args:
-        path: The file.
-        form: Its format.
-        source: Where the commands come from.
-        commands: Angles of the servos.
-        table: The servos.
-
-    Raises:
-        UsageError: If a joint leaves its servo's range.
-        FilesError: If the file cannot be written.
-    """
+    """Write commands; a joint that leaves its servo's range is a UsageError."""
     table.require_range(commands)
     if form == "csv":
         text = write_angles(commands)
@@ -92,16 +73,7 @@ def write(
 
 
 def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
-    """Read what `write` wrote.
-
-    Args:
-        path: The file.
-        form: Its format.
-        table: The servos.
-
-    Raises:
-        ValueError: The file is no such file.
-    """
+    """Read what `write` wrote; another file is a ValueError."""
     text = read_file(path, LARGEST).decode()
     if form == "csv":
         return read_angles(text)

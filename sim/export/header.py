@@ -78,17 +78,9 @@ def write_header(
     name: str,
     file: str,
 ) -> str:
-    """The header, a row a command and a column a channel.
+    """The header, a row a command and a column a channel, its table named after `name`.
 
-    Args:
-        commands: Angles of the servos.
-        table: Which servos there are, in counts of a PCA9685 or in microseconds.
-        title: A line on where the commands come from.
-        name: Name of the table in C; what is no letter or digit becomes `_`.
-        file: Name of the header's file.
-
-    Raises:
-        UsageError: If a joint leaves its servo's range.
+    A joint that leaves its servo's range is a UsageError.
     """
     counts, name = table.counts(commands), identifier(name)
     names = {"name": name, "NAME": name.upper()}
@@ -111,11 +103,7 @@ def write_header(
 
 
 def read_header(text: str, table: ServoTable) -> ServoCommands:
-    """Read what `write_header` wrote.
-
-    Raises:
-        ValueError: The text is no such header, or one of other servos.
-    """
+    """Read what `write_header` wrote; any other text is a ValueError."""
     rows, channels = ROWS.search(text), CHANNELS.search(text)
     sizes = dict(SIZES.findall(text))
     if rows is None or channels is None or "RATE" not in sizes:

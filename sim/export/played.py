@@ -21,16 +21,7 @@ from sim.scenarios.predictions import QUASI_STATIC
 def play(
     source: Source, commands: ServoCommands, progress: Progress = silent
 ) -> Played:
-    """Walk what an export says, and compare it as the walk itself was compared.
-
-    Args:
-        source: The walk that was exported.
-        commands: What was read back.
-        progress: Called with the stage and the finished part of it.
-
-    Raises:
-        SimulationError: If the physics diverges.
-    """
+    """Walk what was read back, and compare it as the walk itself was compared."""
     run = source.run
     steps = np.round(run.time / source.timestep).astype(int)
     starts = round(run.summary.walk_starts / source.timestep)

@@ -51,13 +51,9 @@ class ServoCommands:
     def held(
         self, rest: Array, actuators: Array, steps: int, timestep: float
     ) -> Iterator[Array]:
-        """Rows of ctrl, one a physics step, shape (n, nu) each.
+        """Rows of ctrl, one a physics step, shape (n, nu) each; the last command holds.
 
-        Args:
-            rest: Commands of the actuators that have no servo here, shape (nu,).
-            actuators: Actuator of each joint, shape (J,).
-            steps: How many; the last command holds to the end.
-            timestep: Of the physics [s].
+        Actuators that have no servo here keep their commands at rest, shape (nu,).
         """
         for begin in range(0, steps, STRETCH):
             row = np.arange(begin, min(begin + STRETCH, steps))
@@ -74,17 +70,9 @@ def taken(
     rate: float,
     timestep: float,
 ) -> ServoCommands:
-    """The commands that are given at a rate, out of one row a physics step.
+    """The commands that are given at a rate, out of one row of ctrl a physics step.
 
-    Args:
-        ctrl: One row a physics step, shape (n, nu).
-        joints: Names of the joints.
-        actuators: Actuator of each joint, shape (J,).
-        rate: Commands a second.
-        timestep: Of the physics [s].
-
-    Raises:
-        UsageError: If the rate is higher than that of the physics.
+    A rate higher than that of the physics is a UsageError.
     """
     pace = rate * timestep
     if pace > 1 + SLACK:

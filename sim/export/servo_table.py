@@ -142,21 +142,12 @@ def servo_table(
     given: Mapping[str, JointServo] | None = None,
     rate: float = 0.0,
 ) -> ServoTable:
-    """The servos of a robot.
+    """The servos of a robot: those of its card, unless a table of others is given.
 
-    Args:
-        card: The robot's, which may say something about single servos.
-        joints: Names of all joints in the order of the legs, which is that of the
-            channels where nothing else is given.
-        kind: Make of the servos; another name if it is none of those known.
-        pwm: Whether they take pulses (True) or ticks on a bus (False); None asks
-            for their range alone, and servos of no make have none.
-        given: A table that replaces the card's.
-        rate: Commands a second, which are the frames of a PCA9685 and decide how long
-            its counts are; those of the make if it is 0, or no rate of a PCA9685.
-
-    Raises:
-        UsageError: If two joints are on the same channel.
+    Channels are in the order of the joints where none are given. Servos take pulses if
+    `pwm`, ticks on a bus if not; None asks for their range alone, and servos of no make
+    have none. The rate of commands is the frame rate of a PCA9685 and decides how long
+    its counts are; 0, or a rate that it cannot have, leaves that of the make.
     """
     make = SERVO_KINDS.get(kind)
     if pwm is not None and (make is None or (make.bus == "pwm") != pwm):

@@ -67,29 +67,13 @@ class Source:
         return float(self.model.opt.timestep)
 
     def commands(self, rate: float) -> ServoCommands:
-        """Commands of the servos at a rate.
-
-        Args:
-            rate: Commands a second, where the walk itself has no rate.
-
-        Raises:
-            UsageError: If the rate is higher than that of the physics.
-        """
+        """Commands of the servos at a rate, where the walk itself has none."""
         ctrl, asked = self.run.commands["ctrl"], self.servo.rate or rate
         return taken(ctrl, self.joints, self.actuators, asked, self.timestep)
 
 
 def from_run(folder: Path, *, allow_external: bool = False) -> Source:
-    """A walk from its run folder.
-
-    Args:
-        folder: Run folder.
-        allow_external: Whether its robot may open files outside its own folder.
-
-    Raises:
-        UsageError: If it is not the folder of a finished run.
-        ModelError: If its robot cannot be used.
-    """
+    """A walk from its run folder, whose robot may open files elsewhere if allowed."""
     run = read_run(folder)
     silence_the_engine()
     inspect_model(folder / "model.xml")  # may refuse it as it refuses any robot's
@@ -108,17 +92,6 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
 def from_scenario(
     scenario: Scenario, robot: Robot, progress: Progress = silent
 ) -> Source:
-    """A walk that is simulated now; nothing is written.
-
-    Args:
-        scenario: What to walk.
-        robot: The scenario's robot.
-        progress: Called with each stage and the finished part of it.
-
-    Raises:
-        PlannerError: If there is no plan.
-        UsageError: If the walk takes more steps or memory than there can be.
-        SimulationError: If the plan is refused, or the physics diverges.
-    """
+    """A walk that is simulated now; nothing is written."""
     done = simulate(scenario, robot=robot, progress=progress)
     return Source(run_of(done.evaluation, done.summary), robot, done.walk.setup.model)

@@ -19,31 +19,19 @@ def write_angles(commands: ServoCommands) -> str:
 
 
 def read_angles(text: str) -> ServoCommands:
-    """Read what `write_angles` wrote.
-
-    Raises:
-        ValueError: The text is no such table.
-    """
+    """Read what `write_angles` wrote; any other text is a ValueError."""
     joints, rate, values = _read(text)
     return ServoCommands(joints, rate, values)
 
 
 def write_ticks(commands: ServoCommands, table: ServoTable) -> str:
-    """A column `time` [s] and a column a joint, in the order of the channels.
-
-    Raises:
-        UsageError: If a joint leaves its servo's range.
-    """
+    """A column `time` [s] and a column a joint, in the order of the channels."""
     rows = (map(str, row) for row in table.counts(commands).tolist())
     return _written(table.joints, commands.time, rows)
 
 
 def read_ticks(text: str, table: ServoTable) -> ServoCommands:
-    """Read what `write_ticks` wrote.
-
-    Raises:
-        ValueError: The text is no such table, or one of other servos.
-    """
+    """Read what `write_ticks` wrote for the same servos, or raise ValueError."""
     joints, rate, counts = _read(text)
     if joints != table.joints:
         raise ValueError(f"columns {joints} for joints {table.joints}")

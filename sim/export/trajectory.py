@@ -29,11 +29,7 @@ def write_trajectory(commands: ServoCommands) -> str:
 
 
 def read_trajectory(text: str) -> ServoCommands:
-    """Read what `write_trajectory` wrote.
-
-    Raises:
-        ValueError: The text is no such trajectory.
-    """
+    """Read what `write_trajectory` wrote; any other text is a ValueError."""
     try:
         read = yaml.load(text, Loader=LOADER)  # noqa: S506
         points = read["points"]

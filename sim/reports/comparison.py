@@ -53,12 +53,7 @@ def compare(runs: Sequence[Run]) -> Comparison:
 
 
 def page(compared: Comparison, progress: Progress = silent) -> str:
-    """The page of a comparison as HTML.
-
-    Args:
-        compared: What it shows.
-        progress: Called with the stage and the finished part of it.
-    """
+    """The page of a comparison as HTML."""
     runs = list(zip(names(compared.runs), compared.runs, strict=True))
     maps = []
     for done, (name, run) in enumerate(runs, start=1):

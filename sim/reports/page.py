@@ -32,29 +32,13 @@ DRAWINGS = 9  # at most, those of a walk among obstacles
 
 
 def write_report(run: Run, progress: Progress = silent) -> Path:
-    """Draw the report of a run into its folder.
-
-    Args:
-        run: A run that came to its end.
-        progress: Called with the stage and the finished part of it.
-
-    Returns:
-        The report's path.
-
-    Raises:
-        FilesError: If the folder cannot be written.
-    """
+    """Draw the report of a run into its folder, and give its path."""
     RunFolder(run.folder).write_text(NAME, page(run, progress))
     return run.folder / NAME
 
 
 def page(run: Run, progress: Progress = silent) -> str:
-    """The page as HTML.
-
-    Args:
-        run: What it is about.
-        progress: Called with the stage and the finished part of it.
-    """
+    """The page as HTML."""
     plan, beside, *over_time = _drawn(run, progress)
     return render(
         "report.html",

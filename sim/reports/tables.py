@@ -138,12 +138,7 @@ def settings(run: Run) -> Table:
 
 
 def flat(table: Mapping[str, Any], head: str = "") -> Iterator[tuple[str, object]]:
-    """Settings by dotted names, as `path.goal`.
-
-    Args:
-        table: As scenario.toml has them.
-        head: What the names begin with.
-    """
+    """Settings of scenario.toml by dotted names, as `path.goal`."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from flat(value, f"{head}{key}.")

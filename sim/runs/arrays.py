@@ -23,12 +23,7 @@ UNREADABLE = (
 
 
 class Arrays(Mapping[str, Array]):
-    """Named arrays, each of them computed or read whenever it is asked for.
-
-    Args:
-        names: Of all arrays, in order.
-        load: Gives the array of a name.
-    """
+    """Named arrays, each of them computed or read whenever it is asked for."""
 
     def __init__(self, names: Iterable[str], load: Callable[[str], Array]) -> None:
         self._names, self._load = tuple(names), load
@@ -61,11 +56,7 @@ def archive(folder: Path, name: str) -> Arrays:
 
 @contextmanager
 def reading(folder: Path) -> Iterator[None]:
-    """Refuse a folder that cannot be read as that of a finished run.
-
-    Raises:
-        UsageError: If the block ends with an error of a file or what is in it.
-    """
+    """Refuse a folder that cannot be read as that of a finished run."""
     remedy = "give the folder of a finished run"
     try:
         if not folder.is_dir():

@@ -24,14 +24,7 @@ def run_of(
     settings: str | None = None,
     folder: Path | None = None,
 ) -> Run:
-    """The run of a walk and its evaluation.
-
-    Args:
-        evaluation: The walk with its predictions.
-        summary: Its numbers, with the time that they took.
-        settings: Contents of scenario.toml; those of the walk itself if not given.
-        folder: Of the run, if it is written.
-    """
+    """The run of a walk and its evaluation; `settings` is the text of scenario.toml."""
     setup = evaluation.walk.setup
     return Run(
         folder=Path() if folder is None else folder.resolve(),

@@ -237,14 +237,7 @@ def _in_world(frame: Array, poses: Array) -> Array:
 
 
 def read_run(folder: Path) -> Run:
-    """Read a run folder.
-
-    Args:
-        folder: Of a run that came to its end, whatever that end was.
-
-    Raises:
-        UsageError: If it is not the folder of a finished run.
-    """
+    """Read the folder of a run that came to its end, or raise UsageError."""
     with reading(folder):
         for name in FILES:
             open_file(folder / name).close()

@@ -85,13 +85,10 @@ class Walker:
             self._recorder.walk_starts = self.steps
 
     def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:
-        """Carry out the flows of consecutive segments and put all feet down.
+        """Carry out the flows of consecutive segments, the first of that number.
 
-        After the last segment of the scenario the robot stands still for a while.
-
-        Args:
-            segments: Flows of each segment.
-            first: Number of the first of them.
+        All feet are put down. After the last segment of the scenario the robot stands still
+        for a while.
         """
         count, last = self.setup.scenario.segments, first + len(segments)
         scheduler = self._scheduler()

@@ -69,14 +69,7 @@ def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) 
 def carry_out(walker: Walker, planned: Plan | None) -> Walk:
     """Carry out a plan open loop; without one, plan each segment from the pose reached.
 
-    Args:
-        walker: A walker at its start; after a failure it holds what was done.
-        planned: Plan of the whole path; None to plan during the walk.
-
-    Raises:
-        PlannerError: If a segment cannot be planned from where the robot has come to.
-        SimulationError: If the physics diverges.
-        UsageError: If the walk takes more steps or memory than there can be.
+    The walker is at its start; after a failure it holds what was done.
     """
     walker.stand()
     if planned is None:
@@ -88,16 +81,7 @@ def carry_out(walker: Walker, planned: Plan | None) -> Walk:
 def replanned(walker: Walker) -> int:
     """Walk segment by segment, with all feet down in between.
 
-    Args:
-        walker: A walker that stands.
-
-    Returns:
-        How many segments were scaled down to the joint range.
-
-    Raises:
-        PlannerError: If a segment cannot be planned from where the robot has come to.
-        SimulationError: If the physics diverges.
-        UsageError: If the walk takes more steps or memory than there can be.
+    Gives how many segments were scaled down to the joint range.
     """
     setup, saturated = walker.setup, 0
     missing = np.zeros(3) if setup.learns else None
@@ -123,12 +107,9 @@ def _missed(setup: Setup, step: Step, swing: tuple[float, ...], walked: Array) -
 
 
 def expected_steps(setup: Setup, planned: Plan | None) -> int:
-    """Physics steps that a walk will take; arguments are those of `walk`.
+    """Physics steps that a walk will take.
 
-    A walk that is replanned is estimated from its first segment.
-
-    Raises:
-        PlannerError: If that segment cannot be planned.
+    One that is replanned is estimated from its first segment.
     """
     segments = 1 if planned is None else setup.scenario.segments
     if planned is None:
@@ -141,16 +122,7 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
 
 
 def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:
-    """The scenario that a plan of a robot carries out.
-
-    Args:
-        robot: Robot that the plan is for.
-        plan: Flows of its equations.
-        **changes: Settings that are not to have their defaults.
-
-    Raises:
-        UsageError: If a setting is unknown or impossible.
-    """
+    """The scenario that a plan of a robot carries out, with some settings changed."""
     printed = plan.elements == equations(robot, "paper").elements
     shipped = robot.is_shipped
     return Scenario(

@@ -13,21 +13,12 @@ if TYPE_CHECKING:
 
 
 def render(name: str, **values: Any) -> str:
-    """Fill in a template.
-
-    Args:
-        name: Of its file in this folder.
-        values: By the names that the template has for them.
-    """
+    """Fill in the template of a file in this folder."""
     return template(name).render(**values)
 
 
 def template(name: str) -> Template:
-    """A template and all that it includes, compiled.
-
-    Args:
-        name: Of its file in this folder.
-    """
+    """A template and all that it includes, compiled."""
     return _environment().get_template(name)
 
 
