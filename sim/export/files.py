@@ -29,7 +29,7 @@ def servos(
     microseconds: bool = False,
     rate: float = 0.0,
 ) -> ServoTable:
-    """The servos that a walk is exported for, those of its card unless others are given.
+    """The servos that a walk is exported for: its card's, unless others are given.
 
     The rate is that of a walk that has none of its own. A joint without a servo is a
     UsageError.

@@ -87,8 +87,8 @@ class Walker:
     def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:
         """Carry out the flows of consecutive segments, the first of that number.
 
-        All feet are put down. After the last segment of the scenario the robot stands still
-        for a while.
+        All feet are put down. After the last segment of the scenario the robot stands
+        still for a while.
         """
         count, last = self.setup.scenario.segments, first + len(segments)
         scheduler = self._scheduler()
