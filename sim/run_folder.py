@@ -174,7 +174,7 @@ def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Pa
     """
     writer, finished = _written(done, folder)
     writer.reported(finished)
-    return finished.folder
+    return writer.folder.path
 
 
 def film(

@@ -119,7 +119,8 @@ def counts(run: Run) -> Table:
     """Counts and lengths of the walk."""
     flows = sum(phase.kind == "swing" for phase in run.phases)
     rows = [("segments", str(run.segments)), ("flows", str(flows))]
-    rows += [(q.title, q.cell(run.summary)) for q in OF_WALKS]
+    given = (q for q in OF_WALKS if q.value(run.summary) is not None)
+    rows += [(q.title, q.cell(run.summary)) for q in given]
     return Table(("", ""), rows)
 
 
