@@ -28,7 +28,7 @@ from sim.world.integrator import suitable_integrator
 
 GIVES = 1 / 800  # [rad]; of a joint under the whole weight at the end of a leg
 SMOOTHED = 0.05  # [s]; over which torques are averaged, as servos cannot follow faster
-SPACING = 0.005  # [s]; between torques that are kept
+SPACING = 0.005  # [s]; between knots
 
 
 @dataclass(frozen=True)

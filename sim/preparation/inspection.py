@@ -31,7 +31,7 @@ from sim.world.model import build, load as load_world
 from sim.world.servos import joints_without_servo
 
 Facts = dict[str, Any]
-TOLD = 1e-3  # [m]; a robot that is moved farther at its start is told
+SHOWN_MOVE = 1e-3  # [m]; less of a move at the start is not shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,15 +73,15 @@ class Inspected:
 
 
 def inspected(scenario: Scenario, robot: Robot) -> Inspected:
-    """Look at a robot; what keeps it from walking is told, not refused.
+    """Look at a robot; what keeps it from walking is listed, not refused.
 
     Raises:
         ModelError: If it does not stand.
         UsageError: If a setting asks for what the robot cannot do.
     """
     lacks, changed = list(overlaps(robot)), changes(robot, scenario)
-    robot, said = _with_servos(robot)
-    lacks += said
+    robot, missing = _with_servos(robot)
+    lacks += missing
     world, kinematics = build(robot, scenario), Kinematics(robot)
     angle = lift_angle(kinematics, scenario.lift_height)
     check_standing(kinematics, load_world(world), angle)
@@ -106,18 +106,18 @@ def inspected(scenario: Scenario, robot: Robot) -> Inspected:
 
 
 def _with_servos(robot: Robot) -> tuple[Robot, list[str]]:
-    """The robot, given servos where its card has none, and what to say of that."""
+    """The robot, given servos where its card has none, and a sentence about that."""
     without = joints_without_servo(robot)
     if not without or robot.card.servo is not None:
         return robot, []
     servo = servo_for(robot)
     settings = ", ".join(f"{key} = {x:.4g}" for key, x in servo.settings.items())
     names = ", ".join(map(repr, without[:3])) + (", ..." if without[3:] else "")
-    said = (
+    missing = (
         f"servos: joints {names} have no position servo, and the card gives none; "
         f"write [servo] with {settings}, with which it stands"
     )
-    return replace(robot, card=replace(robot.card, servo=servo)), [said]
+    return replace(robot, card=replace(robot.card, servo=servo)), [missing]
 
 
 def facts(subject: Inspected) -> Facts:
@@ -202,8 +202,8 @@ def describe(robot: Facts) -> str:
         lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
     lines += _strokes(robot["strokes"])
     for heading in ("changed", "lacks"):
-        told = enumerate(robot[heading])
-        lines += [f"{'' if k else heading:12}{sentence}" for k, sentence in told]
+        for k, sentence in enumerate(robot[heading]):
+            lines.append(f"{'' if k else heading:12}{sentence}")
     return "\n".join(lines)
 
 
@@ -215,7 +215,7 @@ def _strokes(strokes: dict[str, float]) -> list[str]:
 
 def _let_down(height: float) -> list[str]:
     """What was done about a robot that is put above or into the floor."""
-    if abs(height) < TOLD:
+    if abs(height) < SHOWN_MOVE:
         return []
     how = "let down onto" if height > 0 else "lifted out of"
     return [f"{'start':12}{how} the floor by {1e3 * abs(height):.1f} mm"]

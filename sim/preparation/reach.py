@@ -16,7 +16,7 @@ from sim.errors import SimulationError, UsageError
 from sim.scenarios.scenario import Scenario
 
 WAYS = ("x", "y", "theta")
-SAMPLES = 201  # poses of a path, between which its way is counted
+POSES_COUNTED = 201  # of a path, between which its way is added up
 LOOKING = 30.0  # [s] for the reason and the remedy
 
 
@@ -64,7 +64,7 @@ def require_reach(robot: Robot, described: Equations, path: Path) -> None:
 
 def _ways_along(path: Path) -> Array:
     """How far a path leads forward, sideways and around, seen from the body, (3,)."""
-    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, SAMPLES)))[:, :3]
+    poses = np.atleast_2d(path.at(np.linspace(0.0, 1.0, POSES_COUNTED)))[:, :3]
     steps, yaw = np.diff(poses, axis=0), poses[:-1, 2]
     forward = np.cos(yaw) * steps[:, 0] + np.sin(yaw) * steps[:, 1]
     left = np.cos(yaw) * steps[:, 1] - np.sin(yaw) * steps[:, 0]

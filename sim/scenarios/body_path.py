@@ -32,7 +32,7 @@ from sim.scenarios.tables import (
 Pose = tuple[float, float, float]
 START: Pose = (0.0, 0.0, 0.0)
 CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
-LARGEST = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
+FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
 MOST_POSES, MOST_BYTES = 100_000, 10**8  # in such a file
 AXES = "two lengths above 0 [m]"
@@ -153,8 +153,8 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
     start, goal = curve(0.0), curve(1.0)
     if np.abs(start).max() > CLOSE:
         raise _refusal("path at s = 0", start.tolist(), "[0, 0, 0], the start pose")
-    if np.abs(goal).max() > LARGEST:
-        raise _refusal("path at s = 1", goal.tolist(), f"none beyond {LARGEST:g}")
+    if np.abs(goal).max() > FARTHEST_POSE:
+        raise _refusal("path at s = 1", goal.tolist(), f"none beyond {FARTHEST_POSE:g}")
     x, y, yaw = goal.tolist()
     return NominalPath("formulas", dict(given), (x, y, yaw), length, curve)
 
@@ -230,8 +230,8 @@ def _pose(key: str, value: object) -> Pose:
 
 
 def _numbers(key: str, value: object, count: int, wanted: str) -> tuple[float, ...]:
-    if not are_numbers(value, count, LARGEST):
-        raise _refusal(key, value, f"{wanted}, none beyond {LARGEST:g}")
+    if not are_numbers(value, count, FARTHEST_POSE):
+        raise _refusal(key, value, f"{wanted}, none beyond {FARTHEST_POSE:g}")
     return tuple(float(item) for item in value)
 
 

@@ -30,7 +30,7 @@ Point = tuple[float, float]
 THICKNESS = 0.02  # of a wall [m], if it says nothing
 HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
-LEAST = 1e-4  # [m]; smaller sizes are taken for mistakes
+SMALLEST_SIZE = 1e-4  # [m]; smaller sizes are taken for mistakes
 
 
 @dataclass(frozen=True)
@@ -123,7 +123,7 @@ def _between(a: Point, b: Point, thickness: float) -> Box:
 def _box(table: Table, where: str) -> Pieces:
     center = _point(table["center"], f"{where}: center")
     size = _numbers(table["size"], f"{where}: size", "two lengths above 0 [m]")
-    if min(size) < LEAST:
+    if min(size) < SMALLEST_SIZE:
         raise refusal("", table["size"], f"{where}: size", "two lengths above 0 [m]")
     yaw = table.get("yaw", 0.0)
     if not is_number(yaw) or not math.isfinite(yaw):
@@ -135,7 +135,7 @@ def _polygon(table: Table, where: str) -> Pieces:
     """The polygon itself if it is convex, else triangles."""
     points = _points(table["points"], f"{where}: points", 3)
     polygon = shapely.Polygon(points)
-    if not polygon.is_valid or polygon.area < LEAST**2:
+    if not polygon.is_valid or polygon.area < SMALLEST_SIZE**2:
         wanted = "corners of a polygon in order, no sides crossing"
         raise refusal("", table["points"], f"{where}: points", wanted)
     if math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
@@ -182,7 +182,7 @@ def _points(value: object, where: str, least: int) -> tuple[Point, ...]:
         raise refusal("", value, where, f"at least {least} points [x, y] [m]")
     points = tuple(_point(point, where) for point in value)
     for a, b in pairwise(points):
-        if math.dist(a, b) < LEAST:
+        if math.dist(a, b) < SMALLEST_SIZE:
             wanted = "points that differ from one to the next"
             raise refusal("", value, where, wanted)
     return points
@@ -199,7 +199,7 @@ def _numbers(value: object, where: str, wanted: str) -> Point:
 
 
 def _length(value: object, where: str) -> float:
-    if not is_number(value) or not LEAST <= value <= FARTHEST:
-        wanted = f"a length from {LEAST:g} to {FARTHEST:g} m"
+    if not is_number(value) or not SMALLEST_SIZE <= value <= FARTHEST:
+        wanted = f"a length from {SMALLEST_SIZE:g} to {FARTHEST:g} m"
         raise refusal("", value, where, wanted)
     return float(value)

@@ -1,9 +1,9 @@
 """Every setting of a scenario, declared once: type, limits, unit, meaning, effects.
 
-What is said here is all there is to a setting: the keys of scenario files, `--set`, the
-options of commands, scenario.toml, the table in docs/scenarios.md and what the walks of
-a sweep have in common follow from it. To add a setting, add a field to `Settings` and
-read it where it takes effect.
+The keys of scenario files, `--set`, the options of commands, scenario.toml, the table
+in docs/scenarios.md and what the walks of a sweep have in common follow from these
+declarations. To add a setting, add a field to `Settings`, and read it where it takes
+effect.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ BUMPS = "bumps"  # name of the height field
 CELL = 0.01  # [m] between heights, or more where the floor is large
 WIDE = 3.0  # cells; standard deviation of what heights are averaged over
 MARGIN = 0.5  # [m] of floor around the path
-MOST = 400  # heights along a side
+MOST_HEIGHTS = 400  # heights along a side
 DEEP = 0.05  # [m] of floor under the lowest height
 LEVEL = 1e-3  # [rad]; a plane tilted less is horizontal, as single precision writes it
 WALL = np.deg2rad(45)  # a plane tilted more is a wall, and no attempt at a floor
@@ -148,7 +148,7 @@ def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
     """
     way = scenario.path.curve.at(np.linspace(0.0, 1.0, 101))[:, :2]
     low, high = way.min(axis=0) - MARGIN, way.max(axis=0) + MARGIN
-    sides = np.clip(np.ceil((high - low) / CELL), 2, MOST).astype(int)
+    sides = np.clip(np.ceil((high - low) / CELL), 2, MOST_HEIGHTS).astype(int)
     half = (high - low) / 2
     spec.add_hfield(
         name=BUMPS,

@@ -73,7 +73,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
 
 
 def load(world: World) -> mujoco.MjModel:
-    """Compile what `build` made."""
+    """Compile the text of a world."""
     spec = mujoco.MjSpec.from_string(world.text, assets=dict(world.assets))
     return compile_model(spec, MODEL)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, replace
 
 from models import SERVO_KINDS, Card, ServoKind
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
 
-SOFT = 300.0  # [N m/rad]; errors of softer servos are told in docs/fidelity.md
+SOFT_STIFFNESS = 300.0  # [N m/rad]; docs/fidelity.md has the errors of softer servos
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,11 @@ class ServoSettings:
 
     def feeds_forward(self, stiffness: float) -> bool:
         """Whether commands make up for loads, on servos of a stiffness [N m/rad]."""
-        return stiffness < SOFT if self.feed_forward is None else self.feed_forward
+        return (
+            stiffness < SOFT_STIFFNESS
+            if self.feed_forward is None
+            else self.feed_forward
+        )
 
     def table(self, simulated: tuple[float, float] | None) -> dict[str, object]:
         """As summary.json has it."""
@@ -53,42 +57,39 @@ class ServoSettings:
 
 
 def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
-    """The servos that a scenario asks for.
-
-    Args:
-        scenario: Its settings; a number given there wins over that of the make.
-        card: The robot's, which may name the make of its own servos.
+    """The servos that a scenario asks for; its numbers win over those of the make.
 
     Raises:
         UsageError: If there is no such make, or the robot names none of its own.
     """
     own = card.servo.made if card.servo is not None else ""
     name = scenario.servo or ("own" if own else "ideal")
-    made = {} if name == "ideal" else _made(own if name == "own" else name, scenario)
-
-    def number(key: str, asked: float | None = None) -> float | None:
-        return made.get(key) if asked is None else asked
-
-    return ServoSettings(
-        name=own if name == "own" else name,
-        stiffness=number("stiffness", scenario.servo_stiffness),
+    make = own if name == "own" else name
+    asked = ServoSettings(
+        name=make,
+        stiffness=scenario.servo_stiffness,
         damping=scenario.servo_damping,
-        damping_ratio=1.0 if made and scenario.servo_damping is None else None,
-        torque=number("stall_torque"),
-        speed=number("no_load_speed"),
-        rate=number("command_rate", scenario.command_rate) or 0.0,
-        resolution=number("resolution", scenario.resolution) or 0.0,
+        damping_ratio=None,
+        torque=None,
+        speed=None,
+        rate=scenario.command_rate or 0.0,
+        resolution=scenario.resolution or 0.0,
         feed_forward=scenario.feed_forward,
     )
-
-
-def _made(name: str, scenario: Scenario) -> dict[str, float]:
-    """The numbers of a make."""
-    kind = _kind(name, scenario)
+    if name == "ideal":
+        return asked
+    kind, rate, resolution = _kind(make, scenario), asked.rate, asked.resolution
     if scenario.command_rate is not None:
-        kind = kind.at_rate(scenario.command_rate)
-    numbers = {item.name: getattr(kind, item.name) for item in fields(kind)}
-    return numbers | {"stiffness": kind.stiffness}
+        kind = kind.at_rate(rate)
+    return replace(
+        asked,
+        stiffness=kind.stiffness if asked.stiffness is None else asked.stiffness,
+        damping_ratio=1.0 if asked.damping is None else None,
+        torque=kind.stall_torque,
+        speed=kind.no_load_speed,
+        rate=kind.command_rate if scenario.command_rate is None else rate,
+        resolution=kind.resolution if scenario.resolution is None else resolution,
+    )
 
 
 def _kind(name: str, scenario: Scenario) -> ServoKind:

@@ -132,7 +132,7 @@ def _tune(servo: mujoco.MjsActuator, asked: ServoSettings) -> None:
     if asked.damping is not None:
         servo.biasprm[2] = -asked.damping
     if asked.damping_ratio is not None:
-        servo.biasprm[2] = asked.damping_ratio  # told apart from a damping by its sign
+        servo.biasprm[2] = asked.damping_ratio  # its sign sets it apart from a damping
     if asked.torque is not None:
         servo.forcelimited = True
         servo.forcerange = (-asked.torque, asked.torque)
