@@ -63,30 +63,13 @@ def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Comman
     return Commanded(phase, swing, contact, margin)
 
 
-def predict(
-    schedule: Schedule,
-    rows: Array,
-    twists: TwistModel,
-    kinematics: Kinematics,
-    start_pose: Sequence[float] = (0.0, 0.0, 0.0),
-) -> Prediction:
-    """Predict the motion along the commanded angles.
-
-    Args:
-        schedule: Commands to follow.
-        rows: Steps to report on, by the command applied during them, shape (T,); row 0
-            is the schedule's own first step.
-        twists: How the body moves when loaded legs swing.
-        kinematics: Of the robot.
-        start_pose: Pose before the schedule's first step.
-    """
-    return Predictor(schedule, twists, kinematics, start_pose)(rows)
-
-
 class Predictor:
     """Predicts the motion of one schedule at any steps.
 
-    Its arguments are those of `predict`.
+    Attributes:
+        schedule: Commands that the robot follows.
+        kinematics: Of the robot.
+        start_pose: Pose before the schedule's first step, shape (3,).
     """
 
     def __init__(
@@ -96,11 +79,8 @@ class Predictor:
         kinematics: Kinematics,
         start_pose: Sequence[float] = (0.0, 0.0, 0.0),
     ) -> None:
-        self.schedule, self.kinematics, self.start_pose = (
-            schedule,
-            kinematics,
-            np.asarray(start_pose, dtype=float),
-        )
+        self.schedule, self.kinematics = schedule, kinematics
+        self.start_pose = np.asarray(start_pose, dtype=float)
         strata = [phase.stratum for phase in schedule.phases]
         moves = list(zip(strata, schedule.trajectories[0][1], strict=True))
         start = schedule.begin.swing
@@ -112,7 +92,7 @@ class Predictor:
         return self.schedule.angles(rows)
 
     def __call__(self, rows: Array) -> Prediction:
-        """Predict the motion at steps of the schedule, shape (T,)."""
+        """Predict the motion at steps, shape (T,); step 0 is the schedule's first."""
         return self.along(commanded(self.schedule, rows, self.kinematics))
 
     def along(self, given: Commanded) -> Prediction:

@@ -22,8 +22,8 @@ from planner import Array, Path
 from planner.support import read_file
 from sim.errors import UsageError
 from sim.scenarios.tables import (
-    are_numbers,
     is_list,
+    numbers,
     refusal,
     require_keys,
     require_kind,
@@ -202,14 +202,21 @@ def encode(path: NominalPath) -> dict[str, object]:
 
 
 def _read_poses(file: object) -> list[tuple[float, ...]]:
+    """Poses from a CSV file with a column for each of `COLUMNS`, in any order."""
     if not isinstance(file, str):
         raise _refusal("path.file", file, "the name of a CSV file")
     try:
-        return read_poses(FilePath(file))
+        content = read_file(FilePath(file), MOST_BYTES)
+        return _poses_in(content.decode("utf-8-sig"))  # spreadsheets mark it
     except OSError as error:
-        raise UsageError(
-            f"cannot be read, {error.strerror}", file, "give a CSV file that exists"
-        ) from error
+        what = f"cannot be read, {error.strerror}"
+        raise UsageError(what, file, "give a CSV file that exists") from error
+    except csv.Error as error:
+        remedy = "give a line of three numbers a pose"
+        raise UsageError(f"no table, {error}", file, remedy) from error
+    except UnicodeDecodeError as error:
+        what = "is no text in UTF-8"
+        raise UsageError(what, file, "save the table as such") from error
     except ValueError as error:
         raise UsageError.at(file, error) from error
 
@@ -230,37 +237,19 @@ def _pose(key: str, value: object) -> Pose:
 
 
 def _numbers(key: str, value: object, count: int, wanted: str) -> tuple[float, ...]:
-    if not are_numbers(value, count, FARTHEST_POSE):
-        raise _refusal(key, value, f"{wanted}, none beyond {FARTHEST_POSE:g}")
-    return tuple(float(item) for item in value)
+    return numbers(value, count, FARTHEST_POSE, key, "the nominal path", wanted)
 
 
 def _refusal(key: str, value: object, wanted: str) -> UsageError:
     return refusal(key, value, "the nominal path", wanted)
 
 
-def read_poses(path: FilePath) -> list[tuple[float, ...]]:
-    """Poses from a CSV file with a column for each of `COLUMNS`, in any order.
-
-    Args:
-        path: The file, in UTF-8; its first line names the columns.
+def _poses_in(text: str) -> list[tuple[float, ...]]:
+    """Poses from the text of a table whose first line names the columns.
 
     Raises:
         ValueError: A column is missing or named twice, or a value is no number.
-        OSError: It cannot be read.
     """
-    try:
-        return _read(path)
-    except csv.Error as error:
-        raise ValueError(
-            f"no table, {error}; give a line of three numbers a pose"
-        ) from None
-    except UnicodeDecodeError:
-        raise ValueError("is no text in UTF-8; save the table as such") from None
-
-
-def _read(path: FilePath) -> list[tuple[float, ...]]:
-    text = read_file(path, MOST_BYTES).decode("utf-8-sig")  # spreadsheets mark it
     rows = csv.DictReader(io.StringIO(text, newline=""))
     names = [name.strip() for name in rows.fieldnames or ()]
     if missing := [name for name in COLUMNS if name not in names]:

@@ -18,8 +18,8 @@ from planner import Array
 from sim.scenarios.declaration import is_number
 from sim.scenarios.tables import (
     Table,
-    are_numbers,
     is_list,
+    numbers,
     refusal,
     require_keys,
     require_kind,
@@ -193,9 +193,8 @@ def _point(value: object, where: str) -> Point:
 
 
 def _numbers(value: object, where: str, wanted: str) -> Point:
-    if not are_numbers(value, 2, FARTHEST):
-        raise refusal("", value, where, f"{wanted}, none beyond {FARTHEST:g}")
-    return float(value[0]), float(value[1])
+    x, y = numbers(value, 2, FARTHEST, "", where, wanted)
+    return x, y
 
 
 def _length(value: object, where: str) -> float:

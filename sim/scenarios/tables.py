@@ -37,15 +37,19 @@ def is_list(value: object) -> TypeGuard[Sequence[Any]]:
     return isinstance(value, Sequence) and not isinstance(value, str)
 
 
-def are_numbers(
-    value: object, count: int, largest: float
-) -> TypeGuard[Sequence[float]]:
-    """Whether a value is a list of so many numbers, none beyond the largest."""
-    return (
-        is_list(value)
-        and len(value) == count
-        and all(is_number(item) and abs(item) <= largest for item in value)
-    )
+def numbers(
+    value: object, count: int, farthest: float, what: str, where: str, wanted: str
+) -> tuple[float, ...]:
+    """A list of so many numbers, none beyond the farthest.
+
+    Raises:
+        UsageError: If the value is none, as `refusal` says it.
+    """
+    if not is_list(value) or len(value) != count:
+        raise refusal(what, value, where, f"{wanted}, none beyond {farthest:g}")
+    if not all(is_number(item) and abs(item) <= farthest for item in value):
+        raise refusal(what, value, where, f"{wanted}, none beyond {farthest:g}")
+    return tuple(map(float, value))
 
 
 def require_kind(table: object, where: str, kinds: Collection[str]) -> Table:

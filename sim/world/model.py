@@ -56,8 +56,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     spec = robot.read()
     _set_options(spec, scenario.timestep)
     floor = ensure_floor(spec, robot)
-    _set_friction(spec, robot, floor.name, scenario.friction)
-    _set_margin(spec, robot, floor.name)
+    _set_contact(spec, robot, floor.name, scenario.friction)
     ensure_servos(spec, robot, servo_settings(scenario, robot.card))
     add_imperfections(spec, robot, floor.name, scenario)
     ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
@@ -86,17 +85,15 @@ def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
     spec.option.timestep = timestep
 
 
-def _set_friction(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
-    """Sliding friction of floor and feet; the engine takes the floor's."""
+def _set_contact(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
+    """Sliding friction of floor and feet, of which the engine takes the floor's.
+
+    They have no margin: the stiff contact would throw a foot that is yet above the
+    floor.
+    """
     for name in (floor, *robot.card.feet):
         geom = spec.geom(name)
         geom.friction = (value, *geom.friction[1:])
-
-
-def _set_margin(spec: mujoco.MjSpec, robot: Robot, floor: str) -> None:
-    """No margin: the floor's stiff contact would throw a foot that is yet above it."""
-    for name in (floor, *robot.card.feet):
-        geom = spec.geom(name)
         geom.margin = geom.gap = 0.0
 
 

@@ -12,7 +12,7 @@ from models.motion.twists import IdealTwists, QuasiStaticTwists
 from planner.systems.flows import Flow
 from sim.experiments.predictions import twist_model
 from sim.motion import prediction
-from sim.motion.prediction import predict
+from sim.motion.prediction import Predictor
 from sim.motion.schedule import LegState, MotionLimits, Scheduler
 from sim.motion.stability import stability_margin
 from sim.preparation.setup import prepare
@@ -81,7 +81,7 @@ def after(pose, displacement):
 
 def test_constant_twists_compose_as_rigid_motions(schedule, ideal, kinematics):
     ends = np.array([phase.stop - 1 for phase in schedule.phases])
-    found = predict(schedule, ends, ideal, kinematics).pose
+    found = Predictor(schedule, ideal, kinematics)(ends).pose
     pose, expected = np.zeros(3), []
     for phase in schedule.phases:
         if is_loaded(phase):
@@ -94,7 +94,7 @@ def test_constant_twists_compose_as_rigid_motions(schedule, ideal, kinematics):
 def test_the_body_stands_while_feet_lift_and_land_and_swing_in_the_air(
     schedule, quasi_static, kinematics
 ):
-    poses = predict(schedule, np.arange(schedule.stop), quasi_static, kinematics).pose
+    poses = Predictor(schedule, quasi_static, kinematics)(np.arange(schedule.stop)).pose
     for phase in schedule.phases:
         moved = np.ptp(poses[phase.start : phase.stop], axis=0).max()
         assert (moved > 1e-3) == is_loaded(phase)
@@ -108,7 +108,7 @@ def test_pose_and_slip_agree_with_a_general_integrator(
     twists = request.getfixturevalue(model)
     robot = kinematics.robot
     end = schedule.phases[-1].stop - 1
-    found = predict(schedule, np.array([end]), twists, kinematics)
+    found = Predictor(schedule, twists, kinematics)(np.array([end]))
     state, swing = np.zeros(9), np.array(schedule.begin.swing)
     for phase in schedule.phases:
         if phase.kind != "swing":
@@ -144,7 +144,7 @@ def test_a_swing_of_loaded_and_raised_groups_at_once_moves_the_body(ideal, kinem
         scheduler = Scheduler(LIMITS, LegState((0.0, 0.0), "1"))
         scheduler.flow(Flow("1", "g1_1", 0.2), direction)
         schedule = scheduler.finish()
-        return predict(schedule, np.array([schedule.stop - 1]), ideal, kinematics)
+        return Predictor(schedule, ideal, kinematics)(np.array([schedule.stop - 1]))
 
     alone, together = end((1.0, 0.0)), end((1.0, -1.0))
     # the clock of the motion runs on both groups' angles, and rounds apart
@@ -155,8 +155,8 @@ def test_a_swing_of_loaded_and_raised_groups_at_once_moves_the_body(ideal, kinem
 
 def test_a_start_pose_moves_the_whole_prediction(schedule, ideal, kinematics):
     rows, start = np.arange(0, schedule.stop, 50), np.array([0.3, -0.2, 1.1])
-    there = predict(schedule, rows, ideal, kinematics, start).pose
-    here = predict(schedule, rows, ideal, kinematics).pose
+    there = Predictor(schedule, ideal, kinematics, start)(rows).pose
+    here = Predictor(schedule, ideal, kinematics)(rows).pose
     expected = np.array([after(start, pose) for pose in here])
     assert there == pytest.approx(expected, abs=1e-14)
 
@@ -164,7 +164,7 @@ def test_a_start_pose_moves_the_whole_prediction(schedule, ideal, kinematics):
 def test_slip_never_decreases_and_feet_in_the_air_have_none(
     schedule, quasi_static, kinematics
 ):
-    found = predict(schedule, np.arange(schedule.stop), quasi_static, kinematics)
+    found = Predictor(schedule, quasi_static, kinematics)(np.arange(schedule.stop))
     grown = np.diff(found.slip, axis=0)
     assert (grown >= -1e-12).all()
     assert np.abs(grown[~found.contact[1:]]).max() < 1e-12
@@ -172,7 +172,7 @@ def test_slip_never_decreases_and_feet_in_the_air_have_none(
 
 def test_margin_is_that_of_the_planned_feet(schedule, ideal, kinematics, hexapod):
     rows = np.arange(0, schedule.stop, 97)
-    found = predict(schedule, rows, ideal, kinematics)
+    found = Predictor(schedule, ideal, kinematics)(rows)
     swing, lift = (angles[rows] for angles in schedule.angles())
     stance = kinematics.stance(swing, lift)
     expected = stability_margin(stance.feet, found.contact, stance.center_of_mass)
@@ -192,7 +192,7 @@ def test_the_ideal_slip_of_one_small_swing_grows_with_its_square(
         scheduler.flow(Flow("1", "g1_1", amount), UNIT[0])
         swing = scheduler.finish()
         slips.append(
-            predict(swing, np.array([swing.stop - 1]), ideal, kinematics).slip.sum()
+            Predictor(swing, ideal, kinematics)(np.array([swing.stop - 1])).slip.sum()
         )
     # next order: a quarter of the angle's square
     assert slips[1] / slips[0] == pytest.approx(4.0, rel=0.02)

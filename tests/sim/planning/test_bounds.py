@@ -11,7 +11,7 @@ from planner.errors import BoundError
 from planner.planning import subdivision as subdivide
 from sim.errors import ExitCode, exit_code
 from sim.experiments.predictions import twist_model
-from sim.motion.prediction import predict
+from sim.motion.prediction import Predictor
 from sim.obstacles.clearance import surroundings
 from sim.planning.bounds import _reach, within_bounds
 from sim.planning.forecast import foresee
@@ -36,7 +36,7 @@ def margins(setup):
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
         ends = [phase.stop - 1 - schedule.start for phase in schedule.phases]
         rows = np.unique(np.concatenate([rows, ends]))
-        yield from predict(schedule, rows, twists, setup.kinematics).margin
+        yield from Predictor(schedule, twists, setup.kinematics)(rows).margin
 
 
 def engine_clearances(setup):
