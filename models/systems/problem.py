@@ -68,6 +68,12 @@ class Problem:
         ValueError: A coordinate or the stance is unknown, a value is not finite, a
             limit bounds no shape coordinate, or there is nothing to do.
         StratumError: The gait is not a closed walk from the bottom stratum.
+
+    Example:
+        >>> from models import Problem, shipped_system
+        >>> unicycle = shipped_system("unicycle")
+        >>> isinstance(unicycle, Problem), unicycle.segments > 0
+        (True, True)
     """
 
     name: str

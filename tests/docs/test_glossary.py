@@ -7,7 +7,7 @@ from tests.pages import README, ROOT
 
 PAGE = ROOT / "docs" / "glossary.md"
 TERMS = dict(
-    re.findall(r"^## (.+)\n\n(.+?)\n*(?=^## |\Z)", PAGE.read_text(), re.M | re.S)
+    re.findall(r"^## ([^\n]+)\n\n(.+?)\n*(?=^## |\Z)", PAGE.read_text(), re.M | re.S)
 )
 READERS = ("commands", "index", "method", "numbers", "robots", "servos", "systems")
 
@@ -29,3 +29,11 @@ def test_readme_pages_and_help_lead_to_the_glossary():
     pages = {name: (PAGE.parent / f"{name}.md").read_text() for name in READERS}
     assert [name for name, text in pages.items() if "glossary" not in text] == []
     assert "docs/glossary.md" in parser().format_help()
+
+
+def test_reports_explain_their_words_as_the_glossary_does():
+    texts = {re.sub(r"[`*]", "", " ".join(text.split())) for text in TERMS.values()}
+    parts = (ROOT / "sim" / "reports" / "templates" / "parts.html").read_text()
+    shown = re.findall(r'^  "[a-z -]+": "(.+)",$', parts, re.MULTILINE)
+    assert len(shown) > 5
+    assert set(shown) <= texts
