@@ -107,7 +107,7 @@ def _lamp(draw: Draw, walk: Run, row: int, foot: int, y: int) -> None:
     place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
     draw.ellipse(place, fill=colour if touches else None, outline=colour, width=2)
     number = str(sorted(walk.card.legs)[foot])
-    text(draw, (x, y), number, 14, "mm", colour.ink if touches else colour)
+    text(draw, (x, y), number, 14, "mm", colour.ink if touches else palette.TEXT)
 
 
 def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:

@@ -102,10 +102,10 @@ def inset(walk: Run, view: Camera, top: int, bottom: int, clear: int) -> Panel:
 
 def magnification(largest: float, room: float) -> float:
     """The greatest round factor with which a length [m] fits into a room [m]."""
-    return _round(room / max(largest, NOTHING))
+    return _greatest_round(room / max(largest, NOTHING))
 
 
-def _round(most: float) -> float:
+def _greatest_round(most: float) -> float:
     """The greatest of 1, 2, 5 times a power of ten that is not above a number."""
     power = 10.0 ** np.floor(np.log10(most))
     return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())
@@ -121,7 +121,7 @@ def _turned(walk: Run, view: Camera, poses: Array) -> Array:
 
 def _draw_scale(draw: Draw, scale: float) -> None:
     """A cross where there is no error, and a ring at a round distance from it."""
-    (x, y), ring = MIDDLE, _round(BOX / 2 * FILL / scale)
+    (x, y), ring = MIDDLE, _greatest_round(BOX / 2 * FILL / scale)
     radius = ring * scale
     draw.rectangle((PAD, TOP, PAD + BOX, TOP + BOX), None, palette.GRID, 1)
     draw.ellipse(

@@ -161,11 +161,3 @@ def along(points: Array) -> Array:
     extent = float(np.ptp(points, axis=0).max()) or 1.0
     rows = spaced_rows(points, SPACING * extent)
     return np.unique(np.append(rows, len(points) - 1))
-
-
-def round_factor(largest: float) -> float:
-    """The greatest of 1, 2, 5, 10, 20, ... that is not above a number, at least 1."""
-    if not largest >= 1:
-        return 1.0
-    power = 10.0 ** np.floor(np.log10(largest))
-    return float(max(digit * power for digit in (1, 2, 5) if digit * power <= largest))

@@ -8,7 +8,8 @@ import numpy as np
 
 from planner import Array
 from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, Style
-from sim.reports.drawing import Drawing, Key, along, finish, round_factor, sheet
+from sim.pictures.inset import magnification
+from sim.reports.drawing import Drawing, Key, along, finish, sheet
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
@@ -52,7 +53,7 @@ def magnified(run: Run) -> Drawing:
     shown = {name: e for name, e in errors.items() if name != "identified"}
     largest = max(float(np.hypot(*e.T).max()) for e in shown.values())
     extent = float(np.ptp(run.nominal[:, :2], axis=0).max()) or 0.1
-    factor = round_factor(SHARE * extent / largest) if largest else 1.0
+    factor = max(1.0, magnification(largest, SHARE * extent)) if largest else 1.0
     drawn = {name: MM * (places + factor * e) for name, e in shown.items()}
     points = np.concatenate([MM * run.nominal[:, :2], *drawn.values()])
     keys = [Key.of(NOMINAL, "nominal path")]

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 MM, MRAD = 1e3, 1e3
 LIMIT = palette.LIMIT.hex
-STRATA = ("#c9ced6", "#9aa3af", "#757f8d", "#565f6c")  # on which several groups stand
+STRATA = [palette.TEXT.tint(share).hex for share in (0.2, 0.35, 0.5, 0.65)]
+"""Of strata on which several groups stand."""
 PANEL_HEIGHT = 1.55  # [in]
 ROW = 0.17  # [in] of a foot
 

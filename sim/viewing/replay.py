@@ -39,8 +39,8 @@ ROUND_SIDES = 20  # of what is round
 TORSO = 0.35  # opacity, so that the paths below are seen
 BOX = (
     "position: fixed; top: 12px; right: 12px; max-width: 45vw; padding: 8px 12px; "
-    "border-radius: 6px; background: rgba(255, 255, 255, 0.85); color: #212936; "
-    "font: 13px/1.6 system-ui, sans-serif"
+    "border-radius: 6px; background: rgba(255, 255, 255, 0.85); "
+    f"color: {palette.TEXT.hex}; font: 13px/1.6 system-ui, sans-serif"
 )
 SWATCH = (
     "display: inline-block; width: 14px; height: 6px; margin-right: 6px; "

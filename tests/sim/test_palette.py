@@ -1,6 +1,8 @@
 """Colours: no two meanings share one, for readers with and without all three cones."""
 
+import re
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ import pytest
 from models.morphology.mjcf import COLOURS
 from sim import palette
 
+ROOT = Path(__file__).parents[2]
 TINTS = 4  # groups of the shipped robots, at most
 MEANINGS = {
     "paper": palette.PAPER,
@@ -81,6 +84,17 @@ def test_meanings_of_one_picture_are_told_apart(picture, sight):
 def test_no_two_meanings_share_a_colour():
     every = [*MEANINGS.values(), *OUTCOMES.values()]
     assert len(set(every)) == len(every)
+
+
+def test_pictures_take_their_colours_from_the_palette():
+    """No module of pictures, figures, pages and viewers has a colour of its own."""
+    rooms = ("pictures", "viewing", "figures", "reports", "studies")
+    files = [p for room in rooms for p in (ROOT / "sim" / room).rglob("*.py")]
+    own = re.compile(
+        r"""["']#[0-9A-Fa-f]{6}|tab:|Colour\(\d|["'](?:red|green|blue)["']"""
+    )
+    assert len(files) > 40
+    assert [str(p) for p in files if own.search(p.read_text())] == []
 
 
 def test_colours_too_close_are_found():
