@@ -65,11 +65,7 @@ def encoding(path: Path) -> Iterator[Callable[[Array], object]]:
 
 
 def join(pieces: Sequence[Path], film: Path) -> None:
-    """Join pieces without encoding them again.
-
-    Args:
-        pieces: Films in one folder, which also takes a list of them.
-        film: To be written.
+    """Join pieces, films in one folder, without encoding them again.
 
     Raises:
         RenderError: If a piece is missing or broken.
@@ -84,10 +80,6 @@ def join(pieces: Sequence[Path], film: Path) -> None:
 def animate(film: Path, picture: Path) -> None:
     """Turn a film into a small animated picture, for pages that show no films.
 
-    Args:
-        film: Finished film.
-        picture: To be written, in WebP.
-
     Raises:
         RenderError: If it cannot be encoded.
         OSError: If the disk is full.
@@ -98,19 +90,8 @@ def animate(film: Path, picture: Path) -> None:
 def count_pictures(film: Path) -> int:
     """Number of pictures in a film; 0 if it cannot be read."""
     try:
-        report = _ffmpeg(
-            "-progress",
-            "-",
-            "-i",
-            f"file:{film}",
-            "-map",
-            "0:v:0",
-            "-c",
-            "copy",
-            "-f",
-            "null",
-            "-",
-        )
+        source = ("-i", f"file:{film}", "-map", "0:v:0", "-c", "copy")
+        report = _ffmpeg("-progress", "-", *source, "-f", "null", "-")
     except RenderError:
         return 0
     counts = [line for line in report.splitlines() if line.startswith("frame=")]
