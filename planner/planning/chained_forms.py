@@ -14,7 +14,7 @@ slope of the next against z1.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
 
@@ -131,18 +131,8 @@ class ChainedForm:
                 f"{point(ends(1.0))}: its singularities separate the goal from the "
                 "start; plan with elements"
             )
-        return Plan(
-            system=self.system,
-            elements=planned.elements,
-            basis=planned.basis,
-            flows=planned.flows,
-            segment_ends=planned.segment_ends,
-            inputs=planned.inputs,
-            hall_coordinates=planned.hall_coordinates,
-            nominal=np.array([*nominal, ends(1.0)]),
-            depart=planned.depart,
-            arrive=planned.arrive,
-        )
+        at = np.array([*nominal, ends(1.0)])
+        return replace(planned, system=self.system, nominal=at)
 
 
 def chained_form(

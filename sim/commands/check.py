@@ -133,19 +133,16 @@ def _gait(system: StratifiedSystem, words: Sequence[str]) -> tuple[str, ...]:
 
 def _subject(options: argparse.Namespace) -> _Subject:
     """The system that is named."""
+    from models import StaticStability, equations, shipped_robots
     from sim.commands.systems import find, is_system
 
     source, settings = options.system, options.set
-    if not source.endswith(".xml") and is_system(source, _robots(), "robot"):
+    if not source.endswith(".xml") and is_system(source, shipped_robots(), "robot"):
         problem = find(source, settings)
-        elements = problem.elements or ()
-        return _Subject(
-            problem.system, problem.gait, problem.states[0], elements, {}, {}
-        )
+        start = problem.states[0]
+        return _Subject(problem.system, problem.gait, start, problem.elements, {}, {})
     if settings:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
-    from models import StaticStability, equations
-
     robot = robot_of(options, source)
     described = equations(robot)
     return _Subject(
@@ -156,12 +153,6 @@ def _subject(options: argparse.Namespace) -> _Subject:
         strokes=described.strokes,
         static_stability=StaticStability(robot).at_rest_and_best(),
     )
-
-
-def _robots() -> Sequence[str]:
-    from models import shipped_robots
-
-    return shipped_robots()
 
 
 def describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
