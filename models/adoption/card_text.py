@@ -25,7 +25,7 @@ class GaitDraft:
     # how far each leg is turned from how it stands, anticlockwise (L,) [rad]
     turns: Array
     lines: tuple[str, ...]  # groups, gait and patterns as the card has them
-    said: tuple[str, ...]  # what was guessed, a sentence each
+    guesses: tuple[str, ...]  # a sentence each
     # points that the groups turn the body about, shape (2,) [m]; none in a crawl
     pivots: tuple[Array, ...] = ()
     # further numbers of the card, by key
@@ -45,7 +45,9 @@ def alternating(limbs: Sequence[Limb], pair: Sequence[Stand]) -> GaitDraft:
     return GaitDraft(
         turns=turns,
         lines=(*lines, "", "[gait]", _strata(["12", "1", "12", "2", "12"])),
-        said=tuple(_pivot_said(name, s) for name, s in zip("12", pair, strict=True)),
+        guesses=tuple(
+            _pivot_guess(name, s) for name, s in zip("12", pair, strict=True)
+        ),
         pivots=tuple(stand.pivot for stand in pair),
     )
 
@@ -61,7 +63,7 @@ def _group(name: str, stand: Stand, limbs: Sequence[Limb]) -> Iterator[str]:
     yield f"legs = {{ {gains} }}"
 
 
-def _pivot_said(name: str, stand: Stand) -> str:
+def _pivot_guess(name: str, stand: Stand) -> str:
     legs = " ".join(str(i + 1) for i in stand.legs)
     x, y = stand.pivot
     most = np.rad2deg(np.abs(stand.turns).max())
@@ -87,13 +89,15 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         lines += ["", f"[pattern.{pattern}]", _strata([names])]
         lines.append(f"groups = {{ {', '.join(swings)} }}")
     most = np.rad2deg(np.abs(crawl.turns).max())
-    said = (
+    guesses = (
         "no two groups of its legs can stand alone in turn: it rows on all of them, "
         "ahead and around, and sets them back one at a time",
         f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
         f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
     )
-    return GaitDraft(crawl.turns, tuple(lines), said, settings={"lift_time": LIFT_TIME})
+    return GaitDraft(
+        crawl.turns, tuple(lines), guesses, settings={"lift_time": LIFT_TIME}
+    )
 
 
 def _strata(names: Iterable[str]) -> str:
@@ -136,8 +140,8 @@ def card_text(
         ]
     lines += gait.lines
     if servo is not None:
-        said = (f"{key} = {value:.4g}" for key, value in servo.settings.items())
-        lines += ["", "[servo]", *said]
+        numbers = (f"{key} = {value:.4g}" for key, value in servo.settings.items())
+        lines += ["", "[servo]", *numbers]
     return "\n".join([*lines, ""])
 
 

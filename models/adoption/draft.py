@@ -18,7 +18,6 @@ from models.adoption.pivots import posed, two_groups
 from models.adoption.source import Source
 from models.adoption.standing import (
     drafted_servo,
-    has_servo,
     joint_span,
     servo_stiffness,
     standing_angles,
@@ -94,10 +93,10 @@ def draft_card(source: Source) -> Draft:
     pose.turned(angles)
     suited = _suited(pose, limbs)
     every = [joint for limb in limbs for joint in limb.joints]
-    own = [joint for joint in every if has_servo(model, joint)]
+    own = [joint for joint in every if servo_stiffness(model, joint)]
     servo = suited if len(own) < len(every) else None
     text = card_text(pose, limbs, gait, angles, servo)
-    guesses += [*_said(limbs, gait, servo), *_soft(model, own, suited)]
+    guesses += [*_guesses(limbs, gait, servo), *_soft(model, own, suited)]
     return Draft(text, tuple(guesses), limbs, gait)
 
 
@@ -153,14 +152,16 @@ def _suited(pose: Pose, limbs: Sequence[Limb]) -> Servo:
     return drafted_servo(pose, joints, arm, len(limbs))
 
 
-def _said(limbs: Sequence[Limb], gait: GaitDraft, servo: Servo | None) -> Iterator[str]:
+def _guesses(
+    limbs: Sequence[Limb], gait: GaitDraft, servo: Servo | None
+) -> Iterator[str]:
     """What was guessed, in sentences."""
     held = sum(len(limb.hold) for limb in limbs)
     yield (
         f"{len(limbs)} legs: joints nearest to the vertical swing, those that raise "
         f"the foot most lift, {held} further joints are held"
     )
-    yield from gait.said
+    yield from gait.guesses
     if servo is not None:
         yield f"servos: joints without one hold with {servo}"
 

@@ -166,11 +166,6 @@ def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> S
     return Servo(stiffness, critical, armature=armature)
 
 
-def has_servo(model: mujoco.MjModel, joint: str) -> bool:
-    """Whether a position servo drives a joint."""
-    return servo_stiffness(model, joint) > 0
-
-
 def servo_stiffness(model: mujoco.MjModel, joint: str) -> float:
     """Stiffness of the position servo that drives a joint, 0 if none does [N m/rad]."""
     for actuator in actuators_of(model, joint):

@@ -114,7 +114,7 @@ def _pattern(table: Table) -> PatternCard:
 
 
 def _servo(servo: Table) -> Servo | None:
-    """What is said of all joints' servos; None where only single ones are described."""
+    """The servo of all joints; None where only single ones are described."""
     common = {k: v for k, v in servo.values.items() if not isinstance(v, dict)}
     if servo.values and not common:
         return None

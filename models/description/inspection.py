@@ -165,12 +165,12 @@ def _tried(path: Path) -> list[str]:
             f"MuJoCo's compiler crashes on it: {path}; leave parts out until it "
             "compiles"
         )
-    said = json.loads(lines[-1])
-    if "large" in said:
+    report = json.loads(lines[-1])
+    if "large" in report:
         raise _too_large(path)
-    if "wrong" in said:
-        raise ModelError(said["wrong"])
-    return list(said["files"])
+    if "wrong" in report:
+        raise ModelError(report["wrong"])
+    return list(report["files"])
 
 
 def _environment() -> dict[str, str]:

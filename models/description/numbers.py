@@ -43,13 +43,13 @@ def check_text(path: Path) -> None:
 def _bad_attributes(text: str) -> Iterator[tuple[int, str, str, str]]:
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     for tag in TAG.finditer(text):
-        said = [
+        attributes = [
             (name, html.unescape(value[1:-1]))
             for name, value in ATTRIBUTE.findall(tag[2])
         ]
-        own = dict(said).get("name")
+        own = dict(attributes).get("name")
         element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
-        for name, value in said:
+        for name, value in attributes:
             if name not in TEXTS and _is_bad(value):
                 yield text.count("\n", 0, tag.start()) + 1, element, name, value
 

@@ -123,7 +123,7 @@ class Table:
         }
 
     def make(self, kind: Callable[..., T], **given: object) -> T:
-        """An object of the given values, whose refusal is told with the place."""
+        """An object of the given values; a refusal names the place."""
         try:
             return kind(**given)
         except ValueError as error:

@@ -26,7 +26,7 @@ from planner import Array, StratifiedSystem
 
 STROKE_NODES = 13  # along it the twist is smooth but for where feet let go
 ACROSS = 5  # along the angle of the other group, which matters through its weight alone
-DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out if not said
+DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out
 WHOLE = 2  # groups up to which every combination of angles is covered
 
 

@@ -105,7 +105,7 @@ def _decode(
     table.get("goal")
     return Problem(
         name=name,
-        description=table.text("description") if "description" in table else "",
+        description=_word(table, "description", ""),
         system=system,
         gait=_names(table, "gait") or _gait(system),
         elements=_names(table, "elements"),
@@ -113,22 +113,17 @@ def _decode(
         goal=table.gains("goal"),
         segments=table.whole("segments") if "segments" in table else 1,
         limits={key: _span(table, key) for key in table.table("limits").values},
-        stance=_stance(table),
+        stance=cast(StanceRule, _word(table, "stance", "paper")),
         degree=table.whole("degree") if "degree" in table else None,
-        words=_words(table),
+        words=cast(Words, _word(table, "words", "printed")),
         in_gait="gait" in table,
         flat=_flat(table, formula) if "flat" in table else None,
     )
 
 
-def _stance(table: Table) -> StanceRule:
-    """The stance that the file asks for; `Problem` refuses one that does not exist."""
-    return cast(StanceRule, table.text("stance")) if "stance" in table else "paper"
-
-
-def _words(table: Table) -> Words:
-    """The words that the file asks for; `Problem` refuses those that do not exist."""
-    return cast(Words, table.text("words")) if "words" in table else "printed"
+def _word(table: Table, key: str, otherwise: str) -> str:
+    """A text of the file; `Problem` refuses stances and words that do not exist."""
+    return table.text(key) if key in table else otherwise
 
 
 def _flat(table: Table, formula: Reader) -> FlatOutputs:

@@ -91,11 +91,11 @@ def _fill_cells(
         corner = x - CELL / 2, y - CELL / 2
         colour = OUTCOMES[found]
         axes.add_patch(Rectangle(corner, CELL, CELL, color=colour.hex, linewidth=0))
-        told = f"{share:.2g}" if np.isfinite(share) else "no walk"
+        label = f"{share:.2g}" if np.isfinite(share) else "no walk"
         lost = sum(results.classes[one] == NO_WALK for one in there[x, y])
         if 0 < lost < len(there[x, y]):
-            told = f"{lost} of {len(there[x, y])}:\n{told}"
-        axes.text(x, y, told, color=colour.ink.hex, ha="center", va="center")
+            label = f"{lost} of {len(there[x, y])}:\n{label}"
+        axes.text(x, y, label, color=colour.ink.hex, ha="center", va="center")
 
 
 def _badness(results: Results, point: int) -> tuple[int, float]:

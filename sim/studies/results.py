@@ -20,7 +20,7 @@ from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
 
 LIMITS = (0.01, 0.03, 0.10)
-"""Shares of the path within which predictions are said to hold."""
+"""Shares of the path within which predictions hold."""
 CLASSES = ("within 1 %", "within 3 %", "within 10 %", "beyond", "fell", "no walk")
 BEYOND, FELL, NO_WALK = 3, 4, 5
 

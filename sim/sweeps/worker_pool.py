@@ -103,10 +103,10 @@ class WorkerPool:
         The client's own `scheduler_info` may give the answer to another question, which
         lists no workers at all: whoever trusts it takes the living for dead.
         """
-        told: Mapping[str, Any] = self.client.sync(
+        identity: Mapping[str, Any] = self.client.sync(
             self.client.scheduler.identity, n_workers=-1
         )
-        found: Mapping[str, object] = told["workers"]
+        found: Mapping[str, object] = identity["workers"]
         return found
 
     def _judge(self, worker: str, answer: Future) -> None:
@@ -119,7 +119,7 @@ class WorkerPool:
                 self.refused[worker] = one_line(error)
             return
         ours, theirs = software(), answer.result()
-        both = ({key: told[key] for key in SHARED} for told in (ours, theirs))
+        both = ({key: versions[key] for key in SHARED} for versions in (ours, theirs))
         if differ := differences(*both):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
