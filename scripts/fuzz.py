@@ -7,15 +7,20 @@ the command ends with code 70, with an exception, with more than one line on sta
 error, with an unknown code, or not within a minute; `--patience` gives it longer on a
 busy machine, though no longer a time on the processor.
 
-The cases run in a process beside this one (`scripts/fuzz_worker.py`), which is ended
-and replaced where it does not answer in time or does not survive. What seems wrong
-there is run once more, by the real command in a process of its own, and that decides.
-Failed cases are kept in a folder, each with its files.
+The cases run one after another in a process beside this one, whose memory and time are
+limited, and which is ended and replaced where it does not answer in time or does not
+survive. It compiles models itself and not in a process of their own, so that a case
+takes some hundredths of a second. What seems wrong there is run once more, by the real
+command in a process of its own, and that decides. Failed cases are kept in a folder,
+each with its files.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import functools
+import io
 import json
 import math
 import multiprocessing
@@ -23,21 +28,31 @@ import os
 import random
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections import Counter
 from collections.abc import Iterator
-from contextlib import suppress
+from functools import partial
+from importlib import import_module
+from multiprocessing.connection import Connection
 from pathlib import Path
 
-from scripts.fuzz_inputs import KINDS, ROOT
-from scripts.fuzz_worker import judged, limit_process, serve
+from models import ModelError
+from scripts.endings import (
+    ROOT,
+    SLICE,
+    end_session,
+    ending,
+    judged,
+    limit_process,
+    lines_of,
+)
+from scripts.fuzz_inputs import KINDS
 
 LIMIT = 60.0  # [s] a case may take, on the processor in any case
 START = 100.0  # [s] a process may take to begin
-SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 FRESH = 1000  # cases after which libraries have kept enough for another process
 
 
@@ -115,7 +130,7 @@ class Worker:
     def end(self) -> None:
         """End the process and all that it started."""
         if self._process is not None:
-            _end(self._process.pid)
+            end_session(self._process.pid)
             self._process.kill()
             self._process.join()
             self._cases.close()
@@ -133,41 +148,79 @@ def decided(
         limit: Seconds of the processor that it may take.
         patience: Seconds that it may take.
     """
-    with tempfile.TemporaryFile() as said:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "sim.cli", *words],
-            cwd=folder,
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=said,
-            start_new_session=True,
-            preexec_fn=lambda: limit_process(limit),
-        )
-        try:
-            code = _ended(process, patience)
-        finally:
-            _end(process.pid)
-            process.wait()
-        said.seek(0)
-        if code in (None, -signal.SIGXCPU):
-            return f"takes {limit:g} s"
-        return judged(process.returncode, said.read().decode(errors="replace"))
+    command = [sys.executable, "-m", "sim.cli", *words]
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    end = ending(command, folder, patience, env, partial(limit_process, limit))
+    if end.code in (None, -signal.SIGXCPU):
+        return f"takes {limit:g} s"
+    return judged(end.code, end.warned)
 
 
-def _ended(process: subprocess.Popen[bytes], seconds: float) -> int | None:
-    """The code with which a process ends in this time, or None."""
-    for _ in range(math.ceil(seconds / SLICE)):
-        with suppress(subprocess.TimeoutExpired):
-            return process.wait(SLICE)
-    return None
+def serve(cases: Connection, limit: float) -> None:
+    """Answer words of the command, and the folder to run it in, with what is wrong.
+
+    Args:
+        cases: Gives the pairs and takes the answers, until its other end closes.
+        limit: Seconds of computing after which the system ends this process.
+    """
+    os.setsid()
+    quicken()
+    cases.send("ready")
+    with tempfile.TemporaryFile() as below, contextlib.suppress(EOFError):
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(below.fileno(), stream.fileno())
+        while True:
+            folder, words = cases.recv()
+            limit_process(limit)
+            os.chdir(folder)
+            begin = below.seek(0, io.SEEK_END)
+            wrong = fault(words)
+            below.seek(begin)
+            lines = below.read().decode(errors="replace").splitlines()
+            cases.send(wrong or (f"a library says: {lines[:2]}" if lines else None))
+            os.chdir("/")
 
 
-def _end(leader: int | None) -> None:
-    """End all processes of a session, if it has begun and there are any left."""
-    with suppress(ProcessLookupError):
-        if leader:
-            os.killpg(leader, signal.SIGKILL)
+def quicken() -> None:
+    """Try models in this process, and make the parser of the command line once.
+
+    No door leads to the parts that are replaced.
+    """
+    cli = import_module("sim.cli")
+    cli.parser = functools.cache(cli.parser)  # type: ignore[attr-defined]
+    inspection = import_module("models.description.inspection")
+    trial = import_module("models.description.trial")
+
+    def tried(path: Path) -> list[str]:
+        report = trial.report(path)
+        if "files" not in report:
+            raise ModelError(str(report.get("wrong", "too large")))
+        return list(report["files"])
+
+    inspection._tried = tried  # type: ignore[attr-defined]
+
+
+def fault(words: list[str]) -> str | None:
+    """What is wrong with how the command ends in this process, or None."""
+    said = io.StringIO()
+    try:
+        with _heard(said):
+            code = import_module("sim.cli").main(words)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return f"raises {type(error).__name__}: {error}"
+    return judged(code, lines_of(said.getvalue()))
+
+
+@contextlib.contextmanager
+def _heard(said: io.StringIO) -> Iterator[None]:
+    with (
+        contextlib.redirect_stderr(said),
+        contextlib.redirect_stdout(io.StringIO()),
+        warnings.catch_warnings(action="ignore"),  # as the command does
+    ):
+        yield
 
 
 def cases(seed: int, kinds: list[str]) -> Iterator[tuple[str, int]]:

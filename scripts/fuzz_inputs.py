@@ -13,7 +13,8 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+from scripts.endings import ROOT
+
 PLAN_TIME = 0.5  # [s], so that no case takes long
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 NASTY = (

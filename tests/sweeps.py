@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from scripts.torture_sweeps import DEADLY, sweep
+from scripts.torture import TEXTS
 from sim.pictures import gl
 from tests import commands
 
@@ -16,7 +16,7 @@ ENV["PYTHONPATH"] = str(Path(__file__).parents[1])
 def write_sweep(folder, varies, name="small"):
     """A sweep's file that differs from the base in what varies."""
     path = folder / f"{name}.toml"
-    path.write_text(sweep(varies))
+    path.write_text(TEXTS["sweep"] + varies)
     return path
 
 
@@ -36,6 +36,6 @@ def stratawalk(*words, env=ENV, timeout=300):
 
 def poisoned(folder):
     """An environment in which a point of friction 0.666 kills its worker."""
-    (folder / "sitecustomize.py").write_text(DEADLY)
+    (folder / "sitecustomize.py").write_text(TEXTS["deadly"])
     path = os.pathsep.join([str(folder), ENV["PYTHONPATH"]])
     return ENV | {"PYTHONPATH": path}

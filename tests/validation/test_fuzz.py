@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from scripts.fuzz import LIMIT, Worker, decided
+from scripts.fuzz import LIMIT, Worker, decided, fault
 from scripts.fuzz_inputs import KINDS
-from scripts.fuzz_worker import fault
 
 ROOT = Path(__file__).resolve().parents[2]
 BRIEF = 5  # [s] a kind of input
