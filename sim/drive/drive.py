@@ -68,9 +68,6 @@ class Drive:
         command rate, and the servo's torque jumps by its stiffness times this angle.
         The feet stay where they are while the jump is less than the torque by which
         friction holds the end of a leg.
-
-        Raises:
-            UsageError: Saying which rate would do.
         """
         scenario, stiffness = self._setup.scenario, float(self._stiffness.max())
         if not self._servo.rate:
@@ -92,9 +89,6 @@ class Drive:
         """Refuse a stretch that needs more torque than a servo has at its speed.
 
         The torque that is left falls linearly with speed, to none at no load.
-
-        Raises:
-            SimulationError: Naming the joint, the phase and the torque.
         """
         most = self._servo.torque
         if most is None:

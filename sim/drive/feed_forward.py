@@ -33,12 +33,7 @@ SPACING = 0.005  # [s]; between knots
 
 @dataclass(frozen=True)
 class FeedForward:
-    """Smooth torques of all actuators along a stretch of a schedule.
-
-    Attributes:
-        torque: At knots, shape (K, nu) [N m].
-        spacing: Steps between knots; the first is at the stretch's first step.
-    """
+    """Smooth torques of all actuators along a stretch of a schedule."""
 
     torque: Array
     spacing: int
@@ -61,12 +56,7 @@ class FeedForward:
 
 
 def smoothed(torque: Array, timestep: float) -> FeedForward:
-    """Torques that were recorded at every step, averaged over 50 ms, every 5 ms.
-
-    Args:
-        torque: Shape (n, nu) [N m].
-        timestep: [s].
-    """
+    """Torques (n, nu) [N m] of every step, averaged over 50 ms, every 5 ms."""
     from scipy.ndimage import uniform_filter1d  # slow to import, and seldom needed
 
     window = 2 * round(SMOOTHED / timestep / 2) + 1  # odd, so that nothing is shifted
@@ -83,11 +73,7 @@ class Rehearsal:
         self._engine = Engine(stiffened(self._setup))
 
     def torques(self, schedule: Schedule) -> FeedForward:
-        """Walk a schedule and return the torques that it took.
-
-        Raises:
-            SimulationError: If the rehearsal diverges.
-        """
+        """Walk a schedule and return the torques that it took."""
         torques = [
             self._engine.advance(ctrl).actuator_force
             for ctrl in self._setup.commands(schedule)

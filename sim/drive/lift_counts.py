@@ -33,9 +33,7 @@ PASSED = 2.0  # counts above the floor that a foot passes in a single command
 class LiftCounts:
     """Counts of all lift joints of a robot on servos with counts.
 
-    Attributes:
-        setup: The robot and its servos.
-        feed_forward: Whether commands make up for the angles by which loads bend them.
+    With feed-forward, commands make up for the angles by which loads bend the servos.
     """
 
     setup: Setup
@@ -43,14 +41,10 @@ class LiftCounts:
     _known: dict[bytes, Array] = field(default_factory=dict, repr=False)
 
     def at(self, lift: Array, lag: Array) -> Array:
-        """Whole counts of the lift joints, from joint zero, legs in ascending order.
+        """Whole counts (n, F) of lift joints from joint zero, legs in ascending order.
 
-        Args:
-            lift: How far each group is to be raised, shape (n, G) [rad].
-            lag: Angle by which each joint lags behind its motion, shape (n, F) [rad].
-
-        Returns:
-            Shape (n, F).
+        Each group is to be raised by a lift (n, G), and each joint lags behind its
+        motion by a lag (n, F) [rad].
         """
         robot, resolution = self.setup.robot, self.setup.servo.resolution
         down = lift < PASSED * resolution  # (n, G)
@@ -123,16 +117,10 @@ class LiftCounts:
 
 
 def lift_torques(setup: Setup, down: Array) -> Array:
-    """Static torque of each lift joint's servo, legs at their angles of the start.
+    """Static torque (F,) [N m] of each lift servo, legs at their angles of the start.
 
     On three feet the loads are determined; on more, feet stand as on equal springs.
-
-    Args:
-        setup: The robot in its world.
-        down: Which feet stand, shape (F,), bool.
-
-    Returns:
-        Shape (F,) [N m], positive where the servo turns its joint forward.
+    `down`, shape (F,), says which feet stand.
     """
     robot, stance = setup.robot, setup.kinematics.standing
     loads = np.zeros(len(robot.legs))

@@ -10,26 +10,10 @@ SLACK = 1e-9  # of a number of a command or step, for rounding
 
 
 def command_at(step: Array, pace: float) -> Array:
-    """Number of the command that is in force during physics steps.
-
-    Args:
-        step: Numbers of the steps, shape (n,).
-        pace: Commands a step.
-
-    Returns:
-        Shape (n,), whole numbers.
-    """
+    """Numbers of the commands in force during steps, at a pace of commands a step."""
     return np.floor(step * pace + SLACK).astype(int)
 
 
 def step_of(command: Array, pace: float) -> Array:
-    """Physics step at which commands are given.
-
-    Args:
-        command: Numbers of the commands, shape (n,).
-        pace: Commands a step.
-
-    Returns:
-        Shape (n,), whole numbers.
-    """
+    """Physics steps at which commands of these numbers are given."""
     return np.ceil(command / pace - SLACK).astype(int)

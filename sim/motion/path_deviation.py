@@ -21,12 +21,7 @@ class PathDeviation(NamedTuple):
 
 
 def path_deviation(path: Path, poses: Array) -> PathDeviation:
-    """Farthest from the nominal path and from its yaw, the path's points in order.
-
-    Args:
-        path: Nominal poses.
-        poses: In time order, yaw up to full turns, shape (T, 3).
-    """
+    """Farthest that poses (T, 3) come from a path and from its yaw, both in order."""
     points = path.at(np.linspace(0.0, 1.0, POINTS))[:, :3]
     followed = poses.copy()
     followed[:, 2] = np.unwrap(poses[:, 2])

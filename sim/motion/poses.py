@@ -13,27 +13,14 @@ def wrap(angle: Array | float) -> Array:
 
 
 def pose_of(qpos: Array, address: int) -> Array:
-    """Planar pose of a free body.
-
-    Args:
-        qpos: Shape (..., nq).
-        address: Where the free joint's seven numbers begin.
-
-    Returns:
-        Shape (..., 3): x, y [m], yaw [rad] in (-pi, pi].
-    """
+    """Planar pose (..., 3) of a body whose free joint begins at an address in qpos."""
     w, x, y, z = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
     yaw = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
     return np.concatenate([qpos[..., address : address + 2], yaw[..., None]], axis=-1)
 
 
 def tilt(qpos: Array, address: int) -> Array:
-    """Angle between a free body's z axis and the vertical, shape (...,) [rad].
-
-    Args:
-        qpos: Shape (..., nq).
-        address: Where the free joint's seven numbers begin.
-    """
+    """Angle between the z axis of such a body and the vertical, shape (...,) [rad]."""
     _, x, y, _ = np.moveaxis(qpos[..., address + 3 : address + 7], -1, 0)
     return 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
 
@@ -69,21 +56,12 @@ def nearest_turn(yaw: float, to: float) -> float:
 
 
 def length_up_to(points: Array) -> Array:
-    """Length of a line from its first point to each, shape (N,).
-
-    Args:
-        points: Shape (N, 2).
-    """
+    """Length of a line (N, 2) from its first point to each, shape (N,)."""
     steps = np.diff(points, axis=0, prepend=points[:1])
     return np.cumsum(np.hypot(*steps.T))
 
 
 def spaced_rows(points: Array, spacing: float) -> Array:
-    """Rows of the first point, and of the next ones about a length farther on.
-
-    Args:
-        points: Shape (N, 2).
-        spacing: The length.
-    """
+    """Rows of the first of some points (N, 2), and of the next ones a spacing on."""
     marks = np.floor(length_up_to(points) / spacing)
     return np.unique(marks, return_index=True)[1]

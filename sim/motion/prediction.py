@@ -48,13 +48,7 @@ class Commanded:
 
 
 def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Commanded:
-    """Angles, contacts and stability margin at steps of a schedule.
-
-    Args:
-        schedule: Commands to follow.
-        rows: Steps, shape (T,); row 0 is the schedule's own first step.
-        kinematics: Of the robot.
-    """
+    """Angles, contacts and stability margin at steps (T,) of a schedule, from 0."""
     swing, lift = schedule.angles(rows)
     phase = schedule.phase_of(rows)
     contact = _contact(schedule, phase, kinematics)
@@ -66,10 +60,7 @@ def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Comman
 class Predictor:
     """Predicts the motion of one schedule at any steps.
 
-    Attributes:
-        schedule: Commands that the robot follows.
-        kinematics: Of the robot.
-        start_pose: Pose before the schedule's first step, shape (3,).
+    Before the schedule's first step the robot is at `start_pose`, shape (3,).
     """
 
     def __init__(

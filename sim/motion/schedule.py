@@ -81,13 +81,9 @@ class LegState:
 def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
     """A smooth transition from 0 to 1, at constant speed except near both ends.
 
-    The speed rises and falls along a cubic over `rise` steps each, so the acceleration
-    is continuous.
-
-    Args:
-        done: Number of steps done, from 1; after the last one the value is exactly 1.
-        steps: Number of steps of the transition.
-        rise: Number of steps of each end, at most half of all; 0 for none.
+    Over `rise` steps each, at most half of all, the speed rises and falls along a
+    cubic, so the acceleration is continuous. Steps done count from 1; after the last
+    one the value is exactly 1.
     """
 
     def covered(t: Array) -> Array:  # integral of the cubic smoothstep, t in [0, 1]
@@ -103,14 +99,9 @@ def ramp(done: Array, steps: Array | int, rise: Array | int) -> Array:
 def ramp_steps(
     amount: float, speed: float, acceleration: float, timestep: float
 ) -> tuple[int, int]:
-    """Number of steps of a swing and of its acceleration, within both bounds.
+    """Steps of a swing by an amount [rad] and of its acceleration, within both bounds.
 
-    Args:
-        amount: Size of the move [rad].
-        speed: Highest speed [rad/s].
-        acceleration: Highest acceleration [rad/s^2]; the cubic's peak is 1.5 times its
-            mean.
-        timestep: [s].
+    The peak of the acceleration along the cubic is 1.5 times its mean.
     """
     peak = min(speed, sqrt(abs(amount) * acceleration / 1.5))
     rise = ceil(1.5 * peak / acceleration / timestep)
@@ -140,9 +131,8 @@ class Schedule:
     def angles(self, rows: Array | None = None) -> tuple[Array, Array]:
         """Commanded swing and lift of every group, shape (T, G) each [rad].
 
-        Args:
-            rows: Steps, by the command applied during them, shape (T,); row 0 is the
-                schedule's own first step. All of them if not given.
+        Rows (T,) are steps, by the command applied during them, from the schedule's own
+        first one, 0; all steps if not given.
         """
         if rows is None:
             rows = np.arange(self.stop - self.start)
@@ -220,12 +210,7 @@ class Scheduler:
         self._lay("hold", still, 0.0, max(round(seconds / self._limits.timestep), 1))
 
     def flow(self, flow: Flow, direction: tuple[float, ...]) -> None:
-        """Enter the flow's stratum and swing its groups.
-
-        Args:
-            flow: Flow to carry out.
-            direction: How far each group swings in one unit of its duration [rad].
-        """
+        """Enter the flow's stratum and swing each group by its share a unit of time."""
         self.enter(flow.stratum)
         steps, _ = self._limits.swing_steps(direction, flow.duration)
         self._swing = [

@@ -17,14 +17,9 @@ BLOCK = 20_000  # rows that are geometries at once, each of some hundred bytes
 
 
 def support_polygons(points: Array, contact: Array) -> Array:
-    """Convex hull of the points in contact, row by row.
+    """Convex hulls of the points (T, F, 2) in contact (T, F), row by row, shape (T,).
 
-    Args:
-        points: Contact points, shape (T, F, 2) [m].
-        contact: Which of them carry load, shape (T, F), bool.
-
-    Returns:
-        Shapely geometries, shape (T,): polygons, segments, points, or nothing at all.
+    They are polygons, segments, points, or nothing at all.
     """
     rows = np.nonzero(contact)[0]
     standing = shapely.points(points[contact])
@@ -35,15 +30,10 @@ def support_polygons(points: Array, contact: Array) -> Array:
 
 
 def stability_margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
-    """Signed distance of the centre of mass to the edge of the support polygon.
+    """Signed distance of the centre of mass to the edge of the support polygon, (T,).
 
-    Args:
-        points: Contact points, shape (T, F, 2) [m].
-        contact: Which of them carry load, shape (T, F), bool.
-        center_of_mass: Shape (T, 2) [m], in the frame of the points.
-
-    Returns:
-        Shape (T,) [m]; minus infinity where nothing touches the ground.
+    Contact points have shape (T, F, 2), contacts (T, F), centres of mass (T, 2). It is
+    minus infinity where nothing touches the ground.
     """
     margin = np.empty(len(points))
     for begin in range(0, len(points), BLOCK):
@@ -66,10 +56,7 @@ def _margin(points: Array, contact: Array, center_of_mass: Array) -> Array:
 def carrying(points: Array, contact: Array, center_of_mass: Array) -> Array:
     """Feet in contact; if there is none, the one whose last contact is nearest.
 
-    Args:
-        points: Where each foot touches, or last did, shape (T, F, 2) [m].
-        contact: Shape (T, F), bool.
-        center_of_mass: Shape (T, 3) [m].
+    Feet touch, or last did, at points (T, F, 2); centres of mass have shape (T, 3).
     """
     standing: Array = np.any(contact, axis=1)
     if standing.all():

@@ -18,11 +18,7 @@ COPIES = 2  # of each row during evaluation and writing; 1.8 were measured
 
 
 def check_effort(setup: Setup, steps: int) -> None:
-    """Refuse a simulation that takes too many steps or too much memory.
-
-    Raises:
-        UsageError: Saying how many steps, what memory, and which setting to change.
-    """
+    """Refuse a simulation that takes too many steps or too much memory."""
     scenario = setup.scenario
     rows = steps // scenario.sample_every
     needed, there = rows * _row_size(setup), _memory()
@@ -41,11 +37,7 @@ def check_effort(setup: Setup, steps: int) -> None:
 
 
 def check_distance(setup: Setup) -> None:
-    """Refuse a path that no walk could follow to its end, before a plan is looked for.
-
-    Raises:
-        UsageError: Saying how far legs would swing at least.
-    """
+    """Refuse a path that no walk could follow to its end, before planning it."""
     scenario, equations = setup.scenario, setup.equations
     farthest = max(map(equations.stride, equations.swings), default=0.0)  # [m/rad]
     travel = scenario.path.length / farthest if farthest else 0.0

@@ -75,9 +75,7 @@ class Inspected:
 def inspected(scenario: Scenario, robot: Robot) -> Inspected:
     """Look at a robot; what keeps it from walking is listed, not refused.
 
-    Raises:
-        ModelError: If it does not stand.
-        UsageError: If a setting asks for what the robot cannot do.
+    A robot that does not stand, or cannot do what a setting asks for, is refused.
     """
     lacks, changed = list(overlaps(robot)), changes(robot, scenario)
     robot, missing = _with_servos(robot)

@@ -29,11 +29,7 @@ def immobile(robot: Robot, found: Mobility) -> Iterator[str]:
 
 @contextmanager
 def explained(robot: Robot, described: Equations) -> Iterator[None]:
-    """Explain why there is no plan, where the robot cannot go everywhere.
-
-    Raises:
-        SimulationError: There is no plan, because a direction is out of reach.
-    """
+    """Explain that a direction is out of reach, where that is why there is no plan."""
     try:
         yield
     except PlannerError as error:
@@ -45,11 +41,7 @@ def explained(robot: Robot, described: Equations) -> Iterator[None]:
 
 
 def require_reach(robot: Robot, described: Equations, path: Path) -> None:
-    """Refuse a path that would take thousands of strokes, before it is planned.
-
-    Raises:
-        SimulationError: A direction in which the path leads is out of reach.
-    """
+    """Refuse a path that would take thousands of strokes, before it is planned."""
     found = mobility_of(robot, described)
     if not found.lacking:
         return
@@ -90,12 +82,7 @@ def _remedy(robot: Robot) -> str:
 
 
 def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None:
-    """Check that plans can follow the scenario's gait, if it gives one.
-
-    Raises:
-        UsageError: If the gait is none of the robot, or something else decides the
-            order of strata.
-    """
+    """Refuse a gait that is none of the robot's, or that something else decides."""
     if scenario.gait is None:
         return
     own = " ".join(robot.card.gait)

@@ -57,10 +57,6 @@ def overlapped(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:
     A stay on one stratum takes as long as its strokes, or as its recoveries if these
     are longer: each stroke takes along a share of the recoveries that is its own share
     of the strokes. Nothing changes but the time, as a leg in the air moves no body.
-
-    Args:
-        moves: Segment, flow, and change of every group's angle per unit of it.
-        groups: Names of the groups.
     """
     done: list[Move] = []
     for _, stay in groupby(moves, key=lambda move: move[1].stratum):

@@ -96,11 +96,7 @@ class Setup:
         }
 
     def execution(self, finish: bool = True) -> Execution:
-        """How plans are carried out.
-
-        Args:
-            finish: Whether a centred plan brings the legs back to angle 0 at its end.
-        """
+        """How plans are carried out; centred ones may `finish` with legs at angle 0."""
         return replace(
             self.equations.execution,
             stance=self.stance,
@@ -156,13 +152,9 @@ class Setup:
     def resolved(self, scenario: Scenario, robot: str) -> Scenario:
         """A scenario with the settings that it left to its robot; it walks the same.
 
-        Some settings remain open: the height of a lift, which the card gives as an
-        angle, servos that differ from joint to joint, and bounds that are not asked
-        for.
-
-        Args:
-            scenario: The scenario before its path was divided to keep its bounds.
-            robot: Name or file of the robot.
+        It is the one before its path was divided. Some settings remain open: the height
+        of a lift, which the card gives as an angle, servos that differ from joint to
+        joint, and bounds that are not asked for.
         """
         stiffness, damping = self.world.servo or (None, None)
         given = scenario.servo_stiffness, scenario.servo_damping
@@ -239,11 +231,7 @@ def prepare(
 def _mathematics(
     robot: Robot, fields: Literal["lifted", "paper"], degree: int | None
 ) -> tuple[Equations, ExtendedSystem, Kinematics]:
-    """Equations, extended system to a degree, and kinematics of a robot.
-
-    Raises:
-        UsageError: The degree is below that of the robot's elements, or beyond all use.
-    """
+    """Equations, extended system to a degree, and kinematics of a robot."""
     described = equations(robot, fields)
     with explained(robot, described):
         try:
@@ -254,15 +242,7 @@ def _mathematics(
 
 
 def lift_angle(kinematics: Kinematics, height: float | None) -> float:
-    """Angle that raises every foot by a height; the card's own if none is asked for.
-
-    Args:
-        kinematics: Of the robot.
-        height: How far the feet are to rise [m].
-
-    Raises:
-        UsageError: The lift joints do not reach as far.
-    """
+    """Angle that raises every foot by a height [m]; the card's own if none is given."""
     robot, lifting = kinematics.robot, kinematics.lifting
     if height is None:
         return robot.card.lift_angle

@@ -84,11 +84,7 @@ class Setting:
         )
 
     def accept(self, value: object, where: str) -> object:
-        """A value in its own type.
-
-        Raises:
-            UsageError: If it is not allowed.
-        """
+        """A value in its own type, refused if it is not allowed."""
         try:
             return read(value, self.kind)
         except ValueError:
@@ -128,11 +124,7 @@ def options(kind: object) -> tuple[object, ...]:
 
 
 def read(value: object, kind: object) -> object:
-    """The value as one of the types that a setting may have.
-
-    Raises:
-        ValueError: If it is none of them, or beyond their limits.
-    """
+    """The value as one of the types that a setting may have, else a `ValueError`."""
     *others, last = options(kind)
     for option in others:
         try:

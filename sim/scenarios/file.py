@@ -67,11 +67,7 @@ def load_scenario(
 
 
 def scenario_table(source: str) -> tuple[Values, str]:
-    """A scenario as its file gives it, found from anywhere, and its place in words.
-
-    Raises:
-        UsageError: If there is no such file, or it is not TOML.
-    """
+    """A scenario as its file gives it, found from anywhere, and its place in words."""
     path = _find(source)
     table = {"name": path.stem, **read_toml(path)}
     anchor(table, path.parent)
@@ -81,15 +77,9 @@ def scenario_table(source: str) -> tuple[Values, str]:
 def scenario_from(
     table: Table, overrides: Mapping[str, object], where: str
 ) -> Scenario:
-    """A scenario from a table of plain values.
+    """A scenario from a table of plain values, found at a place in words.
 
-    Args:
-        table: As a file gives it.
-        overrides: Values that replace its; `path.goal` reaches into its table.
-        where: Its place in words.
-
-    Raises:
-        UsageError: If a key is unknown or missing, or a value is impossible.
+    Overrides replace them; `path.goal` reaches into its table.
     """
     values = deepcopy(_renamed(table, where))
     for key, value in _renamed(overrides, where).items():
@@ -104,11 +94,7 @@ def anchor(table: Values, folder: Path) -> None:
 
 
 def parse_override(text: str) -> tuple[str, object]:
-    """Split `KEY=VALUE`; the value is TOML, and a word without quotation marks is text.
-
-    Raises:
-        UsageError: If there is no key or no value.
-    """
+    """Split `KEY=VALUE`; the value is TOML, a word without quotation marks is text."""
     key, equals, value = (part.strip() for part in text.partition("="))
     if not (key and equals and value):
         raise UsageError(f"{text!r} sets nothing", "--set", "write KEY=VALUE")
@@ -166,11 +152,7 @@ def _known(source: str) -> str:
 
 
 def read_toml(path: Path) -> Values:
-    """A TOML file as a table.
-
-    Raises:
-        UsageError: If it cannot be read or is not TOML.
-    """
+    """A TOML file as a table."""
     try:
         return parse_toml(read_file(path).decode())
     except ValueError as error:
@@ -226,11 +208,7 @@ def _decode(table: Values, where: str) -> Scenario:
 
 
 def _renamed(table: Table, where: str) -> Values:
-    """The table with the present names of settings that were called otherwise.
-
-    Raises:
-        UsageError: If it has a setting under both of its names.
-    """
+    """The table with the present names of settings that were called otherwise."""
     for old in table.keys() & FORMER.keys():
         if FORMER[old] in table:
             what = f"{old} and {FORMER[old]} are one setting"

@@ -40,10 +40,6 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     """The scenario with the set of imperfections that it asks for as its settings.
 
     The same robot and `draw` give the same values, which replace what is given.
-
-    Args:
-        scenario: What to walk; one that asks for none is returned as it is.
-        robot: Robot that has them.
     """
     if scenario.imperfect is None:
         return scenario

@@ -59,10 +59,9 @@ class Scenario(Settings):
         return SETTINGS
 
     def key(self, *effects: Effect) -> Hashable:
-        """All in it that has some of the effects; equal in scenarios that share them.
+        """All in it that has some effects; `world`, say, for what changes the physics.
 
-        Args:
-            effects: For example `world`, for everything that changes the physics.
+        Scenarios that share it have equal keys.
         """
         own = (
             item.name for item in fields(self) if item.metadata["affects"] & {*effects}

@@ -25,10 +25,8 @@ Direction = Annotated[float, Range(-7, 7)]
 class Settings:
     """All settings of a scenario; its path and obstacles stand in `Scenario`.
 
-    A setting that is None is left to the robot (its servo, its lift) or to the run.
-
-    Raises:
-        UsageError: If a value is outside its limits, naming key, value and limits.
+    A setting that is None is left to the robot (its servo, its lift) or to the run. A
+    value outside its limits is refused, with key, value and limits.
     """
 
     name: Annotated[str, Text(file_name=True)] = setting(

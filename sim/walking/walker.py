@@ -27,10 +27,7 @@ from sim.walking.finished import Stretch, Walk, laid_commands
 class Walker:
     """Carries out flows in the physics and keeps track of the robot's pose.
 
-    Args:
-        setup: What to walk.
-        progress: Called with the stage and the finished part of it.
-        cache: Stores commands for walks that have the same.
+    The cache stores commands for walks that have the same.
     """
 
     def __init__(

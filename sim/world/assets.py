@@ -21,18 +21,10 @@ COPY = "robot"  # folder in the run folder, of the robot's own files
 
 
 def gather(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
-    """Make a spec's files those of `assets/`, and return what belongs there.
+    """Make a spec's files those of `assets/`, and return their content.
 
-    Args:
-        spec: The robot's; its elements are given new file names.
-        robot: Whose files.
-
-    Returns:
-        Content by path relative to model.xml; one entry a file, however often it is
-        used.
-
-    Raises:
-        ModelError: If a file cannot be read.
+    It is sorted by path relative to model.xml, with one entry a file, however often the
+    file is used.
     """
     named: dict[Path, str] = {}
     for element, folder, found in list(elements_with_files(spec, robot.model)):
@@ -75,11 +67,8 @@ def _read(path: Path, robot: Robot) -> bytes:
 def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
     """Name or path of the robot in a run folder, and the files that it needs.
 
-    A shipped robot is referred to by its name and needs no files.
-
-    Returns:
-        Name of a shipped robot, or path of its MJCF relative to the run folder; content
-        by path relative to the run folder.
+    A shipped robot is referred to by its name and needs none. Paths are relative to the
+    run folder.
     """
     if robot.is_shipped:
         return robot.name, {}

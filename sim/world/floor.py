@@ -54,11 +54,8 @@ def scene() -> mujoco.MjSpec:
 def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     """The plane to stand on, with the contact of the shipped scene's floor.
 
-    The highest horizontal plane that all feet can touch; the shipped scene joins a
-    robot that has none.
-
-    Raises:
-        ModelError: If a foot touches nothing, or a plane is neither floor nor wall.
+    It is the highest horizontal plane that all feet can touch; the shipped scene joins
+    a robot that has none. A plane that is neither floor nor wall is refused.
     """
     _check_feet(spec, robot)
     planes = _planes(spec, robot)

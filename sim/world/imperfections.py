@@ -31,12 +31,7 @@ HARD = (0.999, 0.999, 0.001, 0.5, 2.0)  # solimp
 def add_imperfections(
     spec: mujoco.MjSpec, robot: Robot, floor: str, scenario: Scenario
 ) -> None:
-    """Add those that a scenario asks for.
-
-    Raises:
-        UsageError: If there are not as many frictions as feet, or as many zeros of
-            servos as joints.
-    """
+    """Add those that a scenario asks for."""
     _require_offsets(robot, scenario)
     if scenario.floor_stiffness is not None:
         _soften(spec.geom(floor), scenario.floor_stiffness)

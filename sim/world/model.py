@@ -48,11 +48,7 @@ class World:
 
 
 def build(robot: Robot, scenario: Scenario) -> World:
-    """Robot and world, self-contained.
-
-    Raises:
-        ModelError: If the robot cannot be given floor or servos.
-    """
+    """Robot and world, self-contained."""
     spec = robot.read()
     _set_options(spec, scenario.timestep)
     floor = ensure_floor(spec, robot)
@@ -100,11 +96,8 @@ def _set_contact(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) ->
 def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     """Write keyframe `start`: the robot's own, at x = y = yaw = 0, feet on the floor.
 
-    Other keyframes go, since their commands may no longer fit.
-
-    Returns:
-        How far the robot was let down onto the floor, or lifted out of it if negative,
-        from where its file puts it [m].
+    Other keyframes go, since their commands may no longer fit. Returns how far the
+    robot was let down onto the floor [m], negative if it was lifted out of it.
     """
     for key in list(spec.keys):
         spec.delete(key)

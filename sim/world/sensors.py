@@ -27,11 +27,7 @@ def ensure_sensors(
 ) -> None:
     """Add missing sensors, and replace those of the same names that differ.
 
-    Args:
-        spec: World with the robot in it.
-        robot: Whose feet.
-        floor: Name of the geom that they are to touch.
-        uneven: Whether it has bumps, which any foot touches at several points.
+    An uneven floor has bumps, which any foot touches at several points.
     """
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:

@@ -57,11 +57,7 @@ class ServoSettings:
 
 
 def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
-    """The servos that a scenario asks for; its numbers win over those of the make.
-
-    Raises:
-        UsageError: If there is no such make, or the robot names none of its own.
-    """
+    """The servos that a scenario asks for; its numbers win over those of the make."""
     own = card.servo.made if card.servo is not None else ""
     name = scenario.servo or ("own" if own else "ideal")
     make = own if name == "own" else name

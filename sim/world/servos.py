@@ -29,11 +29,7 @@ INHERITED = (
 
 
 def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
-    """Leave one position servo on every leg joint, tuned as the scenario asks.
-
-    Raises:
-        ModelError: If a joint has no servo and the card gives none.
-    """
+    """Leave one position servo on every leg joint, tuned as the scenario asks."""
     others = set(other_drives(robot))
     for actuator in [a for a in spec.actuators if a.name in others]:
         _remove(spec, actuator)
@@ -197,14 +193,9 @@ class Channels:
     model: mujoco.MjModel
 
     def ctrl(self, swing: np.ndarray, lift: np.ndarray) -> np.ndarray:
-        """Commands of every actuator.
+        """Commands (T, nu) for swing and lift angles of the groups, (T, G) each [rad].
 
-        Args:
-            swing: Angle of each group, shape (T, G) [rad].
-            lift: How far each group is raised, shape (T, G) [rad].
-
-        Returns:
-            Shape (T, nu); actuators of other joints keep the keyframe's value.
+        Actuators of other joints keep the keyframe's value.
         """
         robot, model = self.robot, self.model
         rows = np.tile(model.key("start").ctrl, (len(swing), 1))
@@ -216,13 +207,9 @@ class Channels:
         return np.ascontiguousarray(rows)
 
     def swing(self, qpos: np.ndarray) -> np.ndarray:
-        """Actual angles of the groups; servos lag behind their commands.
+        """Actual angles of the groups in states (T, nq), shape (T, G) [rad].
 
-        Args:
-            qpos: Shape (T, nq).
-
-        Returns:
-            Mean angle of each group's legs, shape (T, G) [rad].
+        A group's angle is the mean of its legs'; servos lag behind their commands.
         """
         robot = self.robot
         joints = robot.swing_joints

@@ -20,10 +20,7 @@ SUNK = 0.01  # [m] below the floor, so that no gap is visible
 def add_walls(spec: mujoco.MjSpec, root: str, obstacles: Sequence[Obstacle]) -> None:
     """Replace the obstacles of a world, with a contact sensor for every piece.
 
-    Args:
-        spec: World with the robot in it.
-        root: Body that carries the robot's free joint.
-        obstacles: Obstacles to add; geoms are named `obstacle_I_J`, both from 1.
+    Geoms are named `obstacle_I_J`, both from 1; the root body carries the robot.
     """
     for old in (*spec.worldbody.geoms, *spec.sensors, *spec.meshes):
         if old.name.startswith(PREFIX):
@@ -72,11 +69,7 @@ class Touches:
         self.count = 0
 
     def read(self, sensordata: Array) -> None:
-        """Count contacts that begin in consecutive steps.
-
-        Args:
-            sensordata: Shape (n, nsensordata).
-        """
+        """Count contacts that begin in consecutive steps, shape (n, nsensordata)."""
         touching = np.concatenate([self._touching, sensordata[:, self._at] > 0])
         self.count += int((touching[1:] & ~touching[:-1]).sum())
         self._touching = touching[-1:]
