@@ -78,22 +78,13 @@ OUTCOMES = tuple(  # of a sweep's points: from within 1 % to beyond, fallen, no 
 
 @dataclass(frozen=True, slots=True)
 class PathMark:
-    """How the path of one kind is drawn.
+    """How the path of one kind is drawn."""
 
-    Attributes:
-        label: Its name in keys.
-        colour: Of the line.
-        width: Of the line on the floor, in units of the robot's reach.
-        points: Of the line in print [1/72 in].
-        dashes: Lengths of a dash and of the gap after it in print, in widths of the
-            line; empty for a solid line.
-    """
-
-    label: str
+    label: str  # in keys
     colour: Colour
-    width: float
-    points: float
-    dashes: tuple[float, ...] = ()
+    width: float  # on the floor, in units of the robot's reach
+    points: float  # width in print [1/72 in]
+    dashes: tuple[float, ...] = ()  # of dash and gap in print, in widths of the line
 
     def line(self, **changes: Any) -> Style:
         """The line as matplotlib takes it, with changes."""
@@ -131,12 +122,6 @@ def footprint(index: int) -> Colour:
 
 
 def leg(group_index: int, place: int, legs: int) -> Colour:
-    """Colour of one leg's curve: a shade of its group's, from dark to pale.
-
-    Args:
-        group_index: Of the group that the leg belongs to.
-        place: Of the leg within the group, from 0.
-        legs: In that group.
-    """
+    """Colour of one leg's curve: by its place, a shade from dark to pale."""
     paler = 1.1 * place / (legs - 1) - 0.5 if legs > 1 else -0.25
     return group(group_index).mixed(PAPER if paler > 0 else TEXT, abs(paler))

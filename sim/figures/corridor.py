@@ -193,9 +193,7 @@ class Passage:
     def clearance(self, pose: Array, phi: Array) -> tuple[Array, Array]:
         """Clearance at states and a lower bound up to each from the one before, [l].
 
-        Args:
-            pose: Shape (T, 3), lengths in pivots' distances.
-            phi: Angles of the paper's legs, shape (T, 2).
+        Poses have shape (T, 3), in pivots' distances; phi, (T, 2), the paper's legs.
         """
         found = self.around.clearances(self.qpos(pose, phi))
         least = found.least / PIVOT

@@ -40,12 +40,7 @@ class Footprints:
 
 
 def footprints(points: Array, contact: Array) -> Footprints:
-    """Stays of all feet.
-
-    Args:
-        points: Where each foot is, shape (T, F, 2).
-        contact: Whether it is on the ground, shape (T, F), bool.
-    """
+    """Stays of all feet, from places (T, F, 2) and contact (T, F)."""
     padded = np.pad(contact.T.astype(np.int8), ((0, 0), (1, 1)))  # (F, T + 2)
     change = np.diff(padded, axis=1)
     foot, begin = np.nonzero(change > 0)
@@ -109,11 +104,7 @@ def _tripods(prints: Footprints) -> Iterator[tuple[str, Array]]:
 
 
 def matched(planned: Footprints, found: Footprints) -> Array:
-    """Distance of each planned print from the one found in its place, (K,) [m].
-
-    Raises:
-        ValueError: The feet did not stand as often as planned.
-    """
+    """Distance of each planned print from the one found in its place, (K,) [m]."""
     if not np.array_equal(planned.foot, found.foot):
         raise ValueError(
             f"{len(found.foot)} footprints found for {len(planned.foot)} planned"

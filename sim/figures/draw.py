@@ -18,23 +18,10 @@ KINDS = ("paper", "metres")
 def draw(
     folder: RunFolder, only: str | None = None, *, progress: Progress = silent
 ) -> Iterator[Sheet]:
-    """Draw figures and write pictures and tables one by one, then their page.
+    """Draw one figure or all; yield each sheet once its files are complete.
 
-    The sheets in the paper's units come first, while the walks of the others are
-    computed; those in metres follow as their walks are done.
-
-    Args:
-        folder: Empty folder to write to.
-        only: One of `NAMES`; None draws them all.
-        progress: Called with each stage and the finished part of it.
-
-    Yields:
-        Each sheet when its files are complete.
-
-    Raises:
-        PlannerError: If a walk has no plan.
-        SimulationError: If the physics diverges.
-        FilesError: If the folder cannot be written.
+    Sheets in the paper's units come first, while the walks of the others are computed.
+    Those in metres follow as their walks are done, and in the end their common page.
     """
     names = (only,) if only else NAMES
     needed: dict[str, Mapping[str, Job]] = {

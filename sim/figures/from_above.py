@@ -19,12 +19,9 @@ SIZE = 5.0  # of the picture's side [inch]
 
 
 def draw(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
-    """Draw a robot as it starts.
+    """Draw a robot as it starts, as PNG.
 
-    Args:
-        setup: Robot to draw.
-        pivots: Points that groups turn the body about, shape (2,) [m]; none in a crawl.
-        path: PNG to write.
+    Pivots are the points, (2,) [m], that its groups turn the body about, if any.
     """
     robot, kinematics = setup.robot, setup.kinematics
     card = robot.card

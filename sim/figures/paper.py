@@ -43,16 +43,10 @@ FLOW_STATES = 12  # states drawn a flow, enough for arcs of a radian
 
 @dataclass(frozen=True)
 class PaperWalk:
-    """A plan and the states it leads through.
-
-    Attributes:
-        plan: The plan.
-        states: Start, then `samples` states a flow, shape (1 + samples * flows, 5).
-        samples: States a flow.
-    """
+    """A plan and the states it leads through."""
 
     plan: Plan
-    states: Array
+    states: Array  # start, then `samples` a flow, (1 + samples * flows, 5)
     samples: int
 
     @property
@@ -87,14 +81,10 @@ def _extended(fields: Fields) -> ExtendedSystem:
 def walk(
     path: Path, segments: int, *, fields: Fields = "paper", samples: int = FLOW_STATES
 ) -> PaperWalk:
-    """Plan a path in the paper's order and walk it.
+    """Plan a path of (x, y, theta, phi_1, phi_2) in the paper's order and walk it.
 
-    Args:
-        path: Configurations (x, y, theta, phi_1, phi_2) for s in [0, 1].
-        segments: Number of pieces it is cut into.
-        fields: The paper's own, or those that never swing a tripod beside a loaded one;
-            the body walks the same way.
-        samples: States recorded along each flow.
+    The fields are the paper's own, or those that never swing a tripod beside a loaded
+    one; the body walks the same way.
     """
     planned = plan(
         _extended(fields), path, segments, execution=Execution(coordinates="backward")
@@ -183,16 +173,7 @@ def tube(goal: Sequence[float], segments: Sequence[int]) -> Tube:
 
 
 def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
-    """Largest distance from the nominal curve within each segment.
-
-    Args:
-        points: Positions walked through, shape (N, 2).
-        ends: Index of the point that closes each segment, ascending, shape (segments,).
-        nominal: The curve as a fine chain, shape (M, 2).
-
-    Returns:
-        Shape (segments,), in the unit of the points.
-    """
+    """Largest distance of points, (N, 2), from a chain, (M, 2), by segment."""
     distance = shapely.distance(shapely.points(points), shapely.LineString(nominal))
     starts = np.concatenate([[0], ends[:-1]])
     return np.array(
@@ -201,16 +182,9 @@ def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
 
 
 def envelope(points: Array, ends: Array, start: Array, goal: Array) -> Array:
-    """The farthest points of each segment to the right and to the left of a line.
+    """The farthest points of each segment to the right and left of a line.
 
-    Args:
-        points: Positions walked through, shape (N, 2).
-        ends: Index of the point that closes each segment, ascending, shape (segments,).
-        start: A point of the line, shape (2,).
-        goal: Another one ahead of it, shape (2,).
-
-    Returns:
-        Shape (2, segments, 2): points to the right, then points to the left.
+    Points have shape (N, 2), the result (2, segments, 2): right, then left.
     """
     along = np.asarray(goal, dtype=float) - start
     left = (points - start) @ np.array([-along[1], along[0]])

@@ -34,17 +34,11 @@ KEPT = ("achieved", *PREDICTED)
 
 @dataclass(frozen=True)
 class Job:
-    """A walk to make.
-
-    Attributes:
-        scenario: Its name.
-        changes: Settings to replace.
-        flows: What to carry out instead of a plan for the scenario.
-    """
+    """A walk to make."""
 
     scenario: str
     changes: Mapping[str, object] = field(default_factory=dict)
-    flows: tuple[Flow, ...] = ()
+    flows: tuple[Flow, ...] = ()  # carried out instead of a plan for the scenario
 
 
 @dataclass(frozen=True)

@@ -31,12 +31,7 @@ Cell = str | int | float
 
 @dataclass(frozen=True)
 class Shown:
-    """The numbers of a sheet.
-
-    Attributes:
-        rows: Of its table.
-        words: Numbers that its caption and its titles mention, by their names there.
-    """
+    """The numbers of a sheet: rows of its table, and words of caption and titles."""
 
     rows: Sequence[tuple[Cell, ...]]
     words: Mapping[str, object] = field(default_factory=dict)
@@ -44,15 +39,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Table:
-    """Numbers that a drawing shows, unrounded.
-
-    Attributes:
-        header: Name and unit of each column.
-        rows: Cells, one for each column.
-
-    Raises:
-        ValueError: A row has not one cell a column.
-    """
+    """Numbers that a drawing shows, unrounded; the header has names and units."""
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
@@ -83,44 +70,23 @@ def _rounded(cell: Cell) -> str:
 
 @dataclass(frozen=True)
 class Layout:
-    """What `sheets.toml` says of a sheet.
+    """What `sheets.toml` says of a sheet."""
 
-    Attributes:
-        name: Of its files, such as `fig6-line-paper`.
-        title: Its content in a few words.
-        caption: What it shows, what the paper leaves open, and what was chosen.
-        mosaic: Arrangement of the panels, as matplotlib's `subplot_mosaic` takes it.
-        height: Of the drawing [in].
-        panels: Titles of the panels in the order of their letters.
-        columns: Name and unit of each column of the table.
-        options: For `subplot_mosaic`.
-        key: Letter of the panel whose key stands below all of them, if any.
-        key_columns: Of that key; 0 for a single row.
-    """
-
-    name: str
-    title: str
-    caption: str
-    mosaic: str
-    height: float
-    panels: Sequence[str]
-    columns: Sequence[str]
+    name: str  # of its files, such as `fig6-line-paper`
+    title: str  # its content in a few words
+    caption: str  # what it shows, what the paper leaves open, what was chosen
+    mosaic: str  # of the panels, as matplotlib's `subplot_mosaic` takes it
+    height: float  # [in]
+    panels: Sequence[str]  # titles in the order of the panels' letters
+    columns: Sequence[str]  # name and unit of each column of the table
     options: Style = field(default_factory=dict)
-    key: str = ""
-    key_columns: int = 0
+    key: str = ""  # letter of the panel whose key stands below all of them
+    key_columns: int = 0  # 0 for a single row
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """One of the two drawings of a figure.
-
-    Attributes:
-        name: Of its files, such as `fig6-line-paper`.
-        title: Its content in a few words.
-        caption: What it shows, numbers filled in.
-        figure: The drawing.
-        table: Its numbers.
-    """
+    """One of the two drawings of a figure, numbers filled into its caption."""
 
     name: str
     title: str
@@ -130,14 +96,7 @@ class Sheet:
 
 
 def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> Sheet:
-    """Compute and draw a sheet.
-
-    Args:
-        figure: One of `sim.figures.NAMES`.
-        kind: `paper` or `metres`.
-        walks: In the physics, by their names; the kind `metres` needs those of the
-            figure's `WALKS`.
-    """
+    """Compute and draw a sheet: `paper`, or `metres` of the figure's `WALKS`."""
     from matplotlib import rc_context
 
     layout, module = _layouts()[figure][kind], import_module(f"sim.figures.{figure}")

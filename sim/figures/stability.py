@@ -186,11 +186,7 @@ def _draw_margins(axes: Axes) -> None:
 def polygon_margin(stance: PaperStance, tripod: int, phi: Array, b: Array) -> Array:
     """Margin by the support polygon, the weight on the body's axis, shape as phi.
 
-    Args:
-        stance: Lengths.
-        tripod: The loaded tripod, 1 or 2.
-        phi: Its angle [rad].
-        b: Distance of the weight from the front, same shape.
+    The loaded tripod, 1 or 2, is at angle phi [rad], the weight b behind the front.
     """
     weight = np.stack([stance.body_length / 2 - b, np.zeros_like(b)], axis=-1)
     feet = stance.feet(tripod, phi)
@@ -225,16 +221,7 @@ def sign_map(stance: PaperStance, points: int = 121) -> SignMap:
 
 
 def crossings(stance: PaperStance, tripod: int, phi: Array) -> Array:
-    """Least and largest b at which the body's axis is inside the support polygon.
-
-    Args:
-        stance: Lengths.
-        tripod: The loaded tripod, 1 or 2.
-        phi: Its angle, shape (P,) [rad].
-
-    Returns:
-        Shape (2, P).
-    """
+    """Least and largest b at which the axis is in the support polygon, (2, P)."""
     feet = stance.feet(tripod, phi)
     polygons = support_polygons(feet, np.ones(feet.shape[:-1], dtype=bool))
     far = 2 * (stance.body_length + stance.leg_length)

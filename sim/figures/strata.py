@@ -32,40 +32,24 @@ BOW = 0.16  # of the arrows of a gait, so that there and back are two lines
 
 @dataclass(frozen=True)
 class Node:
-    """A set of feet on the ground.
+    """A set of feet on the ground."""
 
-    Attributes:
-        name: Its feet, `0` for none; the stratum's own name where there is one.
-        feet: The feet.
-        at: Where it is drawn.
-        fields: Fields of its stratum.
-        present: Whether the system has such a stratum.
-    """
-
-    name: str
+    name: str  # its feet, `0` for none; the stratum's own name where there is one
     feet: frozenset[str]
-    at: tuple[float, float]
-    fields: tuple[str, ...]
-    present: bool
+    at: tuple[float, float]  # where it is drawn
+    fields: tuple[str, ...]  # of its stratum
+    present: bool  # whether the system has such a stratum
 
 
 @dataclass(frozen=True)
 class Graph:
-    """The strata of a system within all sets of its feet.
+    """The strata of a system within all sets of its feet."""
 
-    Attributes:
-        nodes: By their names, those with more feet on the ground first.
-        edges: Pairs (lower, higher) of sets that differ by one foot.
-        joined: Pairs of strata that are neighbours in the system's own graph.
-        gait: Strata in the order of the gait, the first again at the end.
-        dimensions: Dimension of every stratum that there is.
-    """
-
-    nodes: Mapping[str, Node]
-    edges: tuple[tuple[str, str], ...]
-    joined: tuple[tuple[str, str], ...]
-    gait: tuple[str, ...]
-    dimensions: Mapping[str, int]
+    nodes: Mapping[str, Node]  # by name, those with more feet on the ground first
+    edges: tuple[tuple[str, str], ...]  # (lower, higher) that differ by one foot
+    joined: tuple[tuple[str, str], ...]  # strata next to each other in the system
+    gait: tuple[str, ...]  # strata in order, the first again at the end
+    dimensions: Mapping[str, int]  # of every stratum that there is
 
     @property
     def steps(self) -> tuple[tuple[str, str], ...]:
@@ -74,15 +58,7 @@ class Graph:
 
 
 def graph_of(system: StratifiedSystem, gait: Sequence[str]) -> Graph:
-    """The graph of a system's strata and a gait in it.
-
-    Args:
-        system: System whose bottom stratum has all its feet on the ground.
-        gait: Strata in order, the first again at the end.
-
-    Raises:
-        StratumError: The gait is no closed walk in the graph.
-    """
+    """The graph of a system's strata and a closed gait in it."""
     feet = {contact: contact.rpartition("_")[2] for c in system.contacts.values()
             for contact in c}  # fmt: skip
     own = {frozenset(feet[c] for c in system.contacts[s]): s for s in system.strata}
@@ -242,12 +218,9 @@ def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> N
 
 
 def draw_way(axes: Axes, points: Array, strata: Sequence[str]) -> None:
-    """Draw a way through both sheets, coloured by the stratum it is on.
+    """Draw a way through both sheets, coloured by the stratum of each of its steps.
 
-    Args:
-        axes: Axes with a 3-D projection.
-        points: The further coordinate and the heights of feet 1 and 2, shape (N, 3).
-        strata: Of each step from one point to the next, N - 1 of them.
+    Points hold the further coordinate and the heights of feet 1 and 2, shape (N, 3).
     """
     changes = [0, *(np.flatnonzero(np.array(strata[1:]) != strata[:-1]) + 1)]
     for begin, end in zip(changes, [*changes[1:], len(strata)], strict=True):

@@ -24,29 +24,8 @@ PAPER_WIDTH = 7.0  # [in], two columns of a page
 
 NOMINAL = palette.NOMINAL.colour.hex
 IDEAL = PREDICTED["ideal"].colour.hex
-"""Colour of the ideal prediction in figures.
-
-Example:
-    >>> from sim import IDEAL
-    >>> IDEAL.startswith("#")
-    True
-"""
 QUASI_STATIC = PREDICTED["quasi_static"].colour.hex
-"""Colour of the quasi-static prediction in figures.
-
-Example:
-    >>> from sim import QUASI_STATIC
-    >>> QUASI_STATIC.startswith("#")
-    True
-"""
 PHYSICS = ACHIEVED.colour.hex
-"""Colour of the motion in the physics in figures.
-
-Example:
-    >>> from sim import PHYSICS
-    >>> PHYSICS.startswith("#")
-    True
-"""
 INK = palette.TEXT.hex  # also the centre of mass
 TRIPODS: Mapping[str, str] = {"1": GROUPS[0].hex, "2": GROUPS[1].hex}
 STRATA: Mapping[str, str] = {"12": INK, **TRIPODS}  # of what happens on each
@@ -84,31 +63,12 @@ STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "svg.hashsalt": "stratawalk",  # the same drawing gives the same bytes
 }
-"""Settings of matplotlib with which figures for print are drawn.
-
-Example:
-    >>> from sim import STYLE
-    >>> STYLE["font.size"]
-    8
-"""
 
 
 def sheet_of(
     mosaic: str, height: float, options: Style | None = None
 ) -> tuple[Figure, dict[str, Axes]]:
-    """An empty figure of the page's width, its panels by their letters.
-
-    Args:
-        mosaic: Arrangement of the panels, as matplotlib's `subplot_mosaic` takes it.
-        height: [in].
-        options: For `subplot_mosaic`.
-
-    Example:
-        >>> from sim import sheet_of
-        >>> figure, panels = sheet_of("ab", height=2.0)
-        >>> sorted(panels)
-        ['a', 'b']
-    """
+    """An empty figure of the page's width, its panels by their letters."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -146,13 +106,7 @@ def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
 
 
 def extremes(values: Array, segment: Array, count: int) -> tuple[Array, Array]:
-    """Least and largest value within each segment, shape (count,) each.
-
-    Args:
-        values: Of each row, shape (T,).
-        segment: Number of each row's segment, from 0, shape (T,).
-        count: Number of segments.
-    """
+    """Least and largest value within each of `count` segments, from values (T,)."""
     least, most = np.full(count, np.inf), np.full(count, -np.inf)
     np.minimum.at(least, segment, values)
     np.maximum.at(most, segment, values)

@@ -37,19 +37,11 @@ CALM = 1.5  # [s] of film over which the camera follows
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """From where a film is taken.
+    """From where a film is taken; one that is too close for all follows the robot."""
 
-    Attributes:
-        azimuth: Direction in which the camera looks, 0 along x and 90 along y
-            [degrees]; None looks across the path.
-        elevation: Below the horizon, negative [degrees].
-        farthest: Largest distance, in units of the robot's reach; where the whole walk
-            does not fit, the camera follows the robot.
-    """
-
-    azimuth: float | None = None
-    elevation: float = ELEVATION
-    farthest: float = VIEW_DISTANCE
+    azimuth: float | None = None  # 0 looks along x [degrees]; None across the path
+    elevation: float = ELEVATION  # below the horizon, negative [degrees]
+    farthest: float = VIEW_DISTANCE  # distance, in units of the robot's reach
 
 
 ACROSS = View()
@@ -66,11 +58,7 @@ VIEWS = {
 
 
 def view_of(text: str) -> View:
-    """The view of a name, or of two angles in degrees, `AZIMUTH,ELEVATION`.
-
-    Raises:
-        UsageError: If it is neither, or looks up from below the floor.
-    """
+    """The view of a name, or of two angles in degrees, `AZIMUTH,ELEVATION`."""
     if text in VIEWS:
         return VIEWS[text]
     try:
@@ -128,15 +116,7 @@ class Camera:
         return points.min(axis=0), points.max(axis=0)
 
     def pixels(self, frame: int, points: Array) -> Array:
-        """Where points appear in a picture, x from the left and y from the top.
-
-        Args:
-            frame: Of the film.
-            points: Shape (..., 3) [m].
-
-        Returns:
-            Shape (..., 2).
-        """
+        """Where points, (..., 3) [m], appear in a picture, from its left and top."""
         forward, right, up = _axes(self.azimuth[frame], self.elevation)
         seen = points - self.target[frame]
         depth = (self.distance + seen @ forward) * self.pixel

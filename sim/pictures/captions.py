@@ -113,13 +113,7 @@ def _lamp(draw: Draw, walk: Run, row: int, foot: int, y: int) -> None:
 def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:
     """One clause for each group, those that do the same named together.
 
-    Args:
-        flow: Flow that is being carried out.
-        groups: Names of all groups.
-        legs_per_group: Chooses the noun; 0 where the groups differ.
-
-    Returns:
-        For example `tripod 1 stands, tripod 2 swings in the air`.
+    For example `tripod 1 stands, tripod 2 swings in the air`.
     """
     doing: dict[Verb, list[str]] = {}
     for group in groups:

@@ -21,15 +21,10 @@ WHOLE: Stretch = (-inf, inf)
 
 @dataclass(frozen=True)
 class Clock:
-    """The pictures of a film in order.
+    """The pictures of a film in order."""
 
-    Attributes:
-        playback: Speed against real time.
-        rows: Row of the trajectory that each picture shows, shape (pictures,).
-    """
-
-    playback: float
-    rows: Array
+    playback: float  # speed against real time
+    rows: Array  # of the trajectory, that each picture shows, (pictures,)
 
     @property
     def moving(self) -> int:
@@ -46,11 +41,8 @@ def clock(
 ) -> Clock:
     """Spread the pictures evenly over a walk, and hold the last one for a moment.
 
-    Args:
-        time: Of each row of the trajectory, ascending, shape (T,) [s].
-        playback: Speed against real time; None takes the lowest round one, real time
-            at best, that keeps the film within `FILM_LENGTH`.
-        stretch: Begin and end of what is shown [s].
+    Without a playback speed, take the lowest round one, real time at best, that keeps
+    the film within `FILM_LENGTH`.
     """
     first, last = rows_of(time, stretch)
     duration = float(time[last] - time[first])
@@ -82,18 +74,11 @@ def _round_speeds() -> Iterator[float]:
 
 @dataclass
 class Playback:
-    """The moment that is shown; it passes with the wall clock unless it is paused.
+    """The moment that is shown; it passes with the wall clock unless paused."""
 
-    Attributes:
-        end: Last moment of the walk [s].
-        time: Moment that is shown [s].
-        speed: Against real time.
-        paused: Whether time stands still.
-    """
-
-    end: float
-    time: float = 0.0
-    speed: float = 1.0
+    end: float  # of the walk [s]
+    time: float = 0.0  # that is shown [s]
+    speed: float = 1.0  # against real time
     paused: bool = False
 
     def pass_by(self, seconds: float) -> None:

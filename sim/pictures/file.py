@@ -31,22 +31,14 @@ INSTALL = "pip install --force-reinstall imageio-ffmpeg, and unset IMAGEIO_FFMPE
 
 
 def check_encoder() -> None:
-    """Test whether films can be encoded on this machine.
-
-    Raises:
-        RenderError: If there is no ffmpeg, it does not run, or it lacks the codec.
-    """
+    """Test whether films can be encoded on this machine, or raise RenderError."""
     if f"Encoder {CODEC} " not in _ffmpeg("-h", f"encoder={CODEC}"):
         raise RenderError(f"cannot encode {CODEC}", _executable(), INSTALL)
 
 
 @contextmanager
 def encoding(path: Path) -> Iterator[Callable[[Array], object]]:
-    """A function that appends a picture, shape (height, width, 3), bytes.
-
-    Raises:
-        OSError: If the encoder dies meanwhile; it says why on standard error.
-    """
+    """A function that appends a picture; OSError if the encoder dies."""
     import imageio.v2 as imageio  # half a second that only processes that draw spend
 
     options = {
@@ -65,12 +57,7 @@ def encoding(path: Path) -> Iterator[Callable[[Array], object]]:
 
 
 def join(pieces: Sequence[Path], film: Path) -> None:
-    """Join pieces, films in one folder, without encoding them again.
-
-    Raises:
-        RenderError: If a piece is missing or broken.
-        OSError: If the disk is full.
-    """
+    """Join pieces, films in one folder, without encoding them again."""
     contents = pieces[0].with_name("pieces.txt")
     contents.write_text("".join(f"file '{piece.name}'\n" for piece in pieces))
     source = ("-f", "concat", "-safe", "0", "-i", f"file:{contents}")
@@ -78,12 +65,7 @@ def join(pieces: Sequence[Path], film: Path) -> None:
 
 
 def animate(film: Path, picture: Path) -> None:
-    """Turn a film into a small animated picture, for pages that show no films.
-
-    Raises:
-        RenderError: If it cannot be encoded.
-        OSError: If the disk is full.
-    """
+    """Turn a film into a small animated picture, for pages that show no films."""
     _ffmpeg("-y", "-i", f"file:{film}", *SMALLER, *WEBP, f"file:{picture}")
 
 
@@ -99,12 +81,7 @@ def count_pictures(film: Path) -> int:
 
 
 def _ffmpeg(*arguments: str) -> str:
-    """Output of ffmpeg.
-
-    Raises:
-        RenderError: If it fails.
-        OSError: If the disk is full.
-    """
+    """Output of ffmpeg; RenderError if it fails, OSError if the disk is full."""
     command = (_executable(), "-v", "error", "-nostdin", *arguments)
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")

@@ -48,16 +48,7 @@ def grid(view: Camera, reach: float) -> Mark:
 def _line(
     axis: int, at: float, low: Array, high: Array, eyes: Array, pixel: float
 ) -> Drawing:
-    """A line on which one coordinate is constant, wider where it is farther away.
-
-    Args:
-        axis: The coordinate that is constant.
-        at: Its value [m].
-        low: Where the other one begins, shape (2,) [m].
-        high: Where it ends, shape (2,) [m].
-        eyes: Places of the camera, shape (n, 3) [m].
-        pixel: Width of a pixel at a distance of one [m].
-    """
+    """A line where coordinate `axis` is `at`, wider where it is farther away."""
     along = np.linspace(low[1 - axis], high[1 - axis], PIECES + 1)
     points = np.zeros((PIECES + 1, 3))
     points[:, axis], points[:, 1 - axis] = at, along

@@ -21,20 +21,12 @@ PIECE = 400  # triangles that are passed to the driver at once
 
 @dataclass(frozen=True)
 class Drawing:
-    """Triangles in the order of the frames that they first appear in.
+    """Triangles in the order of the frames that they first appear in."""
 
-    Attributes:
-        points: Corners of the triangles, shape (N, 3, 2) [m], anticlockwise.
-        frames: First frame of each triangle, shape (N,), ascending.
-        shapes: Number of the shape that each belongs to, shape (N,); triangles of one
-            shape do not overlap.
-        fleeting: Whether a triangle is gone again in the next frame.
-    """
-
-    points: Array
-    frames: Array
-    shapes: Array
-    fleeting: bool = False
+    points: Array  # corners, anticlockwise, (N, 3, 2) [m]
+    frames: Array  # first one of each triangle, (N,), ascending
+    shapes: Array  # number of each one's; triangles of a shape do not overlap
+    fleeting: bool = False  # whether a triangle is gone again in the next frame
 
     def visible(self, frame: int) -> tuple[int, int]:
         """Index of the first triangle to be seen in a frame, and how many follow."""
@@ -92,11 +84,7 @@ def join(drawings: Iterable[Drawing], fleeting: bool = False) -> Drawing:
 def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Drawing:
     """A line of constant width, each piece appearing with the point it leads to.
 
-    Args:
-        line: Points, shape (N, 2) [m]; repeated ones are skipped.
-        frames: Frame of each point, shape (N,), ascending.
-        width: In [m].
-        jump: Pieces longer than this are left out [m].
+    Repeated points and pieces longer than a jump [m] are left out.
     """
     step = np.diff(line, axis=0)
     length = np.hypot(*step.T)
@@ -126,14 +114,7 @@ def dashes(line: Array, period: float, width: float) -> Drawing:
 def discs(
     centres: Array, frames: Array, radius: float, corners: int = CORNERS
 ) -> Drawing:
-    """Round spots.
-
-    Args:
-        centres: Shape (N, 2) [m].
-        frames: Frame of each, shape (N,), ascending.
-        radius: In [m].
-        corners: Of each; fewer are drawn faster.
-    """
+    """Round spots at centres, (N, 2) [m]; few corners are drawn faster."""
     angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
     rim = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return polygons([c + rim for c in centres], frames)

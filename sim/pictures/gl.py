@@ -30,9 +30,8 @@ ROOT = Path(__file__).resolve().parents[2]
 def choose() -> None:
     """Keep drivers out of this process, whatever the value of MUJOCO_GL.
 
-    Must be called before mujoco is imported. The value of MUJOCO_GL is kept for the
-    processes that draw: `osmesa` is then tried first, `disabled` forbids pictures, and
-    any unknown value is ignored.
+    Must be called before mujoco is imported. The value is kept for the processes that
+    draw: `osmesa` is then tried first, `disabled` forbids pictures, others are ignored.
     """
     os.environ.setdefault(ASKED, os.environ.get("MUJOCO_GL", ""))
     os.environ["MUJOCO_GL"] = "disabled"
@@ -41,10 +40,8 @@ def choose() -> None:
 def probe() -> str:
     """The first driver that draws a frame on this machine, tested in a child process.
 
-    Costs half a second the first time and nothing afterwards.
-
-    Raises:
-        RenderError: If none does, or if MUJOCO_GL switches pictures off.
+    Costs half a second the first time and nothing afterwards. RenderError if there is
+    none, or if MUJOCO_GL switches pictures off.
     """
     asked = os.environ.get(ASKED, os.environ.get("MUJOCO_GL", "")).strip().lower()
     if asked in OFF:
@@ -64,14 +61,7 @@ def environment(backend: str) -> dict[str, str]:
 
 
 def pictures_per_second(driver: str) -> float:
-    """Pictures of the default robot, drafts without captions, drawn in a second.
-
-    Args:
-        driver: One that draws, as `probe` finds it.
-
-    Raises:
-        RenderError: If it does not draw pictures of this size.
-    """
+    """Pictures of the default robot, drafts without captions, drawn in a second."""
     command = [sys.executable, "-P", "-m", "sim.pictures.gl", SPEED]
     try:
         done = subprocess.run(

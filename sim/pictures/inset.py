@@ -64,14 +64,9 @@ class Trail:
 
 
 def inset(walk: Run, view: Camera, top: int, bottom: int, clear: int) -> Panel:
-    """The panel under the key, or at the right where the key is too long.
+    """The panel under the key, which ends at `top`, and above the bar at `bottom`.
 
-    Args:
-        walk: What happened.
-        view: Where the film is taken from.
-        top: Where the key ends [pixels].
-        bottom: Where the bar at the bottom begins [pixels].
-        clear: Where something else begins at the right [pixels].
+    Where the key is too long, it lies at the right, above `clear` [pixels].
     """
     errors = {n: _turned(walk, view, poses) for n, poses in walk.drawn.items()}
     largest = max(float(np.hypot(*error.T).max()) for error in errors.values())

@@ -44,10 +44,7 @@ FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     """Everything that is drawn on the floor, the lowest first.
 
-    Args:
-        walk: Finished walk.
-        clock: Which row each frame shows.
-        frames: Frames to be drawn; what moves with the robot is drawn for these only.
+    What moves with the robot is drawn for the given frames only.
     """
     drawn = (
         Mark("contours of the floor", contours(walk), palette.RELIEF),

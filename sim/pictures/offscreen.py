@@ -77,15 +77,7 @@ class OffscreenRenderer:
         self._context.free()
 
     def picture(self, frame: int, row: int) -> Array:
-        """Draw the state of a row.
-
-        Args:
-            frame: Decides the view, and which drawings are visible.
-            row: Of the trajectory.
-
-        Returns:
-            Shape (HEIGHT, WIDTH, 3), bytes.
-        """
+        """Draw the state of a row as seen in a frame, (HEIGHT, WIDTH, 3), bytes."""
         self._data.qpos[:] = self._walk.qpos[row]
         self._look_from(frame)
         mujoco.mj_kinematics(self._model, self._data)
@@ -151,12 +143,7 @@ class LegNumbers:
         return (data.xanchor[self._joints] + data.geom_xpos[self._feet]) / 2
 
     def write(self, picture: Array, pixels: Array) -> None:
-        """Write the numbers on a picture, in place.
-
-        Args:
-            picture: Shape (height, width, 3), bytes.
-            pixels: Where, shape (legs, 2); numbers over the edge are left out.
-        """
+        """Write on a picture at pixels, (legs, 2), but not over its edge, in place."""
         for disc, (x, y) in zip(self._discs, np.round(pixels).astype(int), strict=True):
             side, half = disc.shape[0], disc.shape[0] // 2
             area = picture[max(y - half, 0) :, max(x - half, 0) :][:side, :side]

@@ -57,12 +57,7 @@ class Worker:
     complaints: IO[bytes]  # its standard error
 
     def check(self) -> None:
-        """Raise an error if the process failed.
-
-        Raises:
-            FilesError: If the disk is full.
-            RenderError: If it failed for any other reason.
-        """
+        """Raise FilesError if the disk is full, RenderError for another failure."""
         code, where = self.process.wait(), str(self.piece.folder)
         if code == 0:
             return
@@ -78,16 +73,9 @@ class Worker:
 
 
 def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) -> None:
-    """Draw pieces, all at the same time.
+    """Draw pieces at the same time; progress is called with pictures just drawn.
 
-    Args:
-        pieces: What to draw.
-        driver: Name of the OpenGL driver.
-        progress: Called with the number of pictures just drawn.
-
-    Raises:
-        FilesError: If the disk is full.
-        RenderError: If a process fails, or draws nothing for `SILENCE`.
+    RenderError if a process fails, or if none draws anything for `SILENCE`.
     """
     threads = max(1, len(os.sched_getaffinity(0)) // len(pieces))
     environment = {**gl.environment(driver), "LP_NUM_THREADS": str(threads)}

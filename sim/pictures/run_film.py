@@ -30,14 +30,7 @@ FEWEST_PICTURES = 90  # pictures that are worth a process
 
 
 def check() -> str:
-    """Test in half a second whether films can be made on this machine.
-
-    Returns:
-        Name of the OpenGL driver that will draw.
-
-    Raises:
-        RenderError: If no driver draws, or pictures cannot be encoded.
-    """
+    """The OpenGL driver that can draw films, or RenderError, in half a second."""
     check_encoder()
     return gl.probe()
 
@@ -51,26 +44,12 @@ def film_folder(
     path: Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Path:
-    """Film a run.
+    """Film a run folder or a stretch of it [s]; the film's path.
 
-    Args:
-        folder: Run folder.
-        look: `draft`, or `final` with shadows and smooth edges, several times slower.
-        camera: Name of a view, or `AZIMUTH,ELEVATION` in degrees.
-        stretch: Begin and end of what is filmed [s].
-        path: The film's file, replaced if there is one; None for the run's own
-            `video.mp4`, or a name beside it that tells the stretch. In `.webp` it
-            becomes a small animated picture.
-        progress: Called with the finished part, from 0 to 1.
-
-    Returns:
-        The film's path.
-
-    Raises:
-        UsageError: If the folder holds no finished run, there is no such look or
-            camera, or the stretch lies outside the walk.
-        RenderError: If pictures cannot be drawn or encoded.
-        FilesError: If the film cannot be written.
+    The look is `draft`, or `final` with shadows and smooth edges, several times slower.
+    By default the film is the run's own `video.mp4`, or a name beside it that tells the
+    stretch; a path that ends in `.webp` becomes a small animated picture. Progress is
+    called with the finished part, from 0 to 1.
     """
     if look not in LOOKS:
         raise UsageError(

@@ -72,32 +72,20 @@ class Key:
 
 @dataclass
 class Drawing:
-    """A drawing as the page shows it.
+    """A drawing as the page shows it."""
 
-    Attributes:
-        svg: The drawing, without a size of its own.
-        heading: What it shows, with the unit.
-        keys: Meaning of its colours.
-        note: What a reader should know beside it.
-        box: Left, top, right and bottom of the axes as shares of the drawing, and the
-            data at its left, right, bottom and top.
-    """
-
-    svg: str
-    heading: str
+    svg: str  # without a size of its own
+    heading: str  # what it shows, with the unit
     keys: list[Key] = field(default_factory=list)
-    note: str = ""
+    note: str = ""  # what a reader should know beside it
+    # Left, top, right and bottom of the axes as shares of the drawing, and the data at
+    # its left, right, bottom and top.
     box: tuple[float, ...] = ()
 
 
 @contextmanager
 def sheet(height: float, width: float = PAGE_WIDTH) -> Iterator[tuple[Figure, Axes]]:
-    """An empty figure with one pair of axes, whose sides lie where the page expects.
-
-    Args:
-        height: [in].
-        width: [in].
-    """
+    """An empty figure, its sides [in] and its axes where the page expects them."""
     logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -138,12 +126,7 @@ def _inline(svg: str, heading: str) -> str:
 
 
 def extremes(values: Array, bins: int = BINS) -> Array:
-    """Rows that keep the least and the greatest value of every bin, ascending.
-
-    Args:
-        values: Shape (T,) or (T, k).
-        bins: Into which the rows are divided evenly.
-    """
+    """Rows that keep the extremes of every bin of values, (T,) or (T, k)."""
     count = len(values)
     if count <= 2 * bins:
         return np.arange(count)

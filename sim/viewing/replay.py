@@ -52,19 +52,7 @@ INSTALL = "pip install 'stratawalk[replay]'"
 def write_replay(
     folder: Path, progress: Callable[[float], None] = lambda part: None
 ) -> Path:
-    """Write `replay.html` into a run folder.
-
-    Args:
-        folder: Of a finished run.
-        progress: Called with the finished part, from 0 to 1.
-
-    Returns:
-        The page's path.
-
-    Raises:
-        UsageError: If the folder holds no finished run, or viser is not installed.
-        FilesError: If the page cannot be written.
-    """
+    """Write `replay.html` into a run folder; progress is called with the share done."""
     with blamed_on(folder):
         page = _page(read_run(folder).in_world(), progress).encode()
     path = folder / NAME

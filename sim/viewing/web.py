@@ -34,15 +34,7 @@ LOOPBACK = ("127.0.0.1", "::1", "localhost")
 
 
 def require_loopback(host: str, public: bool) -> None:
-    """Refuse to serve the network unless that is wanted.
-
-    Args:
-        host: Address to listen on.
-        public: Whether others may connect.
-
-    Raises:
-        UsageError: If others could connect and that is not wanted.
-    """
+    """Refuse to serve the network unless that is wanted."""
     if host not in LOOPBACK and not public:
         raise UsageError(
             "others could connect, and there is no password",
@@ -58,18 +50,7 @@ def serve(
     speed: float,
     started: Callable[[str], object],
 ) -> None:
-    """Show a run until the process is interrupted.
-
-    Args:
-        folder: Of a finished run.
-        host: Address to listen on.
-        port: Port to listen on; 0 takes the first free one from 8080.
-        speed: Against real time, to begin with.
-        started: Called with the page's address once it can be opened.
-
-    Raises:
-        UsageError: If the folder holds no finished run, or the port is taken.
-    """
+    """Show a run until interrupted; `started` is called with the page's address."""
     with blamed_on(folder):
         walk = read_run(folder).in_world()
         _ = walk.ctrl  # from which contact forces follow
