@@ -11,7 +11,6 @@ Example:
 
 from __future__ import annotations
 
-import argparse
 import json
 import statistics
 import time
@@ -22,7 +21,6 @@ from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeVar
 
 import numpy as np
 
@@ -38,6 +36,7 @@ from planner import (
     plan,
 )
 from planner.execution import Coordinates
+from scripts.pages import parser_of
 from scripts.peers import (
     GUESSES,
     SAMPLING_TIME,
@@ -67,30 +66,19 @@ g2_2 = {{ x = "stride*cos(yaw)", y = "stride*sin(yaw)", yaw = "-gain" }}
 """
 SAMPLERS = ("RRT", "EST", "KPIECE1")
 REPEATS = 5
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """The result of one planner.
-
-    Attributes:
-        task: Name of the task.
-        planner: Name of the planner.
-        seconds: Wall time.
-        end_error: Distance from the goal, in the task's unit.
-        swing_travel: Of loaded tripods [rad].
-        strokes: Number of strokes, between which the feet change; None if infinite.
-        over_optimum: Swing travel over that of the optimum; None if it is not known.
-    """
+    """The result of one planner."""
 
     task: str
     planner: str
-    seconds: float
-    end_error: float
-    swing_travel: float
-    strokes: int | None
-    over_optimum: float | None
+    seconds: float  # wall time
+    end_error: float  # distance from the goal, in the task's unit
+    swing_travel: float  # of loaded tripods [rad]
+    strokes: int | None  # between which the feet change; None if infinitely many
+    over_optimum: float | None  # swing travel over the least; None if unknown
 
     def __str__(self) -> str:
         strokes = "-" if self.strokes is None else self.strokes
@@ -115,17 +103,20 @@ class Absent:
 
 @dataclass(frozen=True, slots=True)
 class Solver:
-    """A planner and its task.
-
-    Attributes:
-        name: What to call it.
-        solve: Gives its strokes.
-        repeats: How often to time it; the median counts.
-    """
+    """What plans, its name, and how often it is timed, of which the median counts."""
 
     name: str
     solve: Callable[[], list[Stroke]]
     repeats: int = REPEATS
+
+    def timed(self) -> tuple[list[Stroke], float]:
+        """The strokes, and the time that they take [s]."""
+        times = []
+        for _ in range(self.repeats):
+            began = time.perf_counter()
+            strokes = self.solve()
+            times.append(time.perf_counter() - began)
+        return strokes, statistics.median(times)
 
 
 def measure() -> Iterator[Peer | Absent]:
@@ -133,7 +124,7 @@ def measure() -> Iterator[Peer | Absent]:
     present = {name: find_spec(name) is not None for name in ("casadi", "ompl")}
     yield from (Absent(name) for name, found in present.items() if not found)
     for task, hexapod, segments in tasks():
-        name, optimum = task.problem.name, None
+        optimum: float | None = None
         solvers = list(ours(task, hexapod, segments))
         if present["casadi"]:
             shooting = MultipleShooting(task)
@@ -143,24 +134,22 @@ def measure() -> Iterator[Peer | Absent]:
             ]
             optimum = travel(shooting.best())
         if present["ompl"]:
-            solvers += [
-                Solver(
-                    f"OMPL {planner}, {SAMPLING_TIME:.0f} s at most",
-                    partial(sampled, task, planner),
-                    repeats=1,
-                )
-                for planner in SAMPLERS
-            ]
+            for planner in SAMPLERS:
+                name = f"OMPL {planner}, {SAMPLING_TIME:.0f} s at most"
+                solvers.append(Solver(name, partial(sampled, task, planner), 1))
+        peer = partial(Peer, task.problem.name)
         for solver in solvers:
-            strokes, took = timed(solver.solve, solver.repeats)
-            swept, error = travel(strokes), task.error(strokes)
+            strokes, took = solver.timed()
+            swept, count = travel(strokes), len(strokes)
             ratio = swept / optimum if optimum else None
-            yield Peer(name, solver.name, took, error, swept, len(strokes), ratio)
+            yield peer(solver.name, took, task.error(strokes), swept, count, ratio)
         if present["ompl"]:
-            swept, took = timed(partial(bound, task))
+            began = time.perf_counter()
+            swept = bound(task)
+            took = time.perf_counter() - began
             ratio = swept / optimum if optimum else None
             what = "OMPL, closed form of Reeds and Shepp"
-            yield Peer(name, what, took, 0.0, swept, None, ratio)
+            yield peer(what, took, 0.0, swept, None, ratio)
 
 
 def tasks() -> Iterator[tuple[Task, ExtendedSystem, int]]:
@@ -174,13 +163,7 @@ def tasks() -> Iterator[tuple[Task, ExtendedSystem, int]]:
 
 
 def strokes_to(name: str, hexapod: ExtendedSystem, goal: Sequence[float]) -> Task:
-    """The task of reaching a pose by strokes of a hexapod's loaded tripods.
-
-    Args:
-        name: What the task is called.
-        hexapod: The robot, whose strokes' gains are taken.
-        goal: x, y and yaw [rad], from the origin.
-    """
+    """The task of reaching x, y and yaw [rad] by strokes of a hexapod's tripods."""
     at_rest = np.zeros(hexapod.system.dimension)
     stride, _, yaw_gain = hexapod.columns(at_rest)[:3, 0].tolist()
     x, y, yaw = goal
@@ -208,30 +191,27 @@ def bound(task: Task) -> float:
 def ours(task: Task, hexapod: ExtendedSystem, segments: int) -> Iterator[Solver]:
     """Plans in the paper's words and in the shortest, as coarse as can be aimed.
 
-    Args:
-        task: What to reach.
-        hexapod: System to plan on, with its legs in the air.
-        segments: Number of pieces of one more plan, open loop along the line.
+    They are made on the whole hexapod, one of them in some segments and open loop.
     """
     goal = np.pad(task.problem.states[1], (0, hexapod.system.dimension - 3))
     path = line(np.zeros_like(goal), goal)
-    words: tuple[tuple[str, Coordinates], ...] = (
+    ways: tuple[tuple[str, Coordinates], ...] = (
         ("paper's words", "backward"),
         ("shortest words", "shortest"),
     )
-    yield _planner("paper's words, open loop", partial(plan, hexapod, path), segments)
-    for name, coordinates in words:
+
+    def solver(name: str, planned: Callable[[int], Plan], count: int) -> Solver:
+        def strokes() -> list[Stroke]:
+            flows = planned(count).flows
+            return joined((f.field, f.duration) for f in flows if f.field in TRIPODS)
+
+        return Solver(f"{name}, {count} segment{'s' * (count > 1)}", strokes)
+
+    yield solver("paper's words, open loop", partial(plan, hexapod, path), segments)
+    for name, coordinates in ways:
         execution = Execution(coordinates=coordinates)
         aimed = partial(aim, hexapod, path, execution=execution)
-        yield _planner(f"{name}, aimed", aimed, _fewest(aimed))
-
-
-def _planner(name: str, planned: Callable[[int], Plan], segments: int) -> Solver:
-    def strokes() -> list[Stroke]:
-        flows = planned(segments).flows
-        return joined((f.field, f.duration) for f in flows if f.field in TRIPODS)
-
-    return Solver(f"{name}, {segments} segment{'s' * (segments > 1)}", strokes)
+        yield solver(f"{name}, aimed", aimed, _fewest(aimed))
 
 
 def _fewest(planned: Callable[[int], Plan]) -> int:
@@ -243,19 +223,9 @@ def _fewest(planned: Callable[[int], Plan]) -> int:
     return SEGMENTS
 
 
-def timed(work: Callable[[], T], repeats: int = REPEATS) -> tuple[T, float]:
-    """Result of some work, and the median of its time [s]."""
-    times = []
-    for _ in range(repeats):
-        began = time.perf_counter()
-        given = work()
-        times.append(time.perf_counter() - began)
-    return given, statistics.median(times)
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print every row when it is measured, or all of them as JSON."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--json", action="store_true", help="print JSON")
     if parser.parse_args(arguments).json:
         print(json.dumps([asdict(row) for row in measure()], indent=1))

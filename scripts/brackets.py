@@ -6,8 +6,8 @@ Example:
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from models import shipped_system
 from planner import Flow, line, plan, play, rollout
+from scripts.pages import parser_of, picture
 
 LOOPS = (1.0, 0.75, 0.5, 0.25)
 SEGMENTS = (1, 2, 4, 8, 16, 32, 64)
@@ -64,18 +65,12 @@ def draw_errors(axes: Any) -> None:
     """The way of Sec. 6 cut finer and finer: the end's error falls as one over n."""
     problem = shipped_system("paper-hexapod")
     start, goal = problem.states
-    errors = [
-        np.linalg.norm(rollout(planned)[-1] - goal)
-        for n in SEGMENTS
-        for planned in [
-            plan(problem.system, line(start, goal), n, problem.elements,
-                 execution=problem.execution)
-        ]
-    ]  # fmt: skip
-    axes.loglog(SEGMENTS, errors, "o-", color=GREEN, markersize=4)
-    axes.loglog(SEGMENTS, errors[-1] * SEGMENTS[-1] / np.array(SEGMENTS), "--", c=GREY)
-    axes.lines[0].set_label("end of the plan")
-    axes.lines[1].set_label("one over n")
+    way = partial(plan, problem.system, line(start, goal), elements=problem.elements)
+    plans = (way(n, execution=problem.execution) for n in SEGMENTS)
+    errors = [np.linalg.norm(rollout(planned)[-1] - goal) for planned in plans]
+    axes.loglog(SEGMENTS, errors, "o-", c=GREEN, ms=4, label="end of the plan")
+    ideal = errors[-1] * SEGMENTS[-1] / np.array(SEGMENTS)
+    axes.loglog(SEGMENTS, ideal, "--", c=GREY, label="one over n")
     axes.legend(fontsize=7, loc="upper right", frameon=False)
     axes.set_xticks(SEGMENTS, [str(n) for n in SEGMENTS])
     axes.minorticks_off()
@@ -85,22 +80,16 @@ def draw_errors(axes: Any) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Draw the three panels into one file."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("file", type=Path, help="picture to write, such as .svg")
     path = parser.parse_args(arguments).file
-
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    style = {"font.size": 8, "svg.hashsalt": "brackets", "svg.fonttype": "path"}
-    with mpl.rc_context(style):
-        figure = Figure(figsize=(7.6, 2.7), layout="constrained")
+    look = {"font.size": 8, "svg.hashsalt": "brackets", "svg.fonttype": "path"}
+    with picture(path, (7.6, 2.7), look, metadata={"Date": None}) as figure:
         panels = figure.subplots(1, 3)
-        for axes, draw in zip(
-            panels, (draw_loops, draw_word, draw_errors), strict=True
+        for draw, axes in zip(
+            (draw_loops, draw_word, draw_errors), panels, strict=True
         ):
             draw(axes)
-        figure.savefig(path, metadata={"Date": None})
 
 
 if __name__ == "__main__":

@@ -12,38 +12,21 @@ Example:
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from scripts.pages import parser_of, picture
 from sim import error_sources, load_scenario, simulate
 
 PATH = {"kind": "line", "goal": [0.03, 0.03, 0.314]}
-LOOK: dict[Any, Any] = {
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": "0.9",
-    "lines.linewidth": 1.0,
-}
-UNITS = {
-    "timestep": "timestep [s]",
-    "swing_speed": "swing speed [rad/s]",
-    "servo_stiffness": "servo stiffness [N m/rad]",
-    "friction": "friction",
-}
-VALUES: Mapping[str, tuple[float, ...]] = {
-    "timestep": (0.002, 0.001, 0.0005, 0.00025),
-    "swing_speed": (0.25, 0.5, 1.0, 1.5, 3.0, 6.0),
-    "servo_stiffness": (50.0, 100.0, 300.0, 1000.0, 3000.0),
-    "friction": (0.3, 0.6, 0.9, 1.2),
+VALUES: Mapping[str, tuple[str, Sequence[float]]] = {  # units, and what is tried
+    "timestep": ("[s]", (0.002, 0.001, 0.0005, 0.00025)),
+    "swing_speed": ("[rad/s]", (0.25, 0.5, 1.0, 1.5, 3.0, 6.0)),
+    "servo_stiffness": ("[N m/rad]", (50.0, 100.0, 300.0, 1000.0, 3000.0)),
+    "friction": ("", (0.3, 0.6, 0.9, 1.2)),
 }
 HEADER = (
     f"{'off [mm]':>12}{'of path':>10}{'yaw [mrad]':>12}{'slip [mm]':>11}"
@@ -58,25 +41,11 @@ class Result:
     value: float
     pose: np.ndarray  # achieved at the end, (3,)
     off: np.ndarray  # from the prediction, (3,)
-    path: float  # length of the nominal path [m]
+    ratio: float  # position error over the length of the path
     slip: float  # [m]
     predicted_slip: float  # [m]
     bounces: int
     sources: Mapping[str, Sequence[float]]
-
-    @property
-    def ratio(self) -> float:
-        """Position error over the length of the path."""
-        return float(np.hypot(*self.off[:2])) / self.path
-
-    def line(self, before: Result | None) -> str:
-        """A line of the table."""
-        moved = np.nan if before is None else np.hypot(*(self.pose - before.pose)[:2])
-        return (
-            f"{self.value:15g}{1e3 * np.hypot(*self.off[:2]):12.3f}{self.ratio:10.3%}"
-            f"{1e3 * self.off[2]:12.3f}{1e3 * self.slip:11.1f}"
-            f"{1e3 * self.predicted_slip:11.1f}{self.bounces:9d}{1e3 * moved:16.3f}"
-        )
 
 
 def judged(setting: str, value: float) -> Result:
@@ -87,11 +56,12 @@ def judged(setting: str, value: float) -> Result:
     scenario = load_scenario("line", changes)
     result = simulate(scenario).evaluation
     predicted, pose = result.predicted["quasi_static"], result.achieved.pose[-1]
+    off = pose - predicted.pose[-1]
     return Result(
         value=value,
         pose=pose,
-        off=pose - predicted.pose[-1],
-        path=scenario.path.length,
+        off=off,
+        ratio=float(np.hypot(*off[:2])) / scenario.path.length,
         slip=float(result.achieved.slip[-1].sum()),
         predicted_slip=float(predicted.slip[-1].sum()),
         bounces=result.walk.recording.bounces,
@@ -103,28 +73,31 @@ def study(setting: str) -> list[Result]:
     """Print one table as it grows."""
     print(f"{setting:>15}{HEADER}")
     results: list[Result] = []
-    for value in VALUES[setting]:
-        result = judged(setting, value)
-        print(result.line(results[-1] if results else None), flush=True)
-        results.append(result)
+    for value in VALUES[setting][1]:
+        new = judged(setting, value)
+        moved = np.hypot(*(new.pose - results[-1].pose)[:2]) if results else np.nan
+        print(
+            f"{value:15g}{1e3 * np.hypot(*new.off[:2]):12.3f}{new.ratio:10.3%}"
+            f"{1e3 * new.off[2]:12.3f}{1e3 * new.slip:11.1f}"
+            f"{1e3 * new.predicted_slip:11.1f}{new.bounces:9d}{1e3 * moved:16.3f}",
+            flush=True,
+        )
+        results.append(new)
     print()
     return results
 
 
 def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
     """One panel a setting, and one for the sources of the error at the defaults."""
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context(LOOK):
-        figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+    with picture(path, (7.0, 3.6), dpi=300) as figure:
         panels = figure.subplot_mosaic("ABE\nCDE")
         for letter, (setting, results) in zip("ABCD", studies.items(), strict=True):
             axes = panels[letter]
             values = [result.value for result in results]
             ratios = [100 * result.ratio for result in results]
             axes.semilogx(values, ratios, "o-", color="C0", markersize=3)
-            axes.set(xlabel=UNITS[setting], ylabel="off [% of path]")
+            label = f"{setting.replace('_', ' ')} {VALUES[setting][0]}".rstrip()
+            axes.set(xlabel=label, ylabel="off [% of path]")
             axes.set_xticks(values, [f"{value:g}" for value in values])
             axes.minorticks_off()
             axes.set_ylim(0, 1.2 * max(ratios))
@@ -133,18 +106,16 @@ def draw(studies: Mapping[str, Sequence[Result]], path: Path) -> None:
         lengths = [1e3 * np.hypot(*at_defaults[name][:2]) for name in names]
         panels["E"].barh(names, lengths, color="C0")
         panels["E"].set(xlabel="shift of the end [mm]", title="where it comes from")
-        figure.savefig(path, dpi=300)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the tables, and draw them where asked to."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--plot", type=Path, metavar="FILE.png", help="draw it as well")
     plot = parser.parse_args(arguments).plot
     studies = {setting: study(setting) for setting in VALUES}
     if plot is not None:
         draw(studies, plot)
-        print(f"drawn: {plot}")
 
 
 if __name__ == "__main__":

@@ -26,17 +26,11 @@ SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 
 @dataclass(frozen=True)
 class Ending:
-    """How a command ended.
+    """How a command ended."""
 
-    Attributes:
-        code: Exit code; None if it did not end in time.
-        printed: What stands on standard output.
-        warned: Lines on standard error, but for those about the progress of long work.
-    """
-
-    code: int | None
+    code: int | None  # None if it did not end in time
     printed: str
-    warned: list[str]
+    warned: list[str]  # lines on standard error, but for those about progress
 
 
 def ending(
@@ -46,14 +40,9 @@ def ending(
     env: Mapping[str, str],
     begin: Callable[[], object] | None = None,
 ) -> Ending:
-    """Run a command and wait for its end.
+    """Run a command in a folder and wait for its end, for so many seconds at most.
 
-    Args:
-        words: Program and arguments.
-        folder: Where it is run.
-        seconds: Time that it may take [s].
-        env: Its environment.
-        begin: Called in the new process before the program begins.
+    `begin` is called in the new process before the program begins.
     """
     with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as warned:
         process = subprocess.Popen(
@@ -75,11 +64,10 @@ def ending(
         finally:
             end_session(process.pid)  # with what it left in the background
             process.wait()
-        texts = []
         for file in (printed, warned):
             file.seek(0)
-            texts.append(file.read().decode(errors="replace"))
-        return Ending(code, texts[0], lines_of(texts[1]))
+        out, err = (f.read().decode(errors="replace") for f in (printed, warned))
+        return Ending(code, out, lines_of(err))
 
 
 def end_session(leader: int | None) -> None:
@@ -90,10 +78,9 @@ def end_session(leader: int | None) -> None:
 
 
 def limit_process(seconds: float) -> None:
-    """Let this process and those that it starts have so much memory and time.
+    """Let this process and those that it starts compute for so long [s] from now.
 
-    Args:
-        seconds: More of computing than before; then the system ends the process.
+    Their memory is limited as well.
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
     end = math.ceil(used.ru_utime + used.ru_stime + seconds) + 1

@@ -33,7 +33,6 @@ import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Iterator
 from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -50,6 +49,7 @@ from scripts.endings import (
     lines_of,
 )
 from scripts.fuzz_inputs import KINDS
+from scripts.pages import parser_of
 
 LIMIT = 60.0  # [s] a case may take, on the processor in any case
 START = 100.0  # [s] a process may take to begin
@@ -60,23 +60,13 @@ class Worker:
     """One process that runs cases, and the next one where it fails."""
 
     def __init__(self, limit: float = LIMIT, patience: float | None = None) -> None:
-        """Begin without a process.
-
-        Args:
-            limit: Seconds of the processor that a case may take.
-            patience: Seconds that it may take; as many if left out.
-        """
+        """Let a case take `limit` seconds to compute, and `patience` in all."""
         self._limit, self._patience = limit, patience or limit
         self._process: multiprocessing.process.BaseProcess | None = None
         self._left = 0
 
     def fault(self, words: list[str], folder: str) -> str | None:
-        """What is wrong with how the command ends, or None.
-
-        Args:
-            words: Of the command line.
-            folder: Where it is run.
-        """
+        """What is wrong with how the command ends in a folder, or None."""
         seems = self.answer(words, folder)
         if seems is None:
             return None
@@ -84,21 +74,15 @@ class Worker:
         return wrong and f"{wrong} (first: {seems})"
 
     def answer(self, words: list[str], folder: str) -> str | None:
-        """What seems wrong where one case is run after another, or None.
-
-        Args:
-            words: Of the command line.
-            folder: Where it is run.
-        """
+        """What seems wrong where one case is run after another, or None."""
         if self._process is None or not self._left:
             self._begin()
         self._left -= 1
-        answer: str | None
         try:
             self._cases.send((folder, words))
             if self._comes(self._patience):
-                answer = self._cases.recv()
-                return answer
+                found: str | None = self._cases.recv()
+                return found
             answer = f"does not answer in {self._patience:g} s"
         except (EOFError, OSError):
             answer = "does not survive it"
@@ -142,11 +126,7 @@ def decided(
 ) -> str | None:
     """What is wrong with how the real command ends, or None.
 
-    Args:
-        words: Of the command line.
-        folder: Where it is run.
-        limit: Seconds of the processor that it may take.
-        patience: Seconds that it may take.
+    It may take `limit` seconds of the processor, and `patience` seconds in all.
     """
     command = [sys.executable, "-m", "sim.cli", *words]
     env = os.environ | {"PYTHONPATH": str(ROOT)}
@@ -157,11 +137,9 @@ def decided(
 
 
 def serve(cases: Connection, limit: float) -> None:
-    """Answer words of the command, and the folder to run it in, with what is wrong.
+    """Answer a folder and the words of a command to run there with what is wrong.
 
-    Args:
-        cases: Gives the pairs and takes the answers, until its other end closes.
-        limit: Seconds of computing after which the system ends this process.
+    It goes on until the other end closes, or a case has computed to its limit [s].
     """
     os.setsid()
     quicken()
@@ -202,37 +180,24 @@ def quicken() -> None:
 
 def fault(words: list[str]) -> str | None:
     """What is wrong with how the command ends in this process, or None."""
-    said = io.StringIO()
+    warned = io.StringIO()
     try:
-        with _heard(said):
+        with (
+            contextlib.redirect_stderr(warned),
+            contextlib.redirect_stdout(io.StringIO()),
+            warnings.catch_warnings(action="ignore"),  # as the command does
+        ):
             code = import_module("sim.cli").main(words)
     except KeyboardInterrupt:
         raise
     except BaseException as error:
         return f"raises {type(error).__name__}: {error}"
-    return judged(code, lines_of(said.getvalue()))
-
-
-@contextlib.contextmanager
-def _heard(said: io.StringIO) -> Iterator[None]:
-    with (
-        contextlib.redirect_stderr(said),
-        contextlib.redirect_stdout(io.StringIO()),
-        warnings.catch_warnings(action="ignore"),  # as the command does
-    ):
-        yield
-
-
-def cases(seed: int, kinds: list[str]) -> Iterator[tuple[str, int]]:
-    """Kinds and seeds of cases without end."""
-    rng = random.Random(seed)
-    while True:
-        yield rng.choice(kinds), rng.randrange(2**32)
+    return judged(code, lines_of(warned.getvalue()))
 
 
 def main() -> int:
     """Run cases until time or number is up; 1 if one fails."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--seconds", type=float, default=180.0)
     parser.add_argument("--cases", type=int, default=10**9)
     parser.add_argument("--seed", type=int, default=0)
@@ -247,10 +212,9 @@ def main() -> int:
 def _run(asked: argparse.Namespace, worker: Worker) -> int:
     keep, done = Path(asked.keep).resolve(), Counter[str]()
     faults, longest = 0, dict[str, tuple[float, int]]()
-    end = time.monotonic() + asked.seconds
-    for kind, seed in cases(asked.seed, asked.kinds):
-        if time.monotonic() > end or done.total() >= asked.cases:
-            break
+    rng, end = random.Random(asked.seed), time.monotonic() + asked.seconds
+    while time.monotonic() <= end and done.total() < asked.cases:
+        kind, seed = rng.choice(asked.kinds), rng.randrange(2**32)
         with tempfile.TemporaryDirectory() as folder:
             words = KINDS[kind](Path(folder), random.Random(seed))
             began = time.monotonic()

@@ -10,7 +10,7 @@ import random
 import re
 import tempfile
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from scripts.endings import ROOT
@@ -86,9 +86,8 @@ def _cut(text: str, rng: random.Random) -> str:
     return text[: rng.randrange(len(text) + 1)] if rng.random() < 0.2 else text
 
 
-MUTATIONS: tuple[Callable[[str, random.Random], str], ...] = (
-    *(_number, _number, _number, _word, _lines, _cut),
-)
+Mutation = Callable[[str, random.Random], str]
+MUTATIONS: tuple[Mutation, ...] = (_number, _number, _number, _word, _lines, _cut)
 
 
 @cache
@@ -106,20 +105,11 @@ def scenario(folder: Path, rng: random.Random) -> list[str]:
     return ["plan", "mine.toml"]
 
 
-def card(folder: Path, rng: random.Random) -> list[str]:
-    """A mutated card beside the shipped robot."""
-    return _robot(folder, ("hexapod.toml",), rng)
-
-
-def mjcf(folder: Path, rng: random.Random) -> list[str]:
-    """A mutated model."""
-    return _robot(folder, ("hexapod.xml",), rng)
-
-
-def _robot(folder: Path, spoilt: tuple[str, ...], rng: random.Random) -> list[str]:
+def robot(folder: Path, rng: random.Random, spoilt: str) -> list[str]:
+    """A shipped robot, one of whose files is mutated."""
     for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
         text = _read("models", "robots", name)
-        text = mutated(text, rng) if name in spoilt else text
+        text = mutated(text, rng) if name == spoilt else text
         _write(folder / name.replace("hexapod", "mine"), text)
     return [rng.choice(("robots", "check")), "mine.xml"]
 
@@ -157,7 +147,14 @@ def options(folder: Path, rng: random.Random) -> list[str]:
     return [rng.choice(("plan", "check", "robots", "scenarios")), *words]
 
 
-KINDS = {k.__name__: k for k in (scenario, card, mjcf, system, archive, options)}
+KINDS: dict[str, Callable[[Path, random.Random], list[str]]] = {
+    "scenario": scenario,
+    "card": partial(robot, spoilt="hexapod.toml"),
+    "mjcf": partial(robot, spoilt="hexapod.xml"),
+    "system": system,
+    "archive": archive,
+    "options": options,
+}
 
 
 def _write(path: Path, text: str) -> None:

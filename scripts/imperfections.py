@@ -11,16 +11,16 @@ Example:
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Mapping, Sequence
 from math import pi, radians
 
 import numpy as np
 
 from models import load
+from scripts.pages import parser_of, tabulate
 from sim import load_scenario, simulate
 
-NOT_TOLD = ("identified", "creep_floor")  # each costs experiments of its own
+WITHOUT = ("identified", "creep_floor")  # each costs experiments of its own
 DRAWS = range(3)
 LEGS, LOAD, ASIDE, ABOVE = 6, 0.1, 0.02, 0.02  # of the mass; [m]
 FLOOR = 1e5  # stiffness of the floor as it is
@@ -30,12 +30,7 @@ Settings = Mapping[str, object]
 
 
 def zeros(kind: int, draw: int) -> Settings:
-    """Zeros of one kind of servo up to a degree off.
-
-    Args:
-        kind: 0 for swing joints, 1 for lift joints.
-        draw: Number of the draw.
-    """
+    """Zeros of one kind of servo, 0 for swing and 1 for lift, up to a degree off."""
     off = np.zeros((LEGS, 2))
     off[:, kind] = np.random.default_rng(draw).uniform(-1, 1, LEGS) * radians(1)
     return {"zero_offset": off.ravel().tolist()}
@@ -65,43 +60,38 @@ def rows() -> dict[str, Sequence[Settings]]:
 
 
 def walked(changes: Settings, segments: int = 40) -> tuple[np.ndarray, int, float]:
-    """Where `line` ends with some settings changed, its bounces, its path's length.
-
-    Args:
-        changes: Settings.
-        segments: How many of its 40 segments are walked.
-    """
+    """Where `line` ends with some settings changed, its bounces, its path's length."""
     end = segments * SEGMENT
     way = {"segments": segments, "path.goal": [end, end, 0.0]}
     scenario = load_scenario("line", way | dict(changes))
-    summary = simulate(scenario, without=NOT_TOLD).summary
+    summary = simulate(scenario, without=WITHOUT).summary
     achieved = np.array(summary["achieved"]["pose"])
     return achieved, summary["bounces"], summary["path_length"]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Walk every row and print it."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser = parser_of(__doc__)
     parser.add_argument("--only", default="", help="walk rows that begin with this")
     parser.add_argument("--segments", type=int, default=40, help="how many to walk")
     given = parser.parse_args(arguments)
     perfect, _, length = walked({}, given.segments)
-    print("| wrong | moves the end by, per cent of the path | bounces |\n|---|---|---|")
-    for wrong, walks in rows().items():
-        if not wrong.startswith(given.only):
-            continue
+
+    def row(wrong: str, walks: Sequence[Settings]) -> tuple[str, ...]:
         ends = [walked(changes, given.segments) for changes in walks]
         off = [100 * np.hypot(*(end - perfect)[:2]) / length for end, _, _ in ends]
-        bounces = [count for _, count, _ in ends]
-        print(
-            f"| {wrong} | {_range(off, '.2f')} | {_range(bounces, 'd')} |", flush=True
-        )
+        return wrong, _range(off, ".2f"), _range([count for _, count, _ in ends], "d")
+
+    tabulate(
+        "wrong | moves the end by, per cent of the path | bounces",
+        (row(*one) for one in rows().items() if one[0].startswith(given.only)),
+    )
 
 
 def _range(values: Sequence[float], form: str) -> str:
     """Least and largest of several values, or the only one."""
-    told = [f"{value:{form}}" for value in (min(values), max(values))]
-    return told[0] if told[0] == told[1] else " to ".join(told)
+    ends = (f"{value:{form}}" for value in (min(values), max(values)))
+    return " to ".join(dict.fromkeys(ends))
 
 
 if __name__ == "__main__":

@@ -35,17 +35,11 @@ SEED = 1  # time still decides how far samplers get
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """A problem, and what its coordinates are measured in.
-
-    Attributes:
-        problem: System, start and goal.
-        units: Size of a typical motion along each coordinate; ones if empty.
-        rounds: How often IPOPT may use every field.
-    """
+    """A problem, and what its coordinates are measured in."""
 
     problem: Problem
-    units: tuple[float, ...] = ()
-    rounds: int = 6
+    units: tuple[float, ...] = ()  # size of a typical motion along each; ones if empty
+    rounds: int = 6  # how often IPOPT may use every field
 
     @cached_property
     def fields(self) -> tuple[str, ...]:
@@ -143,10 +137,9 @@ class MultipleShooting:
 
 
 def _rates(problem: Problem, name: str, casadi: Any) -> Any:
-    words = ("sin", "cos", "tan")
-    functions = {word: getattr(casadi, word) for word in words}
-    system = problem.system
-    rates = rates_with(system.fields[name], system.state, functions)
+    functions = {word: getattr(casadi, word) for word in ("sin", "cos", "tan")}
+    field, state = problem.system.fields[name], problem.system.state
+    rates = rates_with(field, state, functions)
     return lambda x: casadi.vertcat(*rates(*casadi.vertsplit(x)))
 
 
@@ -168,11 +161,6 @@ def sampled(
 
     The propagator is called from C++ in Python, so that these planners see far fewer
     samples in a second than they would natively.
-
-    Args:
-        task: What to reach.
-        planner: Name of the planner.
-        seconds: Time that it has [s].
     """
     from ompl import base, control, util
 
@@ -185,7 +173,10 @@ def sampled(
     space.setBounds(-room, room)
     count = len(task.fields)
     choices = control.RealVectorControlSpace(space, 1)
-    choices.setBounds(_interval(base, float(count)))
+    bounds = base.RealVectorBounds(1)
+    bounds.setLow(-float(count))
+    bounds.setHigh(float(count))
+    choices.setBounds(bounds)
     setup = control.SimpleSetup(choices)
     setup.setStateValidityChecker(lambda state: space.satisfiesBounds(state))
     system = task.problem.system
@@ -222,20 +213,8 @@ def sampled(
     return [stroke(chosen, duration) for chosen, duration in runs]
 
 
-def _interval(base: Any, end: float) -> Any:
-    bounds = base.RealVectorBounds(1)
-    bounds.setLow(-end)
-    bounds.setHigh(end)
-    return bounds
-
-
 def reeds_shepp(goal: Sequence[float], radius: float) -> float:
-    """Length of the shortest path of arcs and straight pieces to a pose.
-
-    Args:
-        goal: x, y and yaw [rad].
-        radius: Of the arcs.
-    """
+    """Length of the shortest path of arcs and straight pieces to x, y and yaw [rad]."""
     from ompl import base
 
     space = base.ReedsSheppStateSpace(radius)

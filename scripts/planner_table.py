@@ -10,9 +10,7 @@ Example:
 
 from __future__ import annotations
 
-import argparse
 import math
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -32,6 +30,7 @@ from planner import (
     rollout,
     steer,
 )
+from scripts.pages import parser_of, tabulate
 from scripts.peers import MultipleShooting, Stroke, Task, sampled
 
 COUNTS = (32, 64)  # segments between which the order is measured
@@ -41,28 +40,44 @@ HEADER = (
 )
 
 
-def row(name: str) -> str:
-    """The line of the table for one system.
-
-    Args:
-        name: Name of a shipped system.
-    """
+def row(name: str) -> tuple[object, ...]:
+    """The line of the table for one shipped system."""
     problem = shipped_system(name)
     extended = extend(problem.system, problem.elements)
     start, goal = problem.states
     expected = convergence_order(extended, problem.path, "backward")
-    cells = [
+    exact, step = (
+        math.isinf(expected.order),
+        critical_step(extended, start, goal - start),
+    )
+    return (
         name,
-        str(expected.degree),
-        "exact" if math.isinf(expected.order) else f"{expected.order:.3g}",
-        "exact" if math.isinf(expected.order) else _measured(problem, extended),
-        _number(critical_step(extended, start, goal - start)),
+        expected.degree,
+        "exact" if exact else f"{expected.order:.3g}",
+        "exact" if exact else f"{_measured(problem, extended):.2f}",
+        "any" if math.isinf(step) else f"{step:.3g}",
         f"{np.linalg.norm(goal - start):.3g}",
         *_shots(problem, extended),
         _peer(Task(problem), lambda task: MultipleShooting(task).once()),
         _peer(Task(problem), sampled),
-    ]
-    return " | ".join(cells)
+    )
+
+
+def _measured(problem: Problem, extended: ExtendedSystem) -> float:
+    """The order with which the distance from the goal falls."""
+    path = line(*problem.states)
+    plans = (plan(extended, path, n, execution=problem.execution) for n in COUNTS)
+    misses = [np.linalg.norm(rollout(p)[-1] - problem.states[1]) for p in plans]
+    return math.log2(misses[0] / misses[1])
+
+
+def _shots(problem: Problem, extended: ExtendedSystem) -> tuple[object, object]:
+    try:
+        free = replace(problem.execution, limits={}, stance="paper")
+        steered = steer(extended, *problem.states, free)
+    except PlannerError:
+        return "none", "none"
+    return len(steered.distances) - 1, len(steered.plan.flows)
 
 
 def _peer(task: Task, solve: Callable[[Task], list[Stroke]]) -> str:
@@ -76,51 +91,11 @@ def _peer(task: Task, solve: Callable[[Task], list[Stroke]]) -> str:
     return f"{len(strokes)}, {task.error(strokes):.0e} off, {took:.1f} s"
 
 
-def _number(value: float) -> str:
-    return "any" if math.isinf(value) else f"{value:.3g}"
-
-
-def _measured(problem: Problem, extended: ExtendedSystem) -> str:
-    start, goal = problem.states
-    misses = [
-        np.linalg.norm(
-            rollout(plan(extended, line(start, goal), n, execution=problem.execution))[
-                -1
-            ]
-            - goal
-        )
-        for n in COUNTS
-    ]
-    return f"{math.log2(misses[0] / misses[1]):.2f}"
-
-
-def _shots(problem: Problem, extended: ExtendedSystem) -> tuple[str, str]:
-    try:
-        free = replace(problem.execution, limits={}, stance="paper")
-        steered = steer(extended, *problem.states, free)
-    except PlannerError:
-        return "none", "none"
-    return str(len(steered.distances) - 1), str(len(steered.plan.flows))
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table, or put it in the place of the one in a file."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("file", type=Path, nargs="?", help="Markdown file with a table")
-    file = parser.parse_args(arguments).file
-    titles = HEADER.split(" | ")
-    lines = [f"| {HEADER} |", "|" + "---|" * len(titles)]
-    for name in SYSTEMS:
-        lines.append(f"| {row(name)} |")
-        print(lines[-1], file=sys.stderr, flush=True)
-    table = "\n".join(lines)
-    if file is None:
-        print(table)
-        return
-    prose = file.read_text().splitlines()
-    first = next(i for i, text in enumerate(prose) if text.startswith("|"))
-    kept = [text for text in prose if not text.startswith("|")]
-    file.write_text("\n".join([*kept[:first], table, *kept[first:]]) + "\n")
+    tabulate(HEADER, map(row, SYSTEMS), parser.parse_args(arguments).file)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ Example:
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import re
@@ -23,6 +22,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from planner.support import whole_file
+from scripts.pages import parser_of
 from sim import Scenario
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -35,11 +35,7 @@ COMMAND = re.compile(r"^\$ stratawalk (.*)\n((?:(?!\$ ).*\n)+)", re.MULTILINE)
 
 
 def printed(words: Sequence[str]) -> str:
-    """What a command prints in an empty folder.
-
-    Raises:
-        SystemExit: If it fails.
-    """
+    """What a command prints in an empty folder, where it must not fail."""
     with TemporaryDirectory() as folder:
         done = subprocess.run(
             [sys.executable, "-m", "sim.cli", *words],
@@ -73,7 +69,7 @@ def settings_table() -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Rewrite the pages that are named."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser = parser_of(__doc__)
     parser.add_argument("page", type=Path, nargs="+", help="a Markdown file")
     for page in parser.parse_args(arguments).page:
         text = page.read_text()

@@ -10,33 +10,22 @@ ends with 1.
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import subprocess
 import sys
 import tempfile
-import time
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from scripts.endings import ROOT, Ending, ending
+from scripts.pages import tabulate
 
-HEAD = """# Inputs and faults
-
-What the command does about inputs and surroundings that break programs: each row was
-run as shown, in a folder that holds the files it names, and each has a test that
-guards it. An error is one line on standard error; 0 stands for a command that did what
-it was asked. `python -m scripts.torture` runs all rows and writes
-this page.
-
-Rows with the same number in the first column are cases of one kind of fault;
-`python -m scripts.torture 12` runs those of kind 12.
-
-| # | input or fault | command | code | what it says | test |
-|---|---|---|---|---|---|
-"""
+HEADER = "# | input or fault | command | code | what it says | test"
+PAGE = ROOT / "docs" / "faults.md"
 ROBOTS = ROOT / "models" / "robots"
 TOOLS = {  # found before all others
     "stratawalk": '#!/bin/sh\nexec {python} -m sim.cli "$@"\n',
@@ -78,20 +67,41 @@ class Row:
         for name, content in self.files.items():
             _write(folder / name, text_of(content))
         given = dict(env) | {"ROBOTS": str(ROBOTS)}
-        prepare = ["sh", "-euc", self.prepare]
-        subprocess.run(prepare, cwd=folder, env=given, check=True)
+        words = ["sh", "-euc", self.prepare]
+        subprocess.run(words, cwd=folder, env=given, check=True)
 
     def wrong(self, end: Ending) -> str:
         """What is not as it must be, in words; empty if all is."""
         faults = []
         if end.code != self.code:
             faults.append(f"must be {self.code}")
-        lines = len(_said(end.warned))
+        lines = sum(map(bool, end.warned))
         if lines != (self.code != 0 if self.lines is None else self.lines):
             faults.append(f"{lines} lines")
-        if self.says not in _answer(self, end):
+        if self.says not in self.answer(end):
             faults.append(f"must say {self.says!r}")
         return ", ".join(faults)
+
+    def answer(self, end: Ending) -> str:
+        """What is said: an error, or else the line of the output to look for."""
+        if said := next(filter(None, end.warned), ""):
+            return said.removeprefix("stratawalk: error: ")
+        lines = end.printed.splitlines() or [""]
+        found = (line for line in lines if self.says and self.says in line)
+        return next(found, lines[-1])
+
+    def cells(self, end: Ending) -> list[str]:
+        """The row of the page."""
+        wrong, said = self.wrong(end), self.answer(end)
+        cells = (
+            str(self.number),
+            self.fault,
+            f"`{self.command}`",
+            f"{end.code} ({wrong})" if wrong else str(end.code),
+            said if len(said) < LONGEST else f"{said[:LONGEST]} ...",
+            f"`{self.test}`",
+        )
+        return [cell.replace("|", r"\|") for cell in cells]
 
 
 ROWS = tuple(Row(**table) for table in _FILE["fault"])
@@ -104,42 +114,28 @@ def text_of(content: str | Sequence[str]) -> str:
     return "".join(TEXTS[part[1:]] if part[:1] == "@" else part for part in content)
 
 
-def ended(row: Row) -> tuple[Ending, float]:
-    """How a row's command ends where its files are, and how long it takes [s]."""
+def ended(row: Row) -> Ending:
+    """How a row's command ends where its files are, without the places of folders."""
     with tempfile.TemporaryDirectory() as scratch:
         folder, tools = Path(scratch, "here"), Path(scratch, "bin")
         folder.mkdir()
         tools.mkdir()
         for name, text in TOOLS.items():
             _write(tools / name, text.format(python=shlex.quote(sys.executable)))
-        env = _environment(tools)
+        env = {  # as little as there can be, besides this code
+            "PATH": f"{tools}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin",
+            "PYTHONPATH": str(ROOT),
+            "HOME": str(tools),
+        }
+        if "LD_LIBRARY_PATH" in os.environ:
+            env["LD_LIBRARY_PATH"] = os.environ["LD_LIBRARY_PATH"]
         row.make(folder, env)
-        began = time.monotonic()
         end = ending(["sh", "-c", row.command], folder, ROW_LIMIT, env)
-        seconds = time.monotonic() - began
-        places = (f"{folder}/", f"{scratch}/", f"{ROOT}/")
-        return _without(end, places), seconds
-
-
-def _without(end: Ending, places: Sequence[str]) -> Ending:
-    """The same, said without the places of folders."""
-    texts = [end.printed, *end.warned]
-    for place in places:
-        texts = [text.replace(place, "") for text in texts]
-    return Ending(end.code, texts[0], texts[1:])
-
-
-def _said(warned: Sequence[str]) -> list[str]:
-    return [line for line in warned if line]
-
-
-def _answer(row: Row, end: Ending) -> str:
-    """What the command says: its error, or else the line of its output to look for."""
-    said = _said(end.warned)
-    if said:
-        return said[0].removeprefix("stratawalk: error: ")
-    lines = end.printed.splitlines() or [""]
-    return next((line for line in lines if row.says and row.says in line), lines[-1])
+        places = re.compile(
+            "|".join(f"{re.escape(str(p))}/" for p in (folder, scratch, ROOT))
+        )
+        warned = [places.sub("", text) for text in end.warned]
+        return Ending(end.code, places.sub("", end.printed), warned)
 
 
 def _write(path: Path, text: str) -> None:
@@ -148,40 +144,19 @@ def _write(path: Path, text: str) -> None:
         path.chmod(0o755)
 
 
-def _environment(tools: Path) -> dict[str, str]:
-    """As little as there can be, besides this code."""
-    kept = {key: os.environ[key] for key in ("LD_LIBRARY_PATH",) if key in os.environ}
-    path = f"{tools}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin"
-    return {"PATH": path, "PYTHONPATH": str(ROOT), "HOME": str(tools), **kept}
-
-
-def line(row: Row, end: Ending) -> str:
-    """A row of the table."""
-    wrong, said = row.wrong(end), _answer(row, end)
-    code = f"{end.code} ({wrong})" if wrong else str(end.code)
-    said = said if len(said) < LONGEST else f"{said[:LONGEST]} ..."
-    cells = (
-        str(row.number),
-        row.fault,
-        f"`{row.command}`",
-        code,
-        said,
-        f"`{row.test}`",
-    )
-    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
-
-
 def main(numbers: Sequence[str]) -> int:
     """Run all rows, or those of some numbers; 1 if one does not end as it must."""
     rows = [row for row in ROWS if not numbers or str(row.number) in numbers]
-    wrong, lines = 0, []
-    with ThreadPoolExecutor(AT_ONCE) as pool:
-        for row, (end, seconds) in zip(rows, pool.map(ended, rows), strict=True):
-            lines.append(line(row, end))
-            wrong += bool(row.wrong(end))
-            print(f"{seconds:5.1f} s {lines[-1]}", flush=True)
-    if not numbers:
-        (ROOT / "docs" / "faults.md").write_text(HEAD + "\n".join(lines) + "\n")
+    wrong = 0
+
+    def cells() -> Iterator[list[str]]:
+        nonlocal wrong
+        with ThreadPoolExecutor(AT_ONCE) as pool:
+            for row, end in zip(rows, pool.map(ended, rows), strict=True):
+                wrong += bool(row.wrong(end))
+                yield row.cells(end)
+
+    tabulate(HEADER, cells(), None if numbers else PAGE)
     return int(wrong > 0)
 
 

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from scripts.torture import HEAD, ROWS
+from scripts.torture import HEADER, ROWS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "faults.md"
@@ -14,10 +14,10 @@ def test_every_kind_of_fault_has_a_row():
 
 
 def test_the_page_shows_rows_of_the_script_that_end_as_they_must():
-    text = PAGE.read_text()
-    assert text.startswith(HEAD)
+    _, header, text = PAGE.read_text().partition(f"| {HEADER} |\n")
+    assert header
     must = {(str(row.number), row.fault): str(row.code) for row in ROWS}
-    for line in text.removeprefix(HEAD).splitlines():
+    for line in text.splitlines()[1:]:
         number, fault, _, code = line.removeprefix("| ").split(" | ")[:4]
         assert must[number, fault] == code
 

@@ -1,0 +1,59 @@
+"""What studies for the documentation share: parser, tables, pictures."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
+LOOK: dict[str, object] = {
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "grid.color": "0.9",
+    "lines.linewidth": 1.0,
+}
+
+
+def parser_of(documentation: str | None) -> argparse.ArgumentParser:
+    """A parser that is described by the first line of a module's documentation."""
+    return argparse.ArgumentParser(description=(documentation or "").splitlines()[0])
+
+
+def tabulate(
+    header: str, rows: Iterable[Sequence[object]], page: Path | None = None
+) -> None:
+    """Print a table row by row; then it takes the place of the page's first table."""
+    lines = [f"| {header} |", "|" + "---|" * len(header.split(" | "))]
+    print(*lines, sep="\n", flush=True)
+    for row in rows:
+        lines.append(f"| {' | '.join(map(str, row))} |")
+        print(lines[-1], flush=True)
+    if page is not None:
+        table = "".join(f"{line}\n" for line in lines)
+        page.write_text(TABLE.sub(lambda _: table, page.read_text(), count=1))
+
+
+@contextmanager
+def picture(
+    path: Path, size: tuple[float, float], look: Any = LOOK, **saved: Any
+) -> Iterator[Figure]:
+    """A figure of a size [in], which is written to the path when the block ends."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(look):
+        figure = Figure(figsize=size, layout="constrained")
+        yield figure
+        figure.savefig(path, **saved)
+    print(f"drawn: {path}")
