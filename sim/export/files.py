@@ -8,17 +8,23 @@ from pathlib import Path
 from models import JointServo
 from planner.support import read_file
 from sim.errors import UsageError
-from sim.export.header import read_header, write_header
+from sim.export.formats import (
+    read_angles,
+    read_header,
+    read_ticks,
+    read_trajectory,
+    write_angles,
+    write_header,
+    write_ticks,
+    write_trajectory,
+)
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import ServoTable, servo_table
 from sim.export.source import Source
-from sim.export.tables import read_angles, read_ticks, write_angles, write_ticks
-from sim.export.trajectory import read_trajectory, write_trajectory
 from sim.folder import whole
 
 LARGEST = 10**9  # bytes
-PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}
-"""Whether a format has pulses or ticks; None for angles."""
+PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}  # None: angles
 
 
 def servos(
@@ -41,14 +47,8 @@ def servos(
             "--servo-table",
             "give each of the robot's joints a servo of its name",
         )
-    table = servo_table(
-        source.run.card,
-        source.joints,
-        source.servo.name,
-        PWM[form],
-        given,
-        source.servo.rate or rate,
-    )
+    make, rate = source.servo.name, source.servo.rate or rate
+    table = servo_table(source.run.card, source.joints, make, PWM[form], given, rate)
     return table.in_microseconds() if microseconds else table
 
 

@@ -31,9 +31,8 @@ def play(
     address = source.robot.root_address_in(source.model)
     origin = run.arrays[START]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
-    predicted = run.predicted.get(QUASI_STATIC.key)
     slip = moments.slip[-1] - recording.slip_after(starts)
-    summary, walking = run.summary, steps >= starts
+    summary, predicted = run.summary, run.predicted.get(QUASI_STATIC.key)
     lengths = summary.path_length, summary.distance_walked
     return Played(
         pose=poses[-1].tolist(),
@@ -44,7 +43,7 @@ def play(
             "goal": departure(poses[-1], np.array(summary.goal)),
             QUASI_STATIC.key: None
             if predicted is None
-            else off(poses, predicted[walking], *lengths),
+            else off(poses, predicted[steps >= starts], *lengths),
         },
     )
 
@@ -62,12 +61,8 @@ def _recorded(
     recorder.walk_starts = starts
     order = [commands.joints.index(joint) for joint in source.joints]
     ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
-    pieces = ordered.held(
-        source.model.key("start").ctrl,
-        source.actuators,
-        source.steps,
-        source.timestep,
-    )
+    rest = source.model.key("start").ctrl
+    pieces = ordered.held(rest, source.actuators, source.steps, source.timestep)
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     return recorder.finish()

@@ -25,24 +25,16 @@ class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
     """YAML with the angles in degrees that rosparam knows."""
 
 
-def _degrees(loader: yaml.SafeLoader, node: yaml.Node) -> float:
-    return radians(float(str(loader.construct_scalar(node))))  # type: ignore[arg-type]
-
-
-def _radians(loader: yaml.SafeLoader, node: yaml.Node) -> float:
+def _angle(loader: yaml.SafeLoader, node: yaml.Node) -> float:
     return float(str(loader.construct_scalar(node)))  # type: ignore[arg-type]
 
 
-RosLoader.add_constructor("!degrees", _degrees)
-RosLoader.add_constructor("!radians", _radians)
+RosLoader.add_constructor("!degrees", lambda *given: radians(_angle(*given)))
+RosLoader.add_constructor("!radians", _angle)
 
 
 def read_ros_table(path: Path) -> dict[str, JointServo]:
-    """Read the servos of a robot, by the names of their joints.
-
-    Raises:
-        UsageError: If there is no such file, or it is no such table.
-    """
+    """Read the servos of a robot, by the names of their joints."""
     try:
         read = yaml.load(read_file(path), Loader=RosLoader)  # noqa: S506
     except OSError as error:

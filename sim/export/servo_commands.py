@@ -15,20 +15,11 @@ from sim.physics.engine import STRETCH
 
 @dataclass(frozen=True, eq=False)
 class ServoCommands:
-    """Angles commanded to servos, one row a command.
-
-    Attributes:
-        joints: Names of the joints.
-        rate: Commands a second.
-        angles: Shape (K, J) [rad].
-
-    Raises:
-        ValueError: The numbers contradict one another, or are not finite.
-    """
+    """Angles commanded to servos, one row a command; ValueError if they make no sense."""
 
     joints: tuple[str, ...]
-    rate: float
-    angles: Array
+    rate: float  # commands a second
+    angles: Array  # (K, J) [rad]
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.rate) and self.rate > 0):
@@ -64,11 +55,7 @@ class ServoCommands:
 
 
 def taken(
-    ctrl: Array,
-    joints: tuple[str, ...],
-    actuators: Array,
-    rate: float,
-    timestep: float,
+    ctrl: Array, joints: tuple[str, ...], actuators: Array, rate: float, timestep: float
 ) -> ServoCommands:
     """The commands that are given at a rate, out of one row of ctrl a physics step.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import degrees, inf, pi
 
 import numpy as np
@@ -48,24 +49,16 @@ class Channel:
 
 @dataclass(frozen=True, slots=True)
 class ServoTable:
-    """The servos of all joints, in the order of their channels.
+    """The servos of all joints, in the order of their channels."""
 
-    Attributes:
-        channels: One a joint.
-        largest: Largest count there is.
-        frame_rate: Pulses a second; 0 for servos on a bus.
-        microseconds: Whether counts are microseconds of a pulse.
-    """
-
-    channels: tuple[Channel, ...]
-    largest: int
-    frame_rate: float = 0.0
-    microseconds: bool = False
+    channels: tuple[Channel, ...]  # one a joint
+    largest: int  # count
+    frame_rate: float = 0.0  # pulses a second; 0 for servos on a bus
+    microseconds: bool = False  # of a pulse instead of counts
 
     def __post_init__(self) -> None:
-        numbers = [servo.channel for servo in self.channels]
-        for before, servo in zip(self.channels, self.channels[1:], strict=False):
-            if numbers.count(servo.channel) > 1 and before.channel == servo.channel:
+        for before, servo in pairwise(self.channels):
+            if before.channel == servo.channel:
                 raise UsageError(
                     f"{before.joint!r} and {servo.joint!r} are both on channel "
                     f"{servo.channel}",
@@ -93,11 +86,7 @@ class ServoTable:
         return ServoTable(tuple(channels), frame - 1, self.frame_rate, True)
 
     def counts(self, commands: ServoCommands) -> Array:
-        """Whole counts of commands, in the order of the channels, (K, J).
-
-        Raises:
-            UsageError: If a joint leaves its servo's range.
-        """
+        """Whole counts of commands in the servos' range, by channel, (K, J)."""
         angles = self.require_range(commands)
         columns = [s.counts(angles[:, i]) for i, s in enumerate(self.channels)]
         counts: Array = np.round(np.stack(columns, axis=1)).astype(int)
@@ -110,21 +99,12 @@ class ServoTable:
         return counts
 
     def commands(self, counts: Array, rate: float) -> ServoCommands:
-        """The angles of counts, in the order of the channels.
-
-        Args:
-            counts: Shape (K, J).
-            rate: Commands a second.
-        """
+        """The angles of counts, (K, J), in the order of the channels."""
         columns = [s.angle(counts[:, i]) for i, s in enumerate(self.channels)]
         return ServoCommands(self.joints, rate, np.stack(columns, axis=1))
 
     def require_range(self, commands: ServoCommands) -> Array:
-        """Angles in the order of the channels, all within the servos' range, (K, J).
-
-        Raises:
-            UsageError: If a joint leaves its servo's range.
-        """
+        """Angles in the order of the channels, all within the servos' range, (K, J)."""
         order = [commands.joints.index(joint) for joint in self.joints]
         angles: Array = commands.angles[:, order]
         for servo, column in zip(self.channels, angles.T, strict=True):

@@ -29,17 +29,11 @@ from sim.world.servo_settings import ServoSettings, servo_settings
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """A run with its robot and its model, which exporting and playing it needs.
-
-    Attributes:
-        run: What was walked; its card may have been given other servos.
-        robot: The robot that walked.
-        model: Robot and world, as simulated.
-    """
+    """A run with its robot and its model, which exporting and playing it needs."""
 
     run: Run
     robot: Robot
-    model: mujoco.MjModel
+    model: mujoco.MjModel  # robot and world, as simulated
 
     @cached_property
     def servo(self) -> ServoSettings:
@@ -81,11 +75,8 @@ def from_run(folder: Path, *, allow_external: bool = False) -> Source:
         spec = mujoco.MjSpec.from_file(str(folder / "model.xml"))
         model = compile_model(spec, str(folder / "model.xml"))
         model.key("start")
-    robot = load(
-        run.scenario.robot,
-        allow_external=allow_external,
-        geometry=run.scenario.geometry,
-    )
+    name, geometry = run.scenario.robot, run.scenario.geometry
+    robot = load(name, allow_external=allow_external, geometry=geometry)
     return Source(run, robot, model)
 
 

@@ -11,11 +11,19 @@ import yaml
 from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
-from sim.export.header import identifier, read_header, write_header
+from sim.export.formats import (
+    identifier,
+    read_angles,
+    read_header,
+    read_ticks,
+    read_trajectory,
+    write_angles,
+    write_header,
+    write_ticks,
+    write_trajectory,
+)
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
-from sim.export.tables import read_angles, read_ticks, write_angles, write_ticks
-from sim.export.trajectory import read_trajectory, write_trajectory
 
 CARD = load("hexapod-classroom").card
 JOINTS = CARD.joints
