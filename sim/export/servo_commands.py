@@ -15,11 +15,11 @@ from sim.physics.engine import STRETCH
 
 @dataclass(frozen=True, eq=False)
 class ServoCommands:
-    """Angles commanded to servos, one row a command; ValueError if they make no sense."""
+    """Angles commanded to servos; ValueError where numbers contradict one another."""
 
     joints: tuple[str, ...]
     rate: float  # commands a second
-    angles: Array  # (K, J) [rad]
+    angles: Array  # one row a command, (K, J) [rad]
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.rate) and self.rate > 0):
