@@ -1,5 +1,5 @@
 """The commands of `stratawalk`, one module each.
 
-Each module has `HELP`, `add_arguments(parser)` and `execute(options)`. Slow imports
-take place when the command is executed.
+Each module has `HELP`, `OPTIONS` and `execute(options)`. Slow imports take place when
+the command is executed.
 """

@@ -4,22 +4,26 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
+import sys
+from dataclasses import asdict
+
+from sim.commands.options import option
+from sim.errors import ROOT, UsageError
 
 HELP = "measure speed and memory, side by side with what they are compared to"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
+OPTIONS = (
+    option(
         "--sweeps",
         action="store_true",
         help="measure sweeps instead, against a bare batch (extra `sweep`)",
-    )
-    parser.add_argument(
+    ),
+    option(
         "--peers",
         action="store_true",
         help="compare plans with those of OMPL and CasADi (extra `peers`)",
-    )
+    ),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -27,8 +31,6 @@ def execute(options: argparse.Namespace) -> None:
     if options.peers:
         _compare_peers(["--json"] if options.json else [])
         return
-    from dataclasses import asdict
-
     if options.sweeps:
         from sim.bench.sweep_speed import measure
     else:
@@ -43,11 +45,6 @@ def execute(options: argparse.Namespace) -> None:
 
 def _compare_peers(options: list[str]) -> None:
     """Run the script that knows the other planners; it is part of a checkout only."""
-    import subprocess
-    import sys
-
-    from sim.errors import ROOT, UsageError
-
     if not (ROOT / "scripts" / "bench_peers.py").is_file():
         raise UsageError(
             "the other planners are not part of an installed package",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
-from sim.commands.options import add_set_argument, add_trust_argument, robot_of
+from sim.commands.options import TRUST, option, robot_of, set_option, settings_of
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -18,26 +18,22 @@ if TYPE_CHECKING:
 
 Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
 HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
+OPTIONS = (
+    option(
         "system",
         metavar="SYSTEM|ROBOT",
         help="a shipped system or robot, a TOML or Python file, or MJCF with a card",
-    )
-    add_trust_argument(parser)
-    parser.add_argument(
+    ),
+    TRUST,
+    option(
         "--gait", metavar="STRATUM", nargs="+", help="strata in order, the first again"
-    )
-    parser.add_argument(
+    ),
+    option(
         "--at", metavar="NAME=VALUE", nargs="+", help="coordinates; else the start's"
-    )
-    parser.add_argument(
-        "--depth", type=int, metavar="N", help="highest degree of brackets to form"
-    )
-    add_set_argument(parser, "a parameter of the system")
+    ),
+    option("--depth", type=int, metavar="N", help="highest degree of brackets to form"),
+    set_option("a parameter of the system"),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -136,12 +132,12 @@ def _subject(options: argparse.Namespace) -> _Subject:
     from models import StaticStability, equations, shipped_robots
     from sim.commands.systems import find, is_system
 
-    source, settings = options.system, options.set
+    source = options.system
     if not source.endswith(".xml") and is_system(source, shipped_robots(), "robot"):
-        problem = find(source, settings)
+        problem = find(source, settings_of(options))
         start = problem.states[0]
         return _Subject(problem.system, problem.gait, start, problem.elements, {}, {})
-    if settings:
+    if options.set:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
     robot = robot_of(options, source)
     described = equations(robot)

@@ -7,22 +7,21 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.commands.options import option
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
     from sim.reports.tables import Table
 
 HELP = "compare finished runs: settings that differ first, then what came of them"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
+OPTIONS = (
+    option(
         "runs", metavar="RUN", nargs="+", help="folders of finished runs, at least two"
-    )
-    parser.add_argument(
+    ),
+    option(
         "--out", metavar="FILE.html", help="page to make, with the paths of all runs"
-    )
+    ),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -34,7 +33,7 @@ def execute(options: argparse.Namespace) -> None:
         raise UsageError(
             "not a page's name", f"--out {options.out}", "give a name in .html"
         )
-    from sim.folder import blamed_on
+    from sim.folder import RunFolder, blamed_on, ensure_folder
     from sim.progress import bar
     from sim.reports.comparison import compare, names, page
     from sim.runs.run import read_run
@@ -50,7 +49,9 @@ def execute(options: argparse.Namespace) -> None:
         if options.out is not None:
             with blamed_on(runs[0].folder):
                 text = page(compared, progress)
-            _write(Path(options.out), text)
+            path = Path(options.out)
+            shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
+            shelf.write_text(path.name, text)
     if options.json:
         tables = {"settings": compared.differences, "results": compared.results}
         facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}
@@ -59,12 +60,6 @@ def execute(options: argparse.Namespace) -> None:
     print(_text(compared.differences), _text(compared.results), sep="\n\n")
     if options.out is not None:
         print(f"\n{'page':13}{options.out}")
-
-
-def _write(path: Path, page: str) -> None:
-    from sim.folder import RunFolder, ensure_folder
-
-    RunFolder(ensure_folder(path.parent, "page's folder")).write_text(path.name, page)
 
 
 def _by_run(table: Table, names: list[str]) -> list[dict[str, str]]:
@@ -80,7 +75,7 @@ def _text(table: Table) -> str:
     if not table.rows:
         return "All settings are the same."
     rows = [table.header, *table.rows]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(table.header))]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return "\n".join(
         "  ".join(
             cell.ljust(width) for cell, width in zip(row, widths, strict=True)

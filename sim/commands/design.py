@@ -10,33 +10,32 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from sim.commands.options import add_robot_argument, needs_extra, robot_of, whole
-from sim.errors import ExitCode, UsageError
+from sim.commands.options import (
+    needs_extra,
+    option,
+    robot_of,
+    robot_options,
+    whole,
+)
+from sim.errors import UsageError
 
 HELP = "how few joints suffice: swings locked or coupled, legs lifted in groups"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    add_robot_argument(parser, "a shipped robot, or MJCF with a card")
-    parser.add_argument(
+OPTIONS = (
+    *robot_options("a shipped robot, or MJCF with a card"),
+    option(
         "--walks",
         type=whole(0),
         default=20,
         metavar="N",
         help="how many designs to walk, the fewest joints first; 20 if not given",
-    )
-    parser.add_argument(
-        "--designs",
-        type=whole(1),
-        metavar="N",
-        help="look at the first N alone",
-    )
-    parser.add_argument("--out", metavar="FILE", help="Parquet table of all designs")
+    ),
+    option("--designs", type=whole(1), metavar="N", help="look at the first N alone"),
+    option("--out", metavar="FILE", help="Parquet table of all designs"),
+)
 
 
 @needs_extra("sweep")
-def execute(options: argparse.Namespace) -> ExitCode:
+def execute(options: argparse.Namespace) -> None:
     """Check every design, walk those that go everywhere, and print the table."""
     from sim.progress import bar
     from sim.studies.designing import designs, tried
@@ -64,7 +63,6 @@ def execute(options: argparse.Namespace) -> ExitCode:
         print(json.dumps(rows))
     else:
         print(*_table(rows), sep="\n")
-    return ExitCode.OK
 
 
 def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 from sim.errors import ExitCode, RenderError, one_line
 
+OPTIONS = ()
 HELP = "say what works here: physics, pictures, films, figures and reports"
 PICTURES = 3  # of a film to try
 PROBE_STEPS = 2000  # of the default robot, a tenth of a second or less
@@ -47,10 +48,6 @@ class Check:
     look: Callable[[], str]
     code: ExitCode
     package: str
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command; there are none of its own."""
 
 
 def execute(options: argparse.Namespace) -> int:

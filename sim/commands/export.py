@@ -5,17 +5,18 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import sys
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from sim.commands.options import (
     NAMED,
-    add_scenario_arguments,
+    notice,
+    option,
     real,
     robot_of,
     scenario_of,
+    scenario_options,
 )
 from sim.errors import UsageError
 
@@ -32,39 +33,35 @@ COARSE = (
     "this walk was planned for servos that take a command every physics step; plan it "
     "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
 )
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    add_scenario_arguments(
-        parser,
-        metavar="RUN|SCENARIO",
-        about="a run folder, a shipped scenario, or the file of one",
-    )
-    parser.add_argument(
+OPTIONS = (
+    *scenario_options(
+        "RUN|SCENARIO", "a run folder, a shipped scenario, or the file of one"
+    ),
+    option(
         "--format", choices=FORMATS, required=True, help="what the servos understand"
-    )
-    parser.add_argument("--out", metavar="FILE", required=True, help="file to write")
-    parser.add_argument(
+    ),
+    option("--out", metavar="FILE", required=True, help="file to write"),
+    option(
         "--rate",
         type=real("a rate", 50, zero=False),
         metavar="N",
         help="commands a second, where the walk has no rate of its own; otherwise 50",
-    )
-    parser.add_argument(
+    ),
+    option(
         "--microseconds",
         action="store_true",
         help="a header of pulses in microseconds instead of counts",
-    )
-    parser.add_argument(
+    ),
+    option(
         "--servo-table", metavar="FILE.yaml", help="servos as ROS packages list them"
-    )
-    parser.add_argument(
+    ),
+    option(
         "--play",
         action=argparse.BooleanOptionalAction,
         default=True,
         help="play what was written in the physics, and compare",
-    )
+    ),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -72,6 +69,7 @@ def execute(options: argparse.Namespace) -> None:
     out = Path(options.out)
     _require_sense(options, out)
 
+    from sim.export.played import play
     from sim.folder import blamed_on
     from sim.progress import bar
 
@@ -80,22 +78,25 @@ def execute(options: argparse.Namespace) -> None:
     with bar(quiet=options.json) as progress, blame:
         source = _source(options, progress)
         commands, read = _written(options, source, out)
-        played = _played(source, read, progress) if options.play else None
+        played = play(source, read, progress) if options.play else None
     if not source.servo.rate:
-        print(f"stratawalk: notice: {COARSE.format(rate=read.rate)}", file=sys.stderr)
+        notice(COARSE.format(rate=read.rate))
     if options.json:
-        exported = None if played is None else played.to_json()
-        print(json.dumps(_facts(options, commands) | {"exported": exported}))
+        facts = {
+            "file": options.out,
+            "format": options.format,
+            "commands": len(commands.angles),
+            "rate": commands.rate,
+            "joints": list(commands.joints),
+            "exported": played and played.to_json(),
+        }
+        print(json.dumps(facts))
     else:
         print(_report(options, source, commands, played))
 
 
 def _require_sense(options: argparse.Namespace, out: Path) -> None:
-    """Refuse before anything is simulated.
-
-    Raises:
-        UsageError: If the file exists, or options exclude one another.
-    """
+    """Refuse files that exist, and options that exclude one another, in time."""
     if options.microseconds and options.format != "header":
         what = f"--microseconds with --format {options.format}"
         raise UsageError(what, "the command line", "only a header has pulses")
@@ -151,28 +152,11 @@ def _written(
 
     given = read_ros_table(Path(options.servo_table)) if options.servo_table else None
     rate = options.rate or RATE
-    table = servos(
-        source, options.format, given, microseconds=options.microseconds, rate=rate
-    )
+    kind, pulses = options.format, options.microseconds
+    table = servos(source, kind, given, microseconds=pulses, rate=rate)
     commands = source.commands(rate)
-    write(out, options.format, source, commands, table)
-    return commands, read(out, options.format, table)
-
-
-def _played(source: Source, commands: ServoCommands, progress: Progress) -> Played:
-    from sim.export.played import play
-
-    return play(source, commands, progress)
-
-
-def _facts(options: argparse.Namespace, commands: ServoCommands) -> dict[str, Any]:
-    return {
-        "file": options.out,
-        "format": options.format,
-        "commands": len(commands.angles),
-        "rate": commands.rate,
-        "joints": list(commands.joints),
-    }
+    write(out, kind, source, commands, table)
+    return commands, read(out, kind, table)
 
 
 def _report(

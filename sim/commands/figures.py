@@ -5,18 +5,14 @@ from __future__ import annotations
 import argparse
 import json
 
-from sim.commands.options import folder_of
+from sim.commands.options import folder_of, option
 from sim.figures import NAMES
 
 HELP = "draw the paper's Figs. 1 to 9 again, on its kinematics and beside physics"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
-        "--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"
-    )
-    parser.add_argument("--only", choices=NAMES, help="draw this one alone")
+OPTIONS = (
+    option("--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"),
+    option("--only", choices=NAMES, help="draw this one alone"),
+)
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -8,33 +8,28 @@ import math
 import os
 from pathlib import Path
 
+from sim.commands.options import LOOK, RUN, option
 from sim.errors import UsageError
 
 HELP = "film a finished run, or a stretch of it, from any side"
 SUFFIXES = (".mp4", ".webp")
 CAMERAS = "across, follow, top, front, back, left, right or AZIMUTH,ELEVATION [degrees]"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument("run", metavar="RUN", help="folder of a finished run")
-    parser.add_argument("--camera", default="across", metavar="VIEW", help=CAMERAS)
-    parser.add_argument(
+OPTIONS = (
+    RUN,
+    option("--camera", default="across", metavar="VIEW", help=CAMERAS),
+    option(
         "--from", dest="start", type=float, metavar="S", help="begin [s]; or the start"
-    )
-    parser.add_argument(
-        "--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"
-    )
-    parser.add_argument(
-        "--look", choices=("draft", "final"), default="draft", help="look of the film"
-    )
-    parser.add_argument(
+    ),
+    option("--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"),
+    LOOK,
+    option(
         "--out",
         metavar="FILE",
         help="film to make in .mp4, or small animated picture in .webp; otherwise "
         "video.mp4 of the run, which it replaces, or for a stretch of time a name "
         "beside it",
-    )
+    ),
+)
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import add_robot_argument, add_set_argument, robot_of
+from sim.commands.options import robot_of, robot_options, set_option
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,12 +18,10 @@ if TYPE_CHECKING:
 
 HELP = "measure a robot's fields by short experiments in the physics"
 PLACES = (-1.0, 0.0, 1.0)  # of the span at which twists are shown
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    add_robot_argument(parser, "a shipped robot, or a FILE.xml")
-    add_set_argument(parser, "any setting of a scenario, such as friction=0.5")
+OPTIONS = (
+    *robot_options("a shipped robot, or a FILE.xml"),
+    set_option("any setting of a scenario, such as friction=0.5"),
+)
 
 
 def execute(options: argparse.Namespace) -> None:

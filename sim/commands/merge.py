@@ -5,22 +5,18 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from sim.commands.options import needs_extra
+from sim.commands.options import needs_extra, option
 from sim.errors import ExitCode
 
 HELP = "join what `sweep --shard` has walked to one table"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
-        "folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"
-    )
-    parser.add_argument(
+OPTIONS = (
+    option("folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"),
+    option(
         "--out",
         metavar="DIR",
         help="where the table goes; the first folder if not given",
-    )
+    ),
+)
 
 
 @needs_extra("sweep")

@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable
 from functools import wraps
+from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 Number = TypeVar("Number", int, float)
 Execute = Callable[[argparse.Namespace], ExitCode | None]
+Option = Callable[[argparse.ArgumentParser], object]
+"""Adds an option to the parser of a command."""
 
 NAMED = {
     "robot": "NAME|FILE.xml", "fields": None, "segments": "N", "degree": "K",
@@ -29,63 +32,14 @@ NAMED = {
 OF_RUN = ("correct", "imperfect", "draw")  # options that only `run` has
 
 
-def add_scenario_arguments(
-    parser: argparse.ArgumentParser, metavar: str = "SCENARIO", about: str = ""
-) -> None:
-    """Add the arguments that select a scenario and replace its settings.
-
-    Args:
-        parser: Parser of the command.
-        metavar: What the command takes.
-        about: What it takes, where that is not shipped things and files alone.
-    """
-    what = metavar.lower().replace("|", " or ")
-    parser.add_argument(
-        "scenario", metavar=metavar, help=about or f"a shipped {what}, or a file"
-    )
-    add_trust_argument(parser)
-    for name in (name for name in NAMED if name not in OF_RUN):
-        add_setting_argument(parser, name)
-    known = f"replace a key of the scenario: {', '.join(SETTINGS)}, path, obstacles"
-    add_set_argument(parser, known)
+def option(*names: str, **declared: object) -> Option:
+    """An option as `argparse` declares it, for the table `OPTIONS` of a command."""
+    return methodcaller("add_argument", *names, **declared)
 
 
-def add_setting_argument(
-    parser: argparse.ArgumentParser,
-    name: str,
-    read: Callable[[str], int] = int,
-) -> None:
-    """Add the option of a setting; its help is what is declared about the setting.
-
-    Args:
-        parser: Parser of the command.
-        name: One of `NAMED`.
-        read: Reads the value of a whole number.
-    """
-    declared, option = SETTINGS[name], f"--{name.replace('_', '-')}"
-    about = declared.about
-    if declared.includes(bool):
-        parser.add_argument(option, action="store_true", default=None, help=about)
-        return
-    if declared.includes(Literal):
-        about += f" ({declared.allowed})"
-    parser.add_argument(
-        option,
-        metavar=NAMED[name],
-        type=read if declared.includes(int) else str,
-        nargs="+" if declared.includes(tuple) else None,
-        help=about,
-    )
-
-
-def add_set_argument(parser: argparse.ArgumentParser, about: str) -> None:
-    """Add `--set`, which replaces values one by one.
-
-    Args:
-        parser: Parser of the command.
-        about: What may be set.
-    """
-    parser.add_argument(
+def set_option(about: str) -> Option:
+    """`--set`, which replaces values one by one."""
+    return option(
         "--set",
         metavar="KEY=VALUE",
         action="append",
@@ -94,19 +48,65 @@ def add_set_argument(parser: argparse.ArgumentParser, about: str) -> None:
     )
 
 
+def setting_option(name: str, read: Callable[[str], int] = int) -> Option:
+    """The option of a setting in `NAMED`; its help is what is declared about it."""
+    declared, flag = SETTINGS[name], f"--{name.replace('_', '-')}"
+    if declared.includes(bool):
+        return option(flag, action="store_true", default=None, help=declared.about)
+    choices = f" ({declared.allowed})" if declared.includes(Literal) else ""
+    return option(
+        flag,
+        metavar=NAMED[name],
+        type=read if declared.includes(int) else str,
+        nargs="+" if declared.includes(tuple) else None,
+        help=declared.about + choices,
+    )
+
+
+TRUST = option(
+    "--allow-external",
+    action="store_true",
+    help="let a robot's MJCF open files outside its own folder",
+)
+RUN = option("run", metavar="RUN", help="folder of a finished run")
+LOOK = option(
+    "--look", choices=("draft", "final"), default="draft", help="look of the film"
+)
+BROWSER = option(
+    "--browser",
+    action=argparse.BooleanOptionalAction,
+    help="open it; by default where there is a display",
+)
+
+
+def scenario_options(metavar: str = "SCENARIO", about: str = "") -> list[Option]:
+    """What selects a scenario and replaces its settings."""
+    about = about or f"a shipped {metavar.lower().replace('|', ' or ')}, or a file"
+    known = f"replace a key of the scenario: {', '.join(SETTINGS)}, path, obstacles"
+    return [
+        option("scenario", metavar=metavar, help=about),
+        TRUST,
+        *(setting_option(name) for name in NAMED if name not in OF_RUN),
+        set_option(known),
+    ]
+
+
+def robot_options(
+    about: str, metavar: str = "ROBOT", nargs: str | None = None
+) -> list[Option]:
+    """What a command has that is about one robot."""
+    return [option("robot", metavar=metavar, nargs=nargs, help=about), TRUST]
+
+
 def scenario_of(options: argparse.Namespace) -> Scenario:
     """The scenario that the command line asks for.
 
     Raises:
         UsageError: If it cannot be read, or an option contradicts `--set`.
     """
-    from sim.scenarios.file import load_scenario, parse_override
+    from sim.scenarios.file import load_scenario
 
-    overrides: dict[str, object] = {}
-    for key, value in map(parse_override, options.set):
-        if key in overrides:
-            raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
-        overrides[key] = value
+    overrides = settings_of(options)
     for key in NAMED:
         value = getattr(options, key, None)
         if value is None:
@@ -118,34 +118,35 @@ def scenario_of(options: argparse.Namespace) -> Scenario:
     return load_scenario(options.scenario, overrides)
 
 
-def folder_of(options: argparse.Namespace) -> Path | None:
-    """The folder `--out` names, None if it is left to be numbered.
+def settings_of(options: argparse.Namespace) -> dict[str, object]:
+    """What `--set` sets; a key that comes twice is refused."""
+    from sim.scenarios.file import parse_override
 
-    Raises:
-        UsageError: If the name is empty.
-    """
+    values: dict[str, object] = {}
+    for key, value in map(parse_override, options.set):
+        if key in values:
+            raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
+        values[key] = value
+    return values
+
+
+def folder_of(options: argparse.Namespace) -> Path | None:
+    """The folder `--out` names, which is not empty; None if it is to be numbered."""
     if options.out == "":
         raise UsageError("an empty name", "--out", "name a folder, or leave --out out")
     return None if options.out is None else Path(options.out)
 
 
 def whole(least: int) -> Callable[[str], int]:
-    """A reader of whole numbers, for `type` of an option.
-
-    Args:
-        least: Smallest that is taken.
-    """
+    """A reader of whole numbers from a least one on, for `type` of an option."""
     wanted = f"give a whole number, {least} or more"
     return _reader(int, lambda value: value >= least, f"cannot be; {wanted}")
 
 
 def real(what: str, example: float, zero: bool = True) -> Callable[[str], float]:
-    """A reader of finite numbers that are not negative, for `type` of an option.
+    """A reader of finite positive numbers, or zero, for `type` of an option.
 
-    Args:
-        what: What such a number is.
-        example: One that is taken.
-        zero: Whether 0 is taken, too.
+    A refusal says what such a number is, and gives an example.
     """
 
     def fits(value: float) -> bool:
@@ -170,11 +171,7 @@ def _reader(
 
 
 def needs_extra(extra: str) -> Callable[[Execute], Execute]:
-    """Have a command say what to install where a package of an extra is missing.
-
-    Args:
-        extra: Name of the extra, one of those in pyproject.toml.
-    """
+    """Have a command say which extra of pyproject.toml a missing package is of."""
 
     def decorate(execute: Execute) -> Execute:
         @wraps(execute)
@@ -195,49 +192,22 @@ def needs_extra(extra: str) -> Callable[[Execute], Execute]:
     return decorate
 
 
-def add_robot_argument(
-    parser: argparse.ArgumentParser,
-    about: str,
-    metavar: str = "ROBOT",
-    optional: bool = False,
-) -> None:
-    """Add a robot and `--allow-external` to a command that is about one robot."""
-    parser.add_argument(
-        "robot", metavar=metavar, nargs="?" if optional else None, help=about
-    )
-    add_trust_argument(parser)
-
-
-def add_trust_argument(parser: argparse.ArgumentParser) -> None:
-    """Add the option to a command that loads robots."""
-    parser.add_argument(
-        "--allow-external",
-        action="store_true",
-        help="let a robot's MJCF open files outside its own folder",
-    )
-
-
 def robot_of(options: argparse.Namespace, name: str) -> Robot:
-    """Load a robot, and say what it took from elsewhere.
-
-    Raises:
-        UnknownRobotError: If there is no such robot or file.
-        ModelError: If file or card cannot be used.
-    """
+    """Load a robot, and say what it took from elsewhere."""
     from models import load
 
     robot = load(name, allow_external=options.allow_external)
     if robot.borrowed:
-        print(
-            f"stratawalk: notice: {robot.path} has no card; that of the shipped robot "
-            f"{robot.borrowed!r}, whose model name it carries, is used",
-            file=sys.stderr,
+        notice(
+            f"{robot.path} has no card; that of the shipped robot {robot.borrowed!r}, "
+            "whose model name it carries, is used"
         )
     if robot.external:
         taken = ", ".join(map(str, robot.external))
-        print(
-            f"stratawalk: notice: taken from outside the folder of {robot.path}: "
-            f"{taken}",
-            file=sys.stderr,
-        )
+        notice(f"taken from outside the folder of {robot.path}: {taken}")
     return robot
+
+
+def notice(text: str) -> None:
+    """Print what a user should know on standard error."""
+    print(f"stratawalk: notice: {text}", file=sys.stderr)

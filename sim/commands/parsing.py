@@ -109,7 +109,9 @@ def parser() -> Parser:
         command = commands.add_parser(
             name, help=module.HELP, description=module.HELP, allow_abbrev=False
         )
-        module.add_arguments(command)
+        for add_option in module.OPTIONS:
+            add_option(command)
+        command.epilog = getattr(module, "EPILOG", None)
         command.add_argument("--json", action="store_true", help="print JSON alone")
         command.add_argument(
             "--debug", action="store_true", help="show the traceback of an error"

@@ -12,7 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import add_scenario_arguments, robot_of, scenario_of
+from sim.commands.options import (
+    option,
+    robot_of,
+    scenario_of,
+    scenario_options,
+    settings_of,
+)
 from sim.commands.plan_report import (
     Accuracy,
     Prospect,
@@ -48,17 +54,11 @@ SETTLED = dict.fromkeys(
 )
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    add_scenario_arguments(parser, "SCENARIO|SYSTEM")
+def _for_systems(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group("for systems")
-    for option in ("start", "goal"):
-        group.add_argument(
-            f"--{option}",
-            metavar="NAME=VALUE",
-            nargs="+",
-            help=f"coordinates at the {option}",
-        )
+    for place in ("start", "goal"):
+        about = f"coordinates at the {place}"
+        group.add_argument(f"--{place}", metavar="NAME=VALUE", nargs="+", help=about)
     group.add_argument(
         "--elements",
         metavar="ELEMENT",
@@ -66,7 +66,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
     )
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
-    parser.add_argument("--flows", action="store_true", help="print every flow as well")
+
+
+OPTIONS = (
+    *scenario_options("SCENARIO|SYSTEM"),
+    _for_systems,
+    option("--flows", action="store_true", help="print every flow as well"),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -182,7 +188,7 @@ def _system_problem(options: argparse.Namespace) -> SystemProblem:
     from sim.commands.systems import coordinates, find
     from sim.problems.system import PLAN_TIME, SystemProblem
 
-    problem = find(options.scenario, options.set)
+    problem = find(options.scenario, settings_of(options))
     by_elements = any(getattr(options, name) not in (None, []) for name in BY_ELEMENTS)
     chained = problem.flat is not None and not by_elements
     segments = 1 if chained and options.segments is None else options.segments

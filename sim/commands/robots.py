@@ -6,18 +6,15 @@ import argparse
 import json
 from typing import TYPE_CHECKING
 
-from sim.commands.options import add_robot_argument, robot_of
+from sim.commands.options import robot_of, robot_options
 
 if TYPE_CHECKING:
     from models import Card
 
 HELP = "list the shipped robots, or check one and show it in numbers"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    about = "a shipped robot, or your FILE.xml with its card (docs/robots.md)"
-    add_robot_argument(parser, about, optional=True)
+OPTIONS = robot_options(
+    "a shipped robot, or your FILE.xml with its card (docs/robots.md)", nargs="?"
+)
 
 
 def execute(options: argparse.Namespace) -> None:

@@ -9,13 +9,16 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from sim.commands.options import (
+    LOOK,
     OF_RUN,
-    add_scenario_arguments,
-    add_setting_argument,
     folder_of,
+    notice,
+    option,
     real,
     robot_of,
     scenario_of,
+    scenario_options,
+    setting_option,
     whole,
 )
 from sim.errors import ExitCode, RenderError, SimulationError, one_line
@@ -27,37 +30,32 @@ if TYPE_CHECKING:
     from sim.scenarios.scenario import Scenario
 
 HELP = "plan a scenario, walk it in MuJoCo, compare the two and film it"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    add_scenario_arguments(parser)
-    parser.add_argument(
+OPTIONS = (
+    *scenario_options(),
+    option(
         "--out", metavar="DIR", help="run folder to make; otherwise runs/SCENARIO-NNN"
-    )
-    parser.add_argument(
+    ),
+    option(
         "--video",
         action=argparse.BooleanOptionalAction,
         help="film the walk; by default if this machine can draw",
-    )
-    for name in OF_RUN:
-        add_setting_argument(parser, name, read=whole(0) if name == "draw" else int)
-    parser.add_argument(
+    ),
+    *(setting_option(name, whole(0) if name == "draw" else int) for name in OF_RUN),
+    option(
         "--tolerance",
         type=real("a share", 0.05),
         metavar="RATIO",
         help="end with 7 where the walk is farther off the quasi-static prediction "
         "than this share of the path",
-    )
-    parser.add_argument(
-        "--look", choices=("draft", "final"), default="draft", help="look of the film"
-    )
-    parser.add_argument(
+    ),
+    LOOK,
+    option(
         "--tries",
         type=whole(1),
         metavar="N",
         help="walk N draws of imperfections, of hobby if none are named",
-    )
+    ),
+)
 
 
 def execute(options: argparse.Namespace) -> ExitCode:
@@ -67,6 +65,8 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.folder import claim
     from sim.progress import bar
     from sim.run_folder import run
+    from sim.scenarios.imperfect import drawn
+    from sim.world.changes import changes
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
     look = options.look if _can_film(options.video) else None
@@ -76,7 +76,8 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
     if robot.opened is not None:
-        _print_changes(robot, scenario)
+        for change in changes(robot, drawn(scenario, robot)):
+            notice(f"{change}: {robot.path}")
     try:
         with bar(quiet=options.json) as progress:
             summary = run(
@@ -86,15 +87,6 @@ def execute(options: argparse.Namespace) -> ExitCode:
         folder.discard_if_empty()
     print(json.dumps(summary.to_json()) if options.json else _report(summary, folder))
     return _judged(summary, folder, options.tolerance)
-
-
-def _print_changes(robot: Robot, scenario: Scenario) -> None:
-    """What is changed in a robot of the user's own, a line each."""
-    from sim.scenarios.imperfect import drawn
-    from sim.world.changes import changes
-
-    for change in changes(robot, drawn(scenario, robot)):
-        print(f"stratawalk: notice: {change}: {robot.path}", file=sys.stderr)
 
 
 def _walk_tries(

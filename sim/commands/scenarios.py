@@ -5,14 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 
+from sim.commands.options import option
+
 HELP = "list the shipped scenarios, or print one with all its settings"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
-        "scenario", metavar="SCENARIO", nargs="?", help="print this one as TOML"
-    )
+OPTIONS = (
+    option("scenario", metavar="SCENARIO", nargs="?", help="print this one as TOML"),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -20,16 +18,12 @@ def execute(options: argparse.Namespace) -> None:
     from sim.scenarios.file import dumps, load_scenario, shipped_scenarios, to_table
 
     if options.scenario:
-        scenario = load_scenario(options.scenario)
-        print(
-            json.dumps(to_table(scenario)) if options.json else dumps(scenario).rstrip()
-        )
+        one = load_scenario(options.scenario)
+        print(json.dumps(to_table(one)) if options.json else dumps(one).rstrip())
         return
     scenarios = [load_scenario(name) for name in shipped_scenarios()]
     if options.json:
         print(json.dumps([to_table(scenario) for scenario in scenarios], indent=1))
         return
-    for scenario in scenarios:
-        print(
-            f"{scenario.name:12}{scenario.segments:4} segments  {scenario.description}"
-        )
+    for one in scenarios:
+        print(f"{one.name:12}{one.segments:4} segments  {one.description}")

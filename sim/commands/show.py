@@ -8,17 +8,10 @@ import os
 import sys
 from pathlib import Path
 
+from sim.commands.options import BROWSER, RUN
+
 HELP = "draw the report of a finished run, and open it where there is a display"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument("run", metavar="RUN", help="folder of a finished run")
-    parser.add_argument(
-        "--browser",
-        action=argparse.BooleanOptionalAction,
-        help="open it; by default where there is a display",
-    )
+OPTIONS = (RUN, BROWSER)
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -32,20 +25,16 @@ def execute(options: argparse.Namespace) -> None:
     with bar(quiet=options.json) as progress, blamed_on(folder):
         path = write_report(read_run(folder), progress)
     print(json.dumps({"report": str(path)}) if options.json else path)
-    if has_display() if options.browser is None else options.browser:
-        sys.stdout.flush()
-        open_page(path.as_uri())
+    open_page(path.as_uri(), options.browser)
 
 
-def has_display() -> bool:
-    """Whether a browser's window would be seen by the one who asked for it."""
-    screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    return sys.platform == "darwin" or bool(screen)
-
-
-def open_page(address: str) -> None:
-    """Open a page in the user's browser, or say that there is none."""
+def open_page(address: str, wanted: bool | None) -> None:
+    """Open a page in a browser, by default where its window would be seen."""
     import webbrowser
 
+    screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not (sys.platform == "darwin" or screen if wanted is None else wanted):
+        return
+    sys.stdout.flush()
     if not webbrowser.open(address):
         print(f"stratawalk: warning: no browser found for {address}", file=sys.stderr)

@@ -7,33 +7,28 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
-from sim.commands.options import needs_extra
-from sim.errors import ExitCode
+from sim.commands.options import needs_extra, option
 from sim.scenarios.predictions import LABELS, prediction_key
 
 HELP = "map where the predictions of a sweep hold, and tell which settings matter"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
-        "table", metavar="TABLE", help="table of a sweep, or the sweep's folder"
-    )
-    parser.add_argument(
+OPTIONS = (
+    option("table", metavar="TABLE", help="table of a sweep, or the sweep's folder"),
+    option(
         "--prediction",
         choices=LABELS,
         default="quasi-static",
         help="prediction that the walks are compared with",
-    )
-    parser.add_argument(
+    ),
+    option(
         "--out",
         metavar="DIR",
         help="for the maps; `maps` beside the table if not given",
-    )
+    ),
+)
 
 
 @needs_extra("sweep")
-def execute(options: argparse.Namespace) -> ExitCode:
+def execute(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     from sim.folder import ensure_folder
     from sim.progress import bar, stage
@@ -49,8 +44,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
         found, drawn = findings(results), draw_maps(results, folder)
     if options.json:
         print(json.dumps(asdict(found) | {"maps": [str(path) for path in drawn]}))
-        return ExitCode.OK
+        return
     print(found)
     for path in drawn:
         print(f"{'map':8}{path}")
-    return ExitCode.OK

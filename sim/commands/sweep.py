@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import needs_extra
+from sim.commands.options import needs_extra, option
 from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -20,43 +20,6 @@ if TYPE_CHECKING:
 
 HELP = "walk a scenario with many settings, into one table; what is done is never lost"
 PRINTED = 5  # reasons of failed points, at most
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
-    parser.add_argument(
-        "file",
-        metavar="FILE.toml",
-        help="which scenario, what varies; or a shipped study",
-    )
-    parser.add_argument(
-        "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"
-    )
-    parser.add_argument(
-        "--resume",
-        action="store_true",
-        help="walk only what is not done yet; begin if there is nothing",
-    )
-    parser.add_argument(
-        "--force-mix",
-        action="store_true",
-        help="keep points in a table although sweep or versions have changed",
-    )
-    parser.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; one a core if not given",
-    )
-    parser.add_argument(
-        "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers to take"
-    )
-    parser.add_argument(
-        "--shard",
-        type=_shard,
-        metavar="I/N",
-        help="walk the I-th of N equal parts alone, I from 1; `merge` joins them",
-    )
 
 
 def _shard(text: str) -> Shard:
@@ -71,17 +34,49 @@ def _shard(text: str) -> Shard:
         raise argparse.ArgumentTypeError(f"{error.what}; {error.remedy}") from error
 
 
+OPTIONS = (
+    option(
+        "file",
+        metavar="FILE.toml",
+        help="which scenario, what varies; or a shipped study",
+    ),
+    option(
+        "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"
+    ),
+    option(
+        "--resume",
+        action="store_true",
+        help="walk only what is not done yet; begin if there is nothing",
+    ),
+    option(
+        "--force-mix",
+        action="store_true",
+        help="keep points in a table although sweep or versions have changed",
+    ),
+    option(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes on this machine; one a core if not given",
+    ),
+    option(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers to take"
+    ),
+    option(
+        "--shard",
+        type=_shard,
+        metavar="I/N",
+        help="walk the I-th of N equal parts alone, I from 1; `merge` joins them",
+    ),
+)
+
+
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
     from sim.sweeps.file import read_sweep
     from sim.sweeps.folder import Shard, claim
-    from sim.sweeps.sweeping import (
-        Workforce,
-        carry_on,
-        points_of,
-        write_run_folders,
-    )
+    from sim.sweeps.sweeping import Workforce, carry_on, points_of, write_run_folders
 
     sweep = read_sweep(options.file)
     shard = options.shard or Shard()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".toml", ".py")
 HELP = "list the shipped systems and their parameters"
-
-
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command; it has none of its own."""
+OPTIONS = ()
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -84,29 +81,15 @@ def _has_strata(path: Path) -> bool:
         return False
 
 
-def find(source: str, settings: Sequence[str] = ()) -> Problem:
-    """The problem of a shipped system, or of a TOML or Python file.
+def find(source: str, values: Mapping[str, object]) -> Problem:
+    """The problem of a shipped system, or of a TOML or Python file."""
+    from models import load_system, shipped_system
 
-    Raises:
-        UsageError: There is no such file, or a setting sets nothing, or comes twice.
-        ProblemError: There is no such system, or its file says something impossible.
-    """
-    from sim.scenarios.file import parse_override
-
-    values: dict[str, object] = {}
-    for key, value in map(parse_override, settings):
-        if key in values:
-            raise UsageError(f"{key} is given twice", f"--set {key}", "keep one")
-        values[key] = value
     path = Path(source)
     if path.suffix not in SUFFIXES:
-        from models import shipped_system
-
         return shipped_system(source, values)
     if not path.is_file():
         raise UsageError("no such system file", source, "give a file that exists")
-    from models import load_system
-
     return load_system(path, values)
 
 
