@@ -1,10 +1,9 @@
 """Involutive closure: the Lie algebra that fields generate, degree by degree (Sec. 4).
 
 Each degree is spanned by brackets [g, B] of generators with the fields of the degree
-before. If a degree adds no new field, the algebra is complete, and its rank at any
-configuration is final. That the rank at one configuration does not grow proves nothing;
-fields are therefore compared at configurations around the given one and at itself.
-Where rounding errors could decide, `exact_rank` calculates with fractions.
+before; once a degree adds no new field, the rank at any configuration is final. That
+the rank at one configuration does not grow proves nothing, so fields are compared at
+configurations around it. Where rounding could decide, `exact_rank` uses fractions.
 """
 
 from __future__ import annotations
@@ -34,21 +33,13 @@ Named = tuple[str, VectorField]
 
 @dataclass(frozen=True, eq=False)
 class LieClosure:
-    """Fields that span the involutive closure of a distribution, up to a degree.
+    """Independent fields that span the involutive closure of a distribution."""
 
-    Attributes:
-        names: Names of the fields, generators first.
-        fields: The fields, linearly independent over the reals.
-        columns: Their values at the given configuration, shape (n, fields).
-        depth: Highest degree of brackets that was formed.
-        complete: Whether the next degree adds no field.
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # generators first
     fields: tuple[VectorField, ...]
-    columns: Array
-    depth: int
-    complete: bool
+    columns: Array  # their values at the given configuration, shape (n, fields)
+    depth: int  # highest degree of brackets that was formed
+    complete: bool  # whether the next degree adds no field
 
 
 def involutive_closure(
@@ -58,21 +49,11 @@ def involutive_closure(
     max_depth: int,
     until: Callable[[LieClosure], bool] = lambda algebra: False,
 ) -> LieClosure:
-    """The involutive closure of fields, complete or up to a given degree.
+    """The involutive closure of fields around a configuration of shape (n,).
 
-    The search ends at a lower degree if there are too many fields or their formulas
-    become too long.
-
-    Args:
-        generators: Fields by name.
-        state: Symbols of the state.
-        at: Configuration around which they are compared, shape (n,).
-        max_depth: Highest degree of brackets to form, at least 1.
-        until: Whether the algebra found so far suffices; called after each degree.
-
-    Raises:
-        ValueError: The degree is below 1.
-        SingularConfigurationError: A field is not finite at the configuration.
+    The search ends at `max_depth`, once `until` says that the algebra found suffices,
+    or if there are too many fields or too long formulas. Raises
+    `SingularConfigurationError` if a field is not finite at the configuration.
     """
     if max_depth < 1:
         raise ValueError(f"depth is {max_depth}; at least 1 is needed")
@@ -126,28 +107,24 @@ class _Span:
         """Add fields until there are too many, and return the independent ones."""
         before = len(self._known)
         for name, field in fields:
-            self._operations += _operations(field)
-            self._take_in(name, field)
+            numeric = isinstance(field, NumericField)
+            self._operations += (
+                CALL_OPERATIONS * field.calls if numeric else int(sp.count_ops(field))
+            )
+            values = self._evaluation(field)  # (PROBES, n)
+            sound = np.all(np.isfinite(values), axis=1)
+            if not sound[0]:
+                raise SingularConfigurationError(name, self._evaluation.points[0])
+            if not sound[self._sound].all():
+                self._sound &= sound
+                rows = np.repeat(self._sound, len(self._columns))
+                self._directions, _ = np.linalg.qr(self._directions * rows[:, None])
+            if self._is_new(np.where(self._sound[:, None], values, 0.0).ravel()):
+                self._known.append((name, field))
+                self._columns = np.column_stack([self._columns, values[0]])
             if self.full:
                 break
         return self._known[before:]
-
-    def _take_in(self, name: str, field: VectorField) -> None:
-        values = self._evaluation(field)  # (PROBES, n)
-        sound = np.all(np.isfinite(values), axis=1)
-        if not sound[0]:
-            raise SingularConfigurationError(name, self._evaluation.points[0])
-        if not sound[self._sound].all():
-            self._leave_out(~sound)
-        vector = np.where(self._sound[:, None], values, 0.0).ravel()
-        if self._is_new(vector):
-            self._known.append((name, field))
-            self._columns = np.column_stack([self._columns, values[0]])
-
-    def _leave_out(self, points: Array) -> None:
-        self._sound &= ~points
-        rows = np.repeat(self._sound, len(self._columns))
-        self._directions, _ = np.linalg.qr(self._directions * rows[:, None])
 
     def _is_new(self, vector: Array) -> bool:
         size = np.linalg.norm(vector)
@@ -162,12 +139,6 @@ class _Span:
         return bool(left > INDEPENDENT)
 
 
-def _operations(field: VectorField) -> int:
-    if isinstance(field, NumericField):
-        return CALL_OPERATIONS * field.calls
-    return int(sp.count_ops(field))
-
-
 def exact_rank(fields: Iterable[VectorField], state: Symbols, at: Array) -> int | None:
     """Rank of fields at a configuration in rational arithmetic.
 
@@ -180,15 +151,15 @@ def exact_rank(fields: Iterable[VectorField], state: Symbols, at: Array) -> int 
     if len(columns) * len(state) > MOST_ENTRIES:
         return None
     place = {s: _decimal(value) for s, value in zip(state, at.tolist(), strict=True)}
-    values = [[_exact(entry).subs(place) for entry in field] for field in columns]
+
+    def exact(entry: sp.Expr) -> sp.Expr:
+        floats = {number: _decimal(float(number)) for number in entry.atoms(sp.Float)}
+        return entry.xreplace(floats).subs(place)
+
+    values = [[exact(entry) for entry in field] for field in columns]
     if not all(entry.is_Rational for column in values for entry in column):
         return None
     return int(sp.Matrix(values).rank()) if values else 0
-
-
-def _exact(entry: sp.Expr) -> sp.Expr:
-    floats = {number: _decimal(float(number)) for number in entry.atoms(sp.Float)}
-    return entry.xreplace(floats)
 
 
 def _decimal(number: float) -> sp.Rational:

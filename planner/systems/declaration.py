@@ -27,35 +27,29 @@ NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 def checked_state(state: Iterable[str | sp.Symbol]) -> Symbols:
-    """Symbols of a state from symbols, from names, or from one string of names.
-
-    Raises `ValueError` if there are none, or a name is invalid or used twice.
-    """
+    """Symbols of a state from symbols, from names, or from one string of names."""
     if isinstance(state, str):
         state = state.replace(",", " ").split()
     symbols = tuple(sp.Symbol(s) if isinstance(s, str) else s for s in state)
     if not symbols:
         raise ValueError("state is empty; name at least one coordinate")
     names = [str(s) for s in symbols]
-    for s in symbols:
-        if not isinstance(s, sp.Symbol) or not NAME.fullmatch(str(s)):
+    for s, name in zip(symbols, names, strict=True):
+        if not isinstance(s, sp.Symbol) or not NAME.fullmatch(name):
             raise ValueError(
-                f"state has {s!s}, which is not a name; use letters, digits, _"
+                f"state has {name}, which is not a name; use letters, digits, _"
             )
-        if str(s) in RESERVED:
-            raise ValueError(f"state has {s}, which formulas use; rename it")
-        if names.count(str(s)) > 1:
-            raise ValueError(f"state names {s} twice; rename one")
+        if name in RESERVED:
+            raise ValueError(f"state has {name}, which formulas use; rename it")
+        if names.count(name) > 1:
+            raise ValueError(f"state names {name} twice; rename one")
     return symbols
 
 
 def checked_strata(
     strata: Mapping[str, Mapping[str, Written]], state: Symbols
 ) -> dict[str, dict[str, VectorField]]:
-    """Fields of each stratum as immutable columns, or as numeric fields.
-
-    Raises `ValueError` if a field is misshapen, misnamed or uses other symbols.
-    """
+    """Fields of each stratum as immutable columns, or as numeric fields."""
     if not strata or not any(strata.values()):
         raise ValueError(
             "strata hold no fields; give at least one stratum with one field"
@@ -106,7 +100,7 @@ def _require_differentiable(what: str, field: NumericField, size: int) -> None:
 
 
 def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
-    """A value as an expression; a string is read as a formula."""
+    """A value as an expression of the state; a string is read as a formula."""
     try:
         text = isinstance(value, str)
         expression = (
@@ -114,24 +108,17 @@ def _expression(what: str, value: Written, state: Symbols) -> sp.Expr:
         )
     except ValueError as error:
         raise ValueError(f"{what}: {error}") from None
-    _require_known(what, expression, state)
-    return expression
-
-
-def _require_known(what: str, expression: sp.Expr, state: Symbols) -> None:
     parts = _parts(expression)
-    if {part for part in parts if part.is_Symbol} <= set(state):
-        strangers = []
-    else:
-        strangers = sorted(map(str, expression.free_symbols - set(state)))
-    if strangers:
-        listed = ", ".join(map(str, state))
+    known = {part for part in parts if part.is_Symbol} <= set(state)
+    if not known and (strangers := expression.free_symbols - set(state)):
         raise ValueError(
-            f"{what} uses {strangers[0]}, which is not in the state ({listed})"
+            f"{what} uses {min(map(str, strangers))}, which is not in the state "
+            f"({', '.join(map(str, state))})"
         )
     for part in parts:
         if part.is_number and not _is_real(part):
             raise ValueError(f"{what} has {part}, no real number below {HUGE:.0e}")
+    return expression
 
 
 def _parts(expression: sp.Expr) -> dict[sp.Basic, None]:
@@ -158,36 +145,30 @@ def checked_level_sets(
 ) -> dict[str, tuple[sp.Expr, ...]]:
     """Expressions that vanish on each stratum, given as one or several or as strings.
 
-    Raises `ValueError` if a stratum is unknown, or expressions use other symbols, have
-    no derivative or depend on one another.
+    They are independent, and SymPy has no kink in them, as of the absolute value.
     """
-    checked = {}
-    for stratum, functions in level_sets.items():
+    checked: dict[str, tuple[sp.Expr, ...]] = {}
+    for stratum, given in level_sets.items():
         if stratum not in strata:
             raise ValueError(
                 f"level set of stratum {stratum!r}, which {unknown(stratum, strata)}"
             )
-        listed = functions if isinstance(functions, (tuple, list)) else [functions]
+        listed = given if isinstance(given, (tuple, list)) else [given]
         what = f"level set of S{stratum}"
-        checked[stratum] = tuple(_expression(what, f, state) for f in listed)
-        if kinked := [f for f in checked[stratum] if _kinked(f, state)]:
-            raise ValueError(
-                f"level set of S{stratum}, {kinked[0]}, has no derivative (Def. 1); "
-                "give a smooth function"
-            )
-        if checked[stratum] and _dependent(checked[stratum], state):
+        functions = checked[stratum] = tuple(
+            _expression(what, f, state) for f in listed
+        )
+        for f in functions:
+            slopes = LevelSet((f,), state).differential
+            if slopes.atoms(sp.Derivative) - f.atoms(sp.Derivative):
+                raise ValueError(
+                    f"{what}, {f}, has no derivative (Def. 1); give a smooth function"
+                )
+        if not functions:
+            continue
+        if LevelSet(functions, state).differential.rank() < len(functions):
             raise ValueError(
                 f"level sets of S{stratum} are not independent: "
-                f"{', '.join(map(str, checked[stratum]))} (Def. 1)"
+                f"{', '.join(map(str, functions))} (Def. 1)"
             )
     return checked
-
-
-def _kinked(function: sp.Expr, state: Symbols) -> bool:
-    """Whether SymPy finds no derivative, as of the absolute value."""
-    slopes = LevelSet((function,), state).differential
-    return bool(slopes.atoms(sp.Derivative) - function.atoms(sp.Derivative))
-
-
-def _dependent(functions: tuple[sp.Expr, ...], state: Symbols) -> bool:
-    return bool(LevelSet(functions, state).differential.rank() < len(functions))

@@ -1,8 +1,7 @@
 """Elements of an extended system by name: fields and brackets of fields.
 
-An element is written as `g1_1` or `[g1_1,g2_2]`. Generators may also be written as
-numbers, `1` and `[1,2]`, which count all fields of the system in order of declaration,
-from 1. In code an element is a tree of names.
+An element is written as `g1_1` or `[g1_1,g2_2]`; `1` and `[1,2]` count all fields of
+the system in order of declaration. In code an element is a tree of names.
 """
 
 from __future__ import annotations
@@ -22,25 +21,22 @@ TOKEN = re.compile(r"\s*([\[\],]|\w+)")
 
 
 def parse(text: str, system: StratifiedSystem) -> Tree:
-    """The tree of field names that an element's name stands for.
-
-    Raises `ValueError` if it is no element, or the system lacks one of its fields.
-    """
-    tree = parse_names(text)
+    """The tree of field names that an element's name stands for in a system."""
     names = list(system.fields)
 
     def resolve(name: str) -> str:
         if name in system.fields:
             return name
-        if name.isdigit() and 1 <= int(name) <= len(names):
-            return names[int(name) - 1]
-        if name.isdigit():
+        if not name.isdigit():
+            known = unknown(name, system.fields)
+            raise ValueError(f"element {text}: field {name} {known}")
+        if not 1 <= int(name) <= len(names):
             raise ValueError(
                 f"element {text}: generators are numbered 1 to {len(names)}"
             )
-        raise ValueError(f"element {text}: field {name} {unknown(name, system.fields)}")
+        return names[int(name) - 1]
 
-    return relabel(tree, resolve)
+    return relabel(parse_names(text), resolve)
 
 
 def parse_names(text: str) -> Tree:
@@ -61,20 +57,18 @@ def parse_names(text: str) -> Tree:
 
 def _read(tokens: Iterator[str], text: str) -> Tree:
     token = next(tokens, "")
-    if token == "[":
-        left = _read(tokens, text)
-        _expect(tokens, ",", text)
-        right = _read(tokens, text)
-        _expect(tokens, "]", text)
-        return (left, right)
-    if not token or token in ",]":
-        raise ValueError(f"element {text!r} is neither a field nor a bracket [a,b]")
-    return token
-
-
-def _expect(tokens: Iterator[str], mark: str, text: str) -> None:
-    if next(tokens, "") != mark:
-        raise ValueError(f"element {text!r} lacks a {mark!r}; write a field or [a,b]")
+    if token != "[":
+        if not token or token in ",]":
+            raise ValueError(f"element {text!r} is neither a field nor a bracket [a,b]")
+        return token
+    branches = []
+    for mark in ",]":
+        branches.append(_read(tokens, text))
+        if next(tokens, "") != mark:
+            raise ValueError(
+                f"element {text!r} lacks a {mark!r}; write a field or [a,b]"
+            )
+    return tuple(branches)
 
 
 def name_of(tree: Tree) -> str:

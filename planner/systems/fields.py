@@ -1,8 +1,6 @@
 """Vector fields on the configuration space: brackets and fast evaluation, eq. (1).
 
-They are the columns g_i of x' = g_1(x) u_1 + ... + g_m(x) u_m, a system without drift;
-`strata.StratifiedSystem` is the system itself, with one such sum on each stratum.
-
+They are the columns g_i of x' = g_1(x) u_1 + ... + g_m(x) u_m, a system without drift.
 A field is a column of sympy expressions in the symbols of the state, or a
 `NumericField` where it is known as a Python function only.
 """
@@ -49,19 +47,16 @@ def bracket(f: sp.Matrix, g: sp.Matrix, x: Sequence[sp.Symbol]) -> sp.Matrix:
         [0, 0, 1]
     """
     f, g = (_column(field, len(x)) for field in (f, g))
-    change, back = _derivative(g, f, x), _derivative(f, g, x)
-    return sp.ImmutableMatrix([a - b for a, b in zip(change, back, strict=True)])
 
+    def change(of: sp.Matrix, along: sp.Matrix) -> list[sp.Expr]:
+        moving = [(s, speed) for s, speed in zip(x, along, strict=True) if speed != 0]
+        return [
+            sp.Add(*(entry.diff(s) * speed for s, speed in moving if entry.has(s)))
+            for entry in of
+        ]
 
-def _derivative(
-    field: sp.Matrix, direction: sp.Matrix, x: Sequence[sp.Symbol]
-) -> list[sp.Expr]:
-    """Derivative of a field along a direction, entry by entry."""
-    moving = [(s, speed) for s, speed in zip(x, direction, strict=True) if speed != 0]
-    return [
-        sp.Add(*(entry.diff(s) * speed for s, speed in moving if entry.has(s)))
-        for entry in field
-    ]
+    pairs = zip(change(g, f), change(f, g), strict=True)
+    return sp.ImmutableMatrix([a - b for a, b in pairs])
 
 
 def _column(field: sp.Matrix, size: int) -> sp.Matrix:
@@ -140,8 +135,7 @@ def central_difference(
 ) -> Array:
     """Derivative of a function along a direction of any length, by central differences.
 
-    Differences of three step sizes, the largest of them `step`, are extrapolated to an
-    error of sixth order.
+    Those of three step sizes, `step` the largest, are extrapolated to the sixth order.
     """
     size = float(np.linalg.norm(direction))
     if size == 0.0:
@@ -155,8 +149,14 @@ def central_difference(
     return size * (64 * fine - 20 * middle + coarse) / 45
 
 
-def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
-    """The Lie bracket of numeric fields, by differences along one another."""
+def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
+    """The Lie bracket of fields of either kind.
+
+    If one of them is numeric, so is the bracket: derivatives along one another.
+    """
+    if not (isinstance(f, NumericField) or isinstance(g, NumericField)):
+        return bracket(f, g, state)
+    f, g = as_numeric(f, state), as_numeric(g, state)
 
     def value(x: Array) -> Array:
         return g.derivative(x, f(x)) - f.derivative(x, g(x))
@@ -168,21 +168,13 @@ def numeric_bracket(f: NumericField, g: NumericField) -> NumericField:
     return NumericField(value, None, terms, 7 * (f.calls + g.calls))
 
 
-def lie_bracket(f: VectorField, g: VectorField, state: Symbols) -> VectorField:
-    """The Lie bracket of fields of either kind; numeric if one of them is."""
-    if isinstance(f, NumericField) or isinstance(g, NumericField):
-        return numeric_bracket(as_numeric(f, state), as_numeric(g, state))
-    return bracket(f, g, state)
-
-
 def as_numeric(field: VectorField, state: Symbols) -> NumericField:
     """A field as a function, with its exact derivative where it is symbolic."""
     if isinstance(field, NumericField):
         return field
     value = compile_fields([field], state)
-    rows = compile_fields(
-        list(map(sp.Matrix, field.jacobian(sp.Matrix(state)).T.tolist())), state
-    )
+    slopes = field.jacobian(sp.Matrix(state)).T.tolist()
+    rows = compile_fields(list(map(sp.Matrix, slopes)), state)
     return NumericField(lambda x: value(x)[..., 0], rows)
 
 
@@ -199,8 +191,8 @@ class CompiledFields:
     def __call__(self, x: ArrayLike) -> Array:
         """The fields as columns, shape (..., n, p), at configurations (..., n).
 
-        Raises:
-            SingularConfigurationError: A field has no finite value at one of them.
+        Raises `SingularConfigurationError` if a field has no finite value at one of
+        them.
         """
         x = np.asarray(x, dtype=float)
         columns = self.values(x)
@@ -241,8 +233,7 @@ def compile_fields(
     """
     rows = next((len(f) for f in fields if not isinstance(f, NumericField)), len(state))
     constant = np.zeros((rows, len(fields)))
-    varying: list[tuple[int, int]] = []
-    expressions: list[sp.Expr] = []
+    varying: dict[tuple[int, int], sp.Expr] = {}
     numeric: list[tuple[int, NumericField]] = []
     for j, field in enumerate(fields):
         if isinstance(field, NumericField):
@@ -250,19 +241,14 @@ def compile_fields(
             continue
         for i, entry in enumerate(field):
             if entry.free_symbols:
-                varying.append((i, j))
-                expressions.append(entry)
+                varying[i, j] = entry
             else:
                 constant[i, j] = float(entry)
-    return CompiledFields(
-        names=tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields))),
-        constant=constant,
-        varying=tuple(varying),
-        function=sp.lambdify(
-            state, expressions, modules=[KINKS, "numpy"], cse=True, dummify=True
-        ),
-        numeric=tuple(numeric),
+    function = sp.lambdify(
+        state, [*varying.values()], [KINKS, "numpy"], cse=True, dummify=True
     )
+    names = tuple(names) or tuple(f"field {j + 1}" for j in range(len(fields)))
+    return CompiledFields(names, constant, tuple(varying), function, tuple(numeric))
 
 
 def rates_with(

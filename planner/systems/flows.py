@@ -1,16 +1,15 @@
-"""Flows along the fields of strata, eq. (2).
+"""Flows along the fields of strata in time order, eq. (2).
 
-A sequence of flows is in time order. Every flow names the stratum that it runs on, so
-flows that lift feet and set them down are never listed: they are implied wherever the
-stratum changes. `planning.rollouts` composes flows as eq. (12) does; the series of
-eq. (2) is `lie.tensor.Tensor.exp`.
+Every flow names its stratum, so flows that lift feet and set them down are never
+listed: they are implied wherever the stratum changes. `planning.rollouts` composes
+flows as eq. (12) does; the series of eq. (2) is `lie.tensor.Tensor.exp`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import pairwise
+from itertools import groupby, pairwise
 from operator import itemgetter
 from typing import NamedTuple
 
@@ -40,25 +39,15 @@ class Flow(NamedTuple):
 
 
 class Word(NamedTuple):
-    """The flows of a segment in time order, before they are grouped by stratum.
+    """The flows of a segment in time order, before they are grouped by stratum."""
 
-    Attributes:
-        fields: Names of the fields. Segments whose words have the same fields share one
-            tuple.
-        durations: Signed duration of the flow along each of them.
-    """
-
-    fields: tuple[str, ...]
-    durations: Sequence[float]
-
-
-_place = itemgetter(0, 1)  # stratum and field of a flow
-_duration = itemgetter(2)
+    fields: tuple[str, ...]  # one tuple for all segments whose words have the same
+    durations: Sequence[float]  # signed, of the flow along each field
 
 
 def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
     """Raise `ValueError` unless flows are finite and name strata and fields."""
-    for stratum, field in dict.fromkeys(map(_place, flows)):
+    for stratum, field in dict.fromkeys(map(itemgetter(0, 1), flows)):
         if stratum not in system.strata:
             known = unknown(stratum, system.strata)
             raise ValueError(f"flow on stratum {stratum!r}, which {known}")
@@ -68,7 +57,7 @@ def require_flows(system: StratifiedSystem, flows: Sequence[Flow]) -> None:
             raise ValueError(
                 f"flow along {field} on S{stratum}; the field belongs to S{owner}"
             )
-    if not all(map(math.isfinite, map(_duration, flows))):
+    if not all(map(math.isfinite, map(itemgetter(2), flows))):
         flow = next(flow for flow in flows if not math.isfinite(flow.duration))
         raise ValueError(f"the duration of flow {flow} is not finite")
 
@@ -92,13 +81,7 @@ def merged(flows: Iterable[Flow]) -> tuple[Flow, ...]:
 
 def visits(flows: Iterable[Flow]) -> list[list[Flow]]:
     """Split a sequence of flows where the stratum changes."""
-    runs: list[list[Flow]] = []
-    for flow in flows:
-        if runs and runs[-1][0].stratum == flow.stratum:
-            runs[-1].append(flow)
-        else:
-            runs.append([flow])
-    return runs
+    return [list(run) for _, run in groupby(flows, itemgetter(0))]
 
 
 def contact_switches(
@@ -121,9 +104,8 @@ def contact_switches(
         >>> contact_switches(walker, [Flow("1", "f", 1), Flow("2", "g", 1)])
         4
     """
-    walk = [start or system.bottom]
-    walk += [run[0].stratum for run in visits(merged(flows))]
-    walk += [goal or system.bottom]
+    visited = [run[0].stratum for run in visits(merged(flows))]
+    walk = [start or system.bottom, *visited, goal or system.bottom]
     return sum(system.switches(a, b) for a, b in pairwise(walk))
 
 

@@ -9,22 +9,9 @@ from collections.abc import Callable, Iterable, Mapping
 import sympy as sp
 from sympy.printing.str import StrPrinter
 
+NAMES = "sin cos tan asin acos atan atan2 sinh cosh tanh exp log sqrt Abs sign"
 FUNCTIONS: Mapping[str, Callable[..., sp.Expr]] = {
-    "sin": sp.sin,
-    "cos": sp.cos,
-    "tan": sp.tan,
-    "asin": sp.asin,
-    "acos": sp.acos,
-    "atan": sp.atan,
-    "atan2": sp.atan2,
-    "sinh": sp.sinh,
-    "cosh": sp.cosh,
-    "tanh": sp.tanh,
-    "exp": sp.exp,
-    "log": sp.log,
-    "sqrt": sp.sqrt,
-    "Abs": sp.Abs,
-    "sign": sp.sign,
+    name: getattr(sp, name) for name in NAMES.split()
 }
 CONSTANTS: Mapping[str, sp.Expr] = {"pi": sp.pi}
 RESERVED = frozenset({*FUNCTIONS, *CONSTANTS})  # names that coordinates cannot have
@@ -51,15 +38,9 @@ def read_formula(
 ) -> sp.Expr:
     """The expression that a formula stands for.
 
-    Args:
-        text: A number, or a formula of names, numbers, `+ - * / **` and the functions
-            in `FUNCTIONS`.
-        names: Symbols that the formula may use.
-        values: Numbers that the formula may use by name.
-
-    Raises:
-        ValueError: The text is not such a formula, is too long, or has a number that
-            is too large.
+    It is a number, or a text of `+ - * / **`, numbers, the functions in `FUNCTIONS`,
+    the symbols in `names` and the names of `values`. Raises `ValueError` if it is no
+    such formula, is too long, or has a number that is too large.
     """
     if isinstance(text, (int, float)):
         return sp.sympify(text)

@@ -2,8 +2,7 @@
 
 Between two flows a walk follows the gait, possibly through strata on which nothing
 flows, until it reaches the stratum of the next flow. It is never worse to stay on a
-stratum until no further flow can run there. The smallest number of steps of the gait is
-therefore found by moving on only when this is necessary.
+stratum until no further flow can run there, so the gait moves on only when it must.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain, pairwise
+from operator import itemgetter
 
 from planner.errors import StratumError, unknown
 from planner.systems.flows import Flow, Word
@@ -80,18 +80,20 @@ def regroup_in_gait(
 ) -> list[list[Flow]]:
     """Flows of each segment in the order of a gait, with the fewest steps of it.
 
-    Args:
-        grouper: Which flows commute.
-        segments: For each segment the words to choose from.
-        gait: Closed walk in the graph of strata.
-        start: Stratum before the first flow.
-
-    Raises:
-        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    Each segment has words to choose from; `start` is the stratum before the first flow.
     """
     cycle = Gait(grouper.system, tuple(gait)).once_around
-    plans = [_in_gait(grouper, segments, cycle, at) for at in _places(cycle, start)]
-    return min(plans, key=lambda plan: plan[0])[1]
+    plans = []
+    for place in _places(cycle, start):
+        ordered: list[list[Flow]] = []
+        for ways in segments:
+            found = [
+                (*_ordered(grouper, way.fields, cycle, place), way) for way in ways
+            ]
+            place, order, way = min(found, key=itemgetter(0))
+            ordered.append(grouper.flows(way, order))
+        plans.append((place, ordered))
+    return min(plans, key=itemgetter(0))[1]
 
 
 def gait_walk(
@@ -113,16 +115,9 @@ def gait_steps(
     gait: Sequence[str],
     ends: tuple[str, str],
 ) -> tuple[tuple[str, ...], ...]:
-    """Strata entered before each flow along a gait, and after the last flow.
+    """Strata entered before each flow along a closed walk, and after the last flow.
 
-    Args:
-        system: System that walks.
-        flows: Flows in time order.
-        gait: Closed walk in the graph of strata.
-        ends: Strata before the first flow and after the last one.
-
-    Raises:
-        StratumError: The gait is no closed walk, or lacks a stratum that is needed.
+    `ends` are the strata before the first flow and after the last one.
     """
     cycle = Gait(system, tuple(gait)).once_around
     wanted = [*(flow.stratum for flow in flows), ends[1]]
@@ -130,7 +125,9 @@ def gait_steps(
     for at in _places(cycle, ends[0]):
         places = [at]
         for stratum in wanted:
-            places.append(_next(cycle, places[-1], stratum))
+            last = places[-1]
+            ahead = [(at - last) % len(cycle) for at in _places(cycle, stratum)]
+            places.append(last + min(ahead))
         walks.append(places)
     places = min(walks, key=lambda walk: walk[-1] - walk[0])
     return tuple(
@@ -152,26 +149,6 @@ def _places(cycle: Sequence[str], stratum: str) -> list[int]:
             "add it"
         )
     return [i for i, name in enumerate(cycle) if name == stratum]
-
-
-def _next(cycle: Sequence[str], place: int, stratum: str) -> int:
-    """The first place at or after another one that is on a stratum."""
-    return min(place + (at - place) % len(cycle) for at in _places(cycle, stratum))
-
-
-def _in_gait(
-    grouper: Grouper,
-    segments: Sequence[Sequence[Word]],
-    cycle: Sequence[str],
-    place: int,
-) -> tuple[int, list[list[Flow]]]:
-    """The place in the gait after all flows, from a first place, and the flows."""
-    ordered: list[list[Flow]] = []
-    for ways in segments:
-        found = [(*_ordered(grouper, way.fields, cycle, place), way) for way in ways]
-        place, order, way = min(found, key=lambda one: one[0])
-        ordered.append(grouper.flows(way, order))
-    return place, ordered
 
 
 def _ordered(

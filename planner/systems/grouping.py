@@ -3,17 +3,16 @@
 Two flows are interchanged only if their fields commute. Where a segment may follow one
 of several words, such as those of backward and of forward Hall coordinates, the words
 are chosen that switch contacts least over the whole plan. Durations do not matter. That
-lift fields commute with flows, eqs. (13) and (14), is checked in
-`extension.fields_on_bottom`.
+lift fields commute with flows is checked in `extension.fields_on_bottom`.
 """
 
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import chain, groupby
+from itertools import chain, groupby, product
 
 from planner.support.stopping import tick
 from planner.systems.flows import Flow, Word
@@ -33,17 +32,11 @@ Costs = tuple[tuple[str, int], ...]
 
 @dataclass(frozen=True, slots=True)
 class Arrangement:
-    """One order of the flows of a pattern.
+    """One order of the flows of a pattern."""
 
-    Attributes:
-        order: Indices of the flows in time order.
-        end: Stratum of the last flow; the stratum before the pattern if it is empty.
-        switches: Contact switches from the stratum before the pattern to `end`.
-    """
-
-    order: tuple[int, ...]
-    end: str
-    switches: int
+    order: tuple[int, ...]  # indices of the flows in time order
+    end: str  # stratum of the last flow; the one before an empty pattern
+    switches: int  # contact switches from the stratum before the pattern to `end`
 
 
 Links = dict[str, tuple[str, int, Arrangement]]
@@ -54,9 +47,7 @@ Links = dict[str, tuple[str, int, Arrangement]]
 class Grouper:
     """Finds the best arrangements of patterns, and caches them for later plans.
 
-    Attributes:
-        system: System whose graph of strata says what a change of stratum costs.
-        commute: Whether the flows of two fields may be interchanged.
+    Flows along fields that commute may be interchanged.
     """
 
     system: StratifiedSystem
@@ -74,31 +65,26 @@ class Grouper:
         It never costs a switch to stay on a stratum until no further flow can run
         there. A stratum that is left out is reached as cheaply from those listed.
         """
-        key = (pattern, start)
-        if key not in self._known:
-            self._known[key] = self._search(pattern, start)
-        return self._known[key]
-
-    def _search(self, pattern: Pattern, start: str) -> tuple[Arrangement, ...]:
-        """Search once for each stratum to end in; the cheapest arrangement first."""
         if not pattern:
             return (Arrangement((), start, 0),)
-        strata = [self.system.stratum_of[name] for name in pattern]
-        after = self.prerequisites(pattern)
-        ends = dict.fromkeys(strata)
-        found = [self._cheapest(strata, after, start, end) for end in ends]
-        return tuple(
-            Arrangement(_late(strata, after, order), end, switches)
-            for switches, order, end in sorted(filter(None, found))
-        )
+        if (pattern, start) not in self._known:
+            strata = [self.system.stratum_of[name] for name in pattern]
+            after = self.prerequisites(pattern)
+            ends = dict.fromkeys(strata)
+            found = [self._cheapest(strata, after, start, end) for end in ends]
+            self._known[pattern, start] = tuple(
+                Arrangement(_late(strata, after, order), end, switches)
+                for switches, order, end in sorted(filter(None, found))
+            )
+        return self._known[pattern, start]
 
     def _cheapest(
         self, strata: Sequence[str], after: Sequence[int], start: str, end: str
     ) -> tuple[int, tuple[int, ...], str] | None:
-        """Search by A* over pairs of the set of flows done and the stratum.
+        """The contact switches and the order of the flows that end on a stratum, by A*.
 
-        Returns the contact switches, the flows in time order and the stratum to end in;
-        None if no arrangement ends there.
+        A node is the set of flows done and the stratum. The stratum to end in comes
+        third; None if no arrangement ends there.
         """
         queue: list[tuple[int, tuple[int, ...], int, int, str]] = [(0, (), 0, 0, start)]
         settled: set[tuple[int, str]] = set()
@@ -133,13 +119,13 @@ class Grouper:
     def prerequisites(self, pattern: Pattern) -> tuple[int, ...]:
         """For each flow the bit mask of the earlier flows that must precede it."""
         return tuple(
-            sum(1 << i for i in range(j) if not self.interchange(pattern[i], name))
+            sum(
+                1 << i
+                for i, other in enumerate(pattern[:j])
+                if other != name and not self.commute(other, name)
+            )
             for j, name in enumerate(pattern)
         )
-
-    def interchange(self, a: str, b: str) -> bool:
-        """Whether flows along two fields may be interchanged."""
-        return a == b or self.commute(a, b)
 
     def flows(self, word: Word, order: tuple[int, ...]) -> list[Flow]:
         """The flows of a word in a given order, joined where fields allow it."""
@@ -159,12 +145,13 @@ class Grouper:
         """Which flows of a pattern become one flow, in a given order."""
         joined: list[list[int]] = []
         for k in order:
-            fields = [pattern[places[0]] for places in joined]
-            i = self._partner(fields, pattern[k])
-            if i is None:
+            partner = self._partner(
+                [pattern[places[0]] for places in joined], pattern[k]
+            )
+            if partner is None:
                 joined.append([k])
             else:
-                joined[i].append(k)
+                joined[partner].append(k)
         firsts = tuple(places[0] for places in joined)
         names = tuple(pattern[k] for k in firsts)
         strata = tuple(self.system.stratum_of[name] for name in names)
@@ -176,12 +163,12 @@ class Grouper:
 
         They must be on the same stratum and commute with it.
         """
-        stratum_of = self.system.stratum_of
+        stratum = self.system.stratum_of
         for i, other in reversed(list(enumerate(fields))):
             if other == name:
                 return i
-            if stratum_of[other] != stratum_of[name] or not self.commute(other, name):
-                return None
+            if stratum[other] != stratum[name] or not self.commute(other, name):
+                break
         return None
 
 
@@ -223,21 +210,9 @@ def regroup(
 ) -> list[list[Flow]]:
     """Choose a word for each segment and the order of its flows (Sec. 5.2).
 
-    Dynamic programming over the segments finds the fewest contact switches.
-
-    Args:
-        grouper: Which flows commute, and what a change of stratum costs.
-        segments: For each segment the words to choose from.
-        start: Stratum before the first flow.
-        goal: Stratum after the last flow.
-
-    Returns:
-        For each segment its flows in time order.
-
-    Raises:
-        StratumError: The graph of strata does not join the strata of the words.
+    Dynamic programming over the segments finds the fewest contact switches from the
+    stratum before the first flow to the one after the last.
     """
-    system = grouper.system
     best: Costs = ((start, 0),)
     back: list[Links] = []
     known: dict[tuple[tuple[Pattern, ...], Costs], tuple[Costs, Links]] = {}
@@ -248,7 +223,8 @@ def regroup(
             known[key] = _onward(grouper, *key)
         best, links = known[key]
         back.append(links)
-    end, _ = min(best, key=lambda each: each[1] + system.switches(each[0], goal))
+    switches = grouper.system.switches
+    end, _ = min(best, key=lambda each: each[1] + switches(each[0], goal))
     chosen = []
     for ways, links in zip(reversed(segments), reversed(back), strict=True):
         end, k, found = links[end]
@@ -272,16 +248,8 @@ def _onward(
                 if total < reached.get(found.end, total + 1):
                     reached[found.end] = total
                     links[found.end] = (here, k, found)
-    if not reached:
-        _refuse(grouper.system, [here for here, _ in best], patterns)
+    if not reached:  # name two strata that the graph does not join
+        for (here, _), name in product(best, chain(*patterns)):
+            grouper.system.switches(here, grouper.system.stratum_of[name])
     least = min(reached.values())
     return tuple((end, total - least) for end, total in reached.items()), links
-
-
-def _refuse(
-    system: StratifiedSystem, starts: Iterable[str], patterns: Iterable[Pattern]
-) -> None:
-    """Raise the error that names two strata which the graph does not join."""
-    for start in starts:
-        for name in chain(*patterns):
-            system.switches(start, system.stratum_of[name])

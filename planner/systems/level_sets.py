@@ -1,12 +1,7 @@
-"""Level sets Phi_i = 0, such as strata on which feet have height zero (Def. 1).
-
-A level set says which configurations lie on it, and how fast a field leaves it
-(Sec. 5.1).
-"""
+"""Level sets Phi_i = 0, such as strata on which feet have height zero (Def. 1)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -123,10 +118,9 @@ class LevelSet:
     def _linear(self, x: Array) -> tuple[Array, Array]:
         """Values, shape (points, codimension), and differentials (..., n) at them."""
         evaluation = WeighedValues(self.state, x)
+        values = evaluation(self.functions)
         slopes = evaluation(list(self.differential))
-        return evaluation(self.functions), slopes.reshape(
-            len(x), len(self.functions), len(self.state)
-        )
+        return values, slopes.reshape(*values.shape, len(self.state))
 
     def value(self, x: Array) -> Array:
         """The functions at configurations (..., n), shape (..., codimension)."""
@@ -140,20 +134,15 @@ class LevelSet:
 
     @cached_property
     def _values(self) -> CompiledFields:
-        return _stack(sp.Matrix(self.functions), self.state)
+        return compile_fields([sp.Matrix(self.functions)], self.state)
 
     @cached_property
     def _gradients(self) -> CompiledFields:
-        return _stack(self.differential.T, self.state)
+        slopes = self.differential.T
+        return compile_fields([slopes.col(j) for j in range(slopes.cols)], self.state)
 
 
 def _steepness(slopes: Array) -> Array:
     """The largest slope of each function at sound configurations, (codimension,)."""
     sizes = np.linalg.norm(slopes, axis=-1)
     return np.where(np.isfinite(sizes), sizes, 0.0).max(axis=0, initial=0.0)
-
-
-def _stack(matrix: sp.Matrix, state: Symbols) -> CompiledFields:
-    """Compile a matrix of expressions, column by column."""
-    columns: Sequence[sp.Matrix] = [matrix.col(j) for j in range(matrix.cols)]
-    return compile_fields(columns, state)

@@ -1,11 +1,10 @@
 """Values of fields in which rounding errors are distinguished from small values.
 
 Every value is accompanied by its weight: the size of the terms that it is a sum of,
-propagated through products and functions in the way in which errors propagate. A value
-below `ROUNDING` times its weight is the rounding error of terms that cancel, and counts
-as zero. Any other value counts as different from zero, in whatever unit. This suits
-many formulas that are evaluated once each; formulas that are evaluated often are
-compiled by `systems.fields.compile_fields`.
+propagated through products and functions as errors propagate. A value below `ROUNDING`
+times its weight is the rounding error of terms that cancel, and counts as zero; any
+other counts as different from zero, in whatever unit. This suits formulas that are
+evaluated once; others are compiled by `systems.fields.compile_fields`.
 """
 
 from __future__ import annotations
@@ -42,33 +41,31 @@ class WeighedValues:
     def __init__(self, state: Symbols, points: Array) -> None:
         """Take the symbols of a state and configurations of shape (points, n)."""
         self.points = points
+        self._state = state
         self._known: dict[sp.Basic, Weighed] = {
             symbol: (x, np.maximum(np.abs(x), 1.0))
             for symbol, x in zip(state, points.T, strict=True)
         }
-        self._state = state
 
     def __call__(self, column: VectorField) -> Array:
         """The values of a field or column of formulas, shape (points, rows).
 
         They are not finite where the field is singular.
         """
+        if isinstance(column, NumericField):
+            with np.errstate(all="ignore"):
+                values = np.array([column(x) for x in self.points])
+                sizes = np.array([column.weight(x) for x in self.points])
+            largest = np.where(np.isfinite(sizes), sizes, 0.0).max()
+            return np.where(np.abs(values) <= TRUSTED * largest, 0.0, values)
         with np.errstate(all="ignore"):
-            if isinstance(column, NumericField):
-                return self._function(column)
             rows = [self._settled(entry) for entry in column]
-            return np.stack(np.broadcast_arrays(self.points[:, 0], *rows)[1:], axis=1)
+        return np.stack(np.broadcast_arrays(self.points[:, 0], *rows)[1:], axis=1)
 
     def _settled(self, entry: sp.Expr) -> Array:
         value, weight = self._weighed(entry)
         rounding = np.isfinite(value) & (np.abs(value) <= ROUNDING * weight)
         return np.where(rounding, 0.0, value)
-
-    def _function(self, field: NumericField) -> Array:
-        values = np.array([field(x) for x in self.points])
-        sizes = np.array([field.weight(x) for x in self.points])
-        largest = np.where(np.isfinite(sizes), sizes, 0.0).max()
-        return np.where(np.abs(values) <= TRUSTED * largest, 0.0, values)
 
     def _weighed(self, entry: sp.Expr) -> Weighed:
         if entry not in self._known:
@@ -79,48 +76,37 @@ class WeighedValues:
         if entry.is_Number or entry.is_NumberSymbol:
             value = np.asarray(float(entry) if entry.is_extended_real else np.nan)
             return value, np.abs(value)
-        if not all(isinstance(part, sp.Expr) for part in entry.args):
-            return self._whole(entry)
+        if not all(isinstance(part, sp.Expr) for part in entry.args):  # such as cases
+            function = sp.lambdify(self._state, entry, modules=[KINKS, "numpy"])
+            value = np.asarray(function(*self.points.T), dtype=float)
+            return value, np.abs(value)
         parts = [self._weighed(part) for part in entry.args]
         if entry.is_Add:
-            return _sum(parts)
+            values, weights = zip(*parts, strict=True)
+            return sum(values[1:], values[0]), sum(weights[1:], weights[0])
         if entry.is_Mul:
             return _product(parts)
         return _carried(_function(entry.func, len(parts)), parts)
-
-    def _whole(self, entry: sp.Expr) -> Weighed:
-        """A formula whose arguments are not all formulas, such as one by cases."""
-        function = sp.lambdify(self._state, entry, modules=[KINKS, "numpy"])
-        value = np.asarray(function(*self.points.T), dtype=float)
-        return value, np.abs(value)
 
 
 def vanishing(fields: Sequence[VectorField], state: Symbols) -> tuple[bool, ...]:
     """Which fields are zero everywhere, judged at random configurations.
 
-    An analytic field that vanishes at random points vanishes everywhere, so that no
-    formula needs to be simplified. Points where a field is singular are passed over; a
-    field that is singular at all of them does not count as zero. Fields known as
-    functions are evaluated near the origin only.
+    An analytic field that vanishes at random points vanishes everywhere, so no formula
+    is simplified. Points where a field is singular are passed over; one that is
+    singular at all does not count as zero. Python functions are evaluated near the
+    origin only.
     """
     near = sample_configurations(len(state))
     formulas = WeighedValues(state, np.vstack([near, FARTHER * near]))
     functions = WeighedValues(state, near)
-    return tuple(
-        _vanishes(functions if isinstance(field, NumericField) else formulas, field)
-        for field in fields
-    )
 
+    def vanishes(field: VectorField) -> bool:
+        values = (functions if isinstance(field, NumericField) else formulas)(field)
+        finite = np.isfinite(values)
+        return bool(finite.all(axis=1).any() and not values[finite].any())
 
-def _vanishes(evaluation: WeighedValues, field: VectorField) -> bool:
-    values = evaluation(field)
-    finite = np.isfinite(values)
-    return bool(finite.all(axis=1).any() and not values[finite].any())
-
-
-def _sum(parts: Sequence[Weighed]) -> Weighed:
-    values, weights = zip(*parts, strict=True)
-    return sum(values[1:], values[0]), sum(weights[1:], weights[0])
+    return tuple(map(vanishes, fields))
 
 
 def _product(parts: Sequence[Weighed]) -> Weighed:

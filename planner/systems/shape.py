@@ -1,7 +1,7 @@
-"""Shape coordinates: those that every field moves at a constant rate.
+"""Shape coordinates, such as angles of legs: those that fields move at constant rates.
 
-The angles of legs are shape coordinates. Their trajectory along a plan is a cumulative
-sum, so ranges are checked and strokes are centred without integration.
+Their trajectory along a plan is a cumulative sum, so ranges are checked and strokes are
+centred without integration.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -52,19 +53,12 @@ class ShapeCoordinates:
         A recovery moves this one coordinate alone, and no field depends on it: its
         flows commute with all others and do not move the body.
         """
-        used = set().union(
-            *(_symbols(field) for field in self.system.fields.values()),
-            *(
-                f.free_symbols
-                for functions in self.system.level_sets.values()
-                for f in functions
-            ),
-        )
+        fields = self.system.fields.values()
+        if any(isinstance(field, NumericField) for field in fields):
+            return {}  # it is unknown what a Python function depends on
+        formulas = [*fields, *chain(*self.system.level_sets.values())]
+        used = set().union(*(formula.free_symbols for formula in formulas))
         inert = {i for i in self.coordinates if self.system.state[i] not in used}
-        if any(
-            isinstance(field, NumericField) for field in self.system.fields.values()
-        ):
-            inert = set()  # it is unknown what a Python function depends on
         moved = {name: np.flatnonzero(rates) for name, rates in self.rates.items()}
         return {
             name: (int(i[0]), float(self.rates[name][i[0]]))
@@ -119,7 +113,3 @@ def _rates(field: VectorField, size: int) -> Array:
     if isinstance(field, NumericField):
         return np.full(size, np.nan)
     return np.array([float(e) if e.is_number else np.nan for e in field])
-
-
-def _symbols(field: VectorField) -> set[object]:
-    return set() if isinstance(field, NumericField) else set(field.free_symbols)

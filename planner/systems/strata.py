@@ -80,7 +80,6 @@ class StratifiedSystem:
             object.__setattr__(self, name, value)
         self._require_distinct_contacts()
         for stratum in self.strata:
-            self._require_regular(stratum)
             self._require_tangent_fields(stratum)
 
     @property
@@ -117,11 +116,10 @@ class StratifiedSystem:
     @cached_property
     def contacts(self) -> dict[str, frozenset[str]]:
         """Contacts of each stratum: its level sets, or the characters of its name."""
-        if self.level_sets:
-            return {
-                s: frozenset(map(str, self.level_sets.get(s, ()))) for s in self.strata
-            }
-        return {s: frozenset(s) - {"0"} for s in self.strata}
+        named = {
+            s: self.level_sets.get(s, ()) if self.level_sets else s for s in self.strata
+        }
+        return {s: frozenset(map(str, each)) - {"0"} for s, each in named.items()}
 
     def level_set(self, stratum: str) -> LevelSet:
         """The set where the functions of a stratum vanish; all of space if open."""
@@ -129,17 +127,14 @@ class StratifiedSystem:
 
     @cached_property
     def _level_sets(self) -> dict[str, LevelSet]:
-        """The level set of each stratum, cached so that it is compiled once."""
         given = self.level_sets
         return {s: LevelSet(given.get(s, ()), self.state) for s in self.strata}
 
     def missing(self, reached: Array, x: Array, stratum: str = "") -> tuple[str, ...]:
-        """Directions of a stratum's tangent space outside a given space, as text.
+        """Directions of a stratum's tangent space at x outside a given space, as text.
 
-        Args:
-            reached: Orthonormal columns that span the given space, shape (n, rank).
-            x: Configuration on the stratum, shape (n,).
-            stratum: Name of the stratum; the bottom stratum if empty.
+        Orthonormal columns span the given space, shape (n, rank). The stratum is the
+        bottom stratum if its name is empty.
         """
         gradients = self.level_set(stratum or self.bottom).gradients(x)
         return directions_beyond(np.hstack([reached, gradients]), self.state)
@@ -163,10 +158,11 @@ class StratifiedSystem:
         for low, high in self.edges:
             near[low].append(high)
             near[high].append(low)
-        return {
-            s: tuple(sorted(near[s], key=lambda t: -len(self.contacts[t])))
-            for s in near
-        }
+
+        def fewest(stratum: str) -> int:
+            return -len(self.contacts[stratum])
+
+        return {s: tuple(sorted(near[s], key=fewest)) for s in near}
 
     def switches(self, start: str, goal: str) -> int:
         """Fewest lift-offs and touchdowns on a way from one stratum to another.
@@ -223,17 +219,15 @@ class StratifiedSystem:
                     "one, or give level_sets that tell them apart"
                 )
 
-    def _require_regular(self, stratum: str) -> None:
-        """Look for configurations on a curved level set, where it must be regular."""
-        level_set = self.level_set(stratum)
-        if level_set.functions and level_set.differential.free_symbols:
-            _ = level_set.points
-
     def _require_tangent_fields(self, stratum: str) -> None:
         level_set = self.level_set(stratum)
+        if not level_set.functions:
+            return
+        if level_set.differential.free_symbols:
+            _ = level_set.points  # refuses a curved set that is not regular
         for name, vector_field in self.strata[stratum].items():
-            rates = abs(level_set.rates(vector_field)) if level_set.functions else None
-            if rates is not None and rates.any():
+            rates = abs(level_set.rates(vector_field))
+            if rates.any():
                 where, which = divmod(int(rates.argmax()), rates.shape[1])
                 raise ValueError(
                     f"field {name} leaves its stratum S{stratum}: it changes "

@@ -59,7 +59,7 @@ def test_no_admissible_order_has_fewer_switches(trial):
         (i, j)
         for i in range(6)
         for j in range(i + 1, 6)
-        if not extended.grouper.interchange(word[i][0], word[j][0])
+        if not extended.grouper.commute(word[i][0], word[j][0])
     ]
     fewest = min(
         contact_switches(extended.system, in_order(extended, word, order))
@@ -130,7 +130,8 @@ def fewest_to_each_end(grouper, pattern, start):
     for order in permutations(places):
         kept = all(
             order.index(i) < order.index(j)
-            or grouper.interchange(pattern[i], pattern[j])
+            or pattern[i] == pattern[j]
+            or grouper.commute(pattern[i], pattern[j])
             for j in places
             for i in range(j)
         )

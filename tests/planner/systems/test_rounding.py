@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 from planner.numerics.arrays import ROUNDING
-from planner.systems.fields import NumericField, numeric_bracket
+from planner.systems.fields import NumericField, lie_bracket
 from planner.systems.rounding import WeighedValues, vanishing
 
 STATE = sp.symbols("x y")
@@ -61,7 +61,7 @@ def test_noise_of_differences_is_rounding_and_brackets_are_not():
     first = NumericField(lambda x: [1.0, np.sin(x[0])])
     second = NumericField(lambda x: [0.0, 1.0])
     third = NumericField(lambda x: [0.0, x[0]])
-    brackets = [numeric_bracket(first, second), numeric_bracket(first, third)]
+    brackets = [lie_bracket(first, field, STATE) for field in (second, third)]
     assert vanishing(brackets, STATE) == (True, False)
 
 
