@@ -18,16 +18,10 @@ CHECKED_SHARE = 0.98  # of the tolerances, allowed where they are checked
 
 @dataclass(frozen=True, eq=False)
 class Margins:
-    """Margins for the motion between the points where constraints are checked.
+    """Margins for the motion between the points where constraints are checked."""
 
-    Attributes:
-        shares: Share of its tolerances that each stage may use, shape (count,).
-        inequalities: Least value of each of the task's inequalities in each stage,
-            shape (count, R).
-    """
-
-    shares: Array
-    inequalities: Array
+    shares: Array  # of its tolerances that each stage may use, shape (count,)
+    inequalities: Array  # least values of the task's in each stage, shape (count, R)
 
     @classmethod
     def none(cls, task: Task, count: int) -> Margins:
@@ -51,7 +45,6 @@ class Margins:
 
 
 Tightening = Callable[[Margins], Array]
-"""Maps margins to the amounts by which bounds are tightened, one for each row."""
 
 
 class Constraints:
@@ -69,14 +62,9 @@ class Constraints:
         high: float,
         tightening: Tightening | None = None,
     ) -> None:
-        """Add constraints low <= rows <= high.
+        """Add constraints low <= rows <= high for a matrix of expressions.
 
-        Args:
-            rows: Matrix of expressions.
-            low: Lower bound.
-            high: Upper bound.
-            tightening: Amounts by which margins tighten both bounds, of the shape of
-                the rows; margins do not change the bounds if not given.
+        Tightening maps margins to amounts of that shape, by which both bounds tighten.
         """
         flat = solver().vec(rows)
         self.rows.append(flat)
@@ -104,28 +92,21 @@ class Constraints:
         widths: Sequence[Expression],
         stages: Array,
     ) -> None:
-        """Keep states in the corridor: within the tolerances of points of the path.
+        """Keep states, as columns, within the tolerances of points of the path.
 
-        Args:
-            distance: Distance from the path, relative to the width of the corridor.
-            states: States as columns.
-            places: Place on the path that belongs to each state.
-            widths: Width of the corridor at each state, in tolerances.
-            stages: Number of the stage of each state; -1 for a state that is fixed, to
-                which margins do not apply.
+        A place on the path, a width of the corridor in tolerances and the number of a
+        stage belong to each state; the number is -1 for a state that is fixed, to which
+        margins do not apply.
         """
         if not distance.powers:
             return
-        ca = solver()
-        every, where = ca.horzcat(*states), ca.horzcat(*places)
-        wide = ca.horzcat(*widths)
-        rows = distance.function.map(where.numel())(every, where, wide)
+        columns = [solver().horzcat(*parts) for parts in (states, places, widths)]
+        rows = distance.function.map(columns[1].numel())(*columns)
         powers = np.array(distance.powers)[:, None]
 
         def tightening(margins: Margins) -> Array:
             shares = np.where(stages < 0, 1.0, margins.shares[stages])
-            amounts: Array = CHECKED_SHARE**powers * (1.0 - shares**powers)
-            return amounts
+            return np.asarray(CHECKED_SHARE**powers * (1.0 - shares**powers))
 
         self.add(rows, -np.inf, 0.0, tightening)
 
@@ -141,15 +122,9 @@ class Constraints:
         """Impose the task's inequalities where stages begin, have recovered and end.
 
         Soft constraints share one slack variable with the corridor: its width in excess
-        of its minimum.
-
-        Args:
-            task: Task with the inequalities.
-            stage: Stage of the cycle.
-            start: State with the coordinates that no stage moves, shape (n,).
-            states: States at the beginnings and ends of these stages, as columns.
-            width: Width of the corridor in excess of its minimum, in tolerances.
-            stages: Numbers of these stages.
+        of its minimum, in tolerances. States are those at the beginnings and ends of
+        all occurrences of the stage, as columns, and `stages` are their numbers;
+        `start`, shape (n,), has the coordinates that no stage moves.
         """
         if not task.inequalities:
             return
@@ -179,14 +154,14 @@ class Constraints:
 
         def tightening(margins: Margins) -> Array:
             last = len(margins.shares) - 1
-            numbers = [number for _, number in kinds]
-            amounts = margins.inequalities[np.ix_(stages, numbers)].T
+            amounts = margins.inequalities[
+                np.ix_(stages, [number for _, number in kinds])
+            ].T
             fixed = [
-                [(place == 0 and k == 0) or (place == 2 and k == last) for k in stages]
+                [(place, k) in ((0, 0), (2, last)) for k in stages]
                 for place, _ in kinds
             ]
-            tightened: Array = np.where(fixed, 0.0, amounts) / unit
-            return tightened
+            return np.asarray(np.where(fixed, 0.0, amounts) / unit)
 
         self.add(mapped, 0.0, np.inf, tightening)
 

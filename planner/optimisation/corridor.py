@@ -21,18 +21,10 @@ SLACK = 1e-12  # relative, so that rounding does not exclude the largest distanc
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """Largest distance from the path, in a group of coordinates.
+    """Largest distance from the path, in a group of coordinates."""
 
-    Attributes:
-        coordinates: Indices of the coordinates in the state.
-        most: Largest Euclidean distance; infinity leaves the coordinates free.
-
-    Raises:
-        ValueError: The distance is not positive.
-    """
-
-    coordinates: tuple[int, ...]
-    most: float
+    coordinates: tuple[int, ...]  # indices in the state
+    most: float  # Euclidean distance; infinity leaves the coordinates free
 
     def __post_init__(self) -> None:
         if not self.most > 0:
@@ -42,66 +34,43 @@ class Tolerance:
 def deviation(
     states: Array, path: Array, groups: Sequence[Sequence[int]]
 ) -> tuple[float, ...]:
-    """The largest deviation of states from a path that they follow in order.
+    """The largest deviation of states from a path in each group of coordinates.
 
-    Args:
-        states: States in time order, shape (T, n); the first belongs to the path's
-            start and the last to its end.
-        path: Points along the path, shape (K, n); deviations are exact to half the
-            distance between two of them.
-        groups: Groups of coordinates. The first group, the position, determines the
-            companion of each state; the others are compared at that point.
-
-    Returns:
-        The largest distance in each group.
+    States (T, n) are in time order; the first belongs to the path's start and the last
+    to its end. Deviations are exact to half the distance between two of the path's
+    points (K, n). The first group, the position, determines the companion of each
+    state; the others are compared at that point.
     """
     moved = np.append(True, (np.diff(states, axis=0) != 0).any(axis=1))
-    states = states[moved]
-    first = list(groups[0])
-    most, along = _along(states[:, first], path[:, first])
-    gaps = states - path[along]
-    others = (np.linalg.norm(gaps[:, list(g)], axis=1).max() for g in groups[1:])
-    return (most, *map(float, others))
+    most, found = _followed(states[moved], path, groups)
+    return (most, *found[:, 1:].max(axis=0).tolist())
 
 
 def gaps(states: Array, path: Array, groups: Sequence[Sequence[int]]) -> Array:
-    """Distance of each state from its companion in each group, shape (T, G).
-
-    The arguments are those of `deviation`.
-    """
-    first = list(groups[0])
-    _, along = _along(states[:, first], path[:, first])
-    apart = states - path[along]
-    found = [np.linalg.norm(apart[:, list(group)], axis=1) for group in groups]
-    return np.stack(found, axis=1)
+    """Distance of each state from its companion in each group, shape (T, G)."""
+    return _followed(states, path, groups)[1]
 
 
-def _along(states: Array, path: Array) -> tuple[float, Array]:
-    """The Frechet distance, and the companion point of each state, shape (T,).
+def _followed(
+    states: Array, path: Array, groups: Sequence[Sequence[int]]
+) -> tuple[float, Array]:
+    """The Frechet distance in the first group, and `gaps`.
 
     A companion cannot be closer than the nearest point of the path. In most cases that
     distance can be kept, and the general algorithm is not needed.
     """
-    apart = _distances(states[:, None], path[None])  # (T, K)
-    most = _least(apart)
+    squares = sum((states[:, None, i] - path[None, :, i]) ** 2 for i in groups[0])
+    apart: Array = np.sqrt(squares)  # (T, K)
+    most = float(max(apart[0, 0], apart[-1, -1], apart.min(axis=1).max()))
     forward = _reachable(apart, most)
     if not forward[-1, -1]:
         most = _frechet(apart)
         forward = _reachable(apart, most)
     backward = _reachable(apart[::-1, ::-1], most)[::-1, ::-1]
-    nearest: Array = np.where(forward & backward, apart, np.inf).argmin(axis=1)
-    return most, nearest
-
-
-def _least(apart: Array) -> float:
-    """A lower bound on the Frechet distance, from the ends and the farthest state."""
-    return float(max(apart[0, 0], apart[-1, -1], apart.min(axis=1).max()))
-
-
-def _distances(here: Array, there: Array) -> Array:
-    squares = sum((here[..., i] - there[..., i]) ** 2 for i in range(here.shape[-1]))
-    distances: Array = np.sqrt(squares)
-    return distances
+    companions = np.where(forward & backward, apart, np.inf).argmin(axis=1)
+    off = states - path[companions]
+    found = [np.linalg.norm(off[:, list(group)], axis=1) for group in groups]
+    return most, np.stack(found, axis=1)
 
 
 def _frechet(apart: Array) -> float:

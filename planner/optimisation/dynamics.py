@@ -23,14 +23,12 @@ TINY = 1e-12  # added to denominators that may be zero
 class PathDistance:
     """Distance of a state from a point of the path, relative to a corridor's width.
 
-    Attributes:
-        function: Maps the unknown coordinates, the place on the path and the width of
-            the corridor in tolerances to values that are at most zero inside.
-        powers: Power of the width in each value; empty if there are no tolerances.
+    The function maps the unknown coordinates, the place on the path and the width of
+    the corridor in tolerances to values that are at most zero inside.
     """
 
     function: Expression
-    powers: tuple[int, ...]
+    powers: tuple[int, ...]  # of the width in each value; empty without tolerances
 
 
 def path_distance(task: Task, path: Path) -> PathDistance:
@@ -76,18 +74,14 @@ def stage_function(
     """The states after each step of a stage, from its start, stroke and recoveries.
 
     Integrates by the classical Runge-Kutta method. Recoveries precede the stroke, or
-    take place during it.
-
-    Args:
-        task: Task with the system.
-        stage: Stage of its cycle.
-        start: State with the coordinates that no stage moves, shape (n,).
-        count: Number of steps.
+    take place during it. `start`, shape (n,), has the coordinates that no stage moves.
     """
     ca, n = solver(), len(task.moved)
     x, d = ca.SX.sym("x", n), ca.SX.sym("d")
     a = ca.SX.sym("a", task.most_recoveries)
-    recovered = _recovered(task, stage, a)
+    recovered = ca.SX.zeros(n)
+    for j, recovery in enumerate(() if task.centred else stage.recoveries):
+        recovered[task.moved.index(recovery.coordinate)] += recovery.rate * a[j]
     state, during = (x, recovered) if task.overlapped else (x + recovered, 0.0)
     stroke, h, steps = _stroke(task, stage, start), 1.0 / count, []
 
@@ -115,16 +109,6 @@ def curve_function(path: Path, moved: list[int]) -> Callable[[Expression], Expre
         return lambda s: ca.DM(begin) + ca.DM(way) * s
     spline = ca.interpolant("path", "bspline", [grid], values.ravel())
     return lambda s: spline(s)
-
-
-def _recovered(task: Task, stage: Stage, amounts: Expression) -> Expression:
-    """Change of the unknown coordinates by a stage's recoveries."""
-    ca = solver()
-    change = ca.SX.zeros(len(task.moved))
-    for j, recovery in enumerate(() if task.centred else stage.recoveries):
-        k = task.moved.index(recovery.coordinate)
-        change[k] += recovery.rate * amounts[j]
-    return change
 
 
 def _stroke(

@@ -58,19 +58,13 @@ class Stage:
 
 
 def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...]:
-    """The stages that an optimised plan repeats.
+    """The stages that an optimised plan repeats: strokes in the order of the elements.
 
-    Args:
-        system: System to steer.
-        elements: Elements of the steering; the fields in them stroke in this order.
-
-    Raises:
-        StratumError: A field is known as a function only, or none moves more than one
-            coordinate.
+    A stroke is a field that moves several coordinates; recoveries that its stratum does
+    not allow have a stage of their own.
     """
-    names = list(
-        dict.fromkeys(name for text in elements for name in leaves(parse(text, system)))
-    )
+    trees = [parse(text, system) for text in elements]
+    names = list(dict.fromkeys(name for tree in trees for name in leaves(tree)))
     for name in names:
         if isinstance(system.fields[name], NumericField):
             raise StratumError(
@@ -84,23 +78,11 @@ def cycle(system: StratifiedSystem, elements: Sequence[str]) -> tuple[Stage, ...
             "every field moves a single coordinate, so there is no stroke to optimise; "
             "steer with a field that moves several"
         )
-    wanted = set().union(*(_touched(system, name) for name in strokes))
+    wanted = set[int]()  # coordinates that a stroke moves or depends on
+    for field in (system.fields[name] for name in strokes):
+        read = [i for i, s in enumerate(system.state) if s in field.free_symbols]
+        wanted |= {*_moved(field), *read}
     found = [r for r in single.values() if r and r.coordinate in wanted]
-    return tuple(_cycle(system, strokes, found))
-
-
-def swept(system: StratifiedSystem, stages: Sequence[Stage]) -> tuple[int, ...]:
-    """Coordinates that flows of the stages can move, ascending."""
-    moved = {r.coordinate for stage in stages for r in stage.recoveries}
-    for stage in stages:
-        moved |= set(_moved(system.fields[stage.stroke])) if stage.stroke else set()
-    return tuple(sorted(moved))
-
-
-def _cycle(
-    system: StratifiedSystem, strokes: Sequence[str], found: Sequence[Recovery]
-) -> list[Stage]:
-    """One stage per stroke, and one per recovery that no stroke's stratum allows."""
 
     def on(stratum: str) -> tuple[Recovery, ...]:
         return tuple(r for r in found if system.stratum_of[r.field] == stratum)
@@ -116,7 +98,15 @@ def _cycle(
                 left.discard(recovery.coordinate)
                 place = system.stratum_of[recovery.field]
                 stages.append(Stage(place, "", (recovery,)))
-    return stages
+    return tuple(stages)
+
+
+def swept(system: StratifiedSystem, stages: Sequence[Stage]) -> tuple[int, ...]:
+    """Coordinates that flows of the stages can move, ascending."""
+    moved = {r.coordinate for stage in stages for r in stage.recoveries}
+    for stage in stages:
+        moved |= set(_moved(system.fields[stage.stroke])) if stage.stroke else set()
+    return tuple(sorted(moved))
 
 
 def _recovery(name: str, field: VectorField) -> Recovery | None:
@@ -133,13 +123,6 @@ def _moved(field: VectorField) -> list[int]:
     return [i for i, entry in enumerate(field) if entry != 0]
 
 
-def _touched(system: StratifiedSystem, name: str) -> set[int]:
-    """Coordinates that a field moves or depends on."""
-    field = system.fields[name]
-    read = [i for i, s in enumerate(system.state) if s in field.free_symbols]
-    return {*_moved(field), *read}
-
-
 def guesses(
     stages: Sequence[Stage],
     count: int,
@@ -148,13 +131,8 @@ def guesses(
 ) -> Iterator[Array]:
     """First guesses of the strokes, shape (count,), the most promising first.
 
-    Coarse stratified plans come first, then strokes that alternate at random.
-
-    Args:
-        stages: The cycle, beginning with the first stage.
-        count: Number of stages.
-        places: Places on the path, from 0 to 1, between which the motion takes place.
-        coarse: Plans of few segments; None if there are none.
+    Coarse stratified plans between two places on the path, from 0 to 1, come first,
+    then strokes that alternate at random. `stages` is the cycle from the first stage.
     """
     for share in COARSE_SHARES if coarse else ():
         segments = max(1, int(share * (count - 1) / (2 * len(stages))))

@@ -16,27 +16,20 @@ from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
 
-def _none(segments: Sequence[Sequence[Flow]]) -> float:
-    return 0.0
-
-
 @dataclass(frozen=True)
 class Inequality:
     """Constraint that expressions are not negative at the ends of every stage.
 
-    Attributes:
-        name: Name of the constrained quantity, such as "clearance", for messages.
-        expressions: Maps a stage and the n entries of a state to CasADi's expressions.
-        lack: Largest violation along flows in segments, between the ends of stages
-            too, in the unit of the expressions; 0 if there is none.
-        relaxed: Whether the constraint is soft: where the tolerances cannot be kept,
-            it may be violated as well. First solutions leave soft constraints out,
-            because they are expensive.
+    `expressions` maps a stage and the n entries of a state to CasADi's expressions.
+    `lack` is the largest violation along flows in segments, between the ends of stages
+    too, in their unit; 0 if there is none. A constraint that is `relaxed` is soft:
+    where the tolerances cannot be kept, it may be violated as well. First solutions
+    leave soft constraints out, because they are expensive.
     """
 
-    name: str
+    name: str  # of the constrained quantity, such as "clearance", for messages
     expressions: Callable[[Stage, Sequence[Expression]], Sequence[Expression]]
-    lack: Callable[[Sequence[Sequence[Flow]]], float] = _none
+    lack: Callable[[Sequence[Sequence[Flow]]], float] = lambda segments: 0.0
     relaxed: bool = False
 
 
@@ -44,24 +37,16 @@ class Inequality:
 class Task:
     """Optimisation problem: fields, stages, cost, tolerances and constraints.
 
-    Attributes:
-        system: System whose fields are followed.
-        stages: Cycle of stages.
-        tolerances: Largest deviations from the path; the first is of the position.
-        limits: Lowest and highest value of coordinates, by index.
-        price: Cost of one unit of each field, such as its time; 1 if not given.
-        overlapped: Whether recoveries take place during strokes.
-        centred: Whether the legs are repositioned before every stroke so that it is
-            centred on zero; these recoveries are added to the solution later.
-        inequalities: Further constraints.
+    A task is `centred` if the legs are repositioned before every stroke so that it is
+    centred on zero; these recoveries are added to the solution later.
     """
 
     system: StratifiedSystem
-    stages: tuple[Stage, ...]
-    tolerances: tuple[Tolerance, ...]
-    limits: Mapping[int, tuple[float, float]] = field(default_factory=dict)
-    price: Mapping[str, float] = field(default_factory=dict)
-    overlapped: bool = False
+    stages: tuple[Stage, ...]  # the cycle
+    tolerances: tuple[Tolerance, ...]  # the first is of the position
+    limits: Mapping[int, tuple[float, float]] = field(default_factory=dict)  # by index
+    price: Mapping[str, float] = field(default_factory=dict)  # of a unit of each field
+    overlapped: bool = False  # whether recoveries take place during strokes
     centred: bool = False
     inequalities: tuple[Inequality, ...] = ()
 
@@ -72,19 +57,16 @@ class Task:
     @cached_property
     def moved(self) -> list[int]:
         """Coordinates that are unknowns of the program."""
-        every = swept(self.system, self.stages)
-        if not self.centred:
-            return list(every)
-        free = {r.coordinate for stage in self.stages for r in stage.recoveries}
-        return [i for i in every if i not in free]
+        stages = self.stages if self.centred else ()
+        free = {r.coordinate for stage in stages for r in stage.recoveries}
+        return [i for i in swept(self.system, self.stages) if i not in free]
 
     @cached_property
     def relaxed(self) -> Task:
         """The task without soft constraints."""
         strict = tuple(i for i in self.inequalities if not i.relaxed)
-        return (
-            self if strict == self.inequalities else replace(self, inequalities=strict)
-        )
+        same = strict == self.inequalities
+        return self if same else replace(self, inequalities=strict)
 
     @property
     def most_recoveries(self) -> int:
@@ -112,8 +94,7 @@ class Task:
         for tolerance in self.tolerances:
             group = list(tolerance.coordinates)
             sizes[group] = sizes[group].max()
-        found: Array = np.where(sizes > 0, sizes, 1.0)[self.moved]
-        return found
+        return np.asarray(np.where(sizes > 0, sizes, 1.0)[self.moved])
 
     def unit(self, start: Array) -> float:
         """The smallest of these changes, by which inequalities are scaled."""
@@ -122,37 +103,26 @@ class Task:
 
 @dataclass(frozen=True)
 class Solution:
-    """Strokes and recoveries of consecutive stages.
+    """Strokes and recoveries of consecutive stages."""
 
-    Attributes:
-        first: Number in the cycle of the first stage.
-        strokes: Shape (N,).
-        recoveries: Amounts of each stage's recoveries.
-        states: States at both ends of every stage, shape (N + 1, n).
-        places: Places on the path, from 0 to 1, that belong to them, shape (N + 1,).
-        cost: Minimised cost.
-        width: Smallest width of the corridor, in tolerances, that contains the motion;
-            infinite for a guess.
-    """
-
-    first: int
-    strokes: Array
-    recoveries: tuple[Array, ...]
-    states: Array
-    places: Array
+    first: int  # number in the cycle of the first stage
+    strokes: Array  # shape (N,)
+    recoveries: tuple[Array, ...]  # amounts of each stage's
+    states: Array  # at both ends of every stage, shape (N + 1, n)
+    places: Array  # on the path, from 0 to 1, that belong to them, shape (N + 1,)
     cost: float
-    width: float
+    width: float  # least of a corridor with the motion, in tolerances; inf for a guess
 
     @classmethod
     def joined(cls, parts: Sequence[Solution]) -> Solution:
         """One solution of several, each of which begins where the last one ends."""
-        places = [parts[0].places, *(part.places[1:] for part in parts[1:])]
+        begin, *rest = parts
         return cls(
-            first=parts[0].first,
+            first=begin.first,
             strokes=np.concatenate([part.strokes for part in parts]),
             recoveries=tuple(amounts for part in parts for amounts in part.recoveries),
-            states=np.vstack([parts[0].states, *(p.states[1:] for p in parts[1:])]),
-            places=np.concatenate(places),
+            states=np.vstack([begin.states, *(part.states[1:] for part in rest)]),
+            places=np.concatenate([begin.places, *(part.places[1:] for part in rest)]),
             cost=sum(part.cost for part in parts),
             width=max(part.width for part in parts),
         )

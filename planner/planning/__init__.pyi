@@ -37,17 +37,15 @@ from .paths import (
     table_curve as table_curve,
     waypoints as waypoints,
 )
-from .replanning import (
-    Step as Step,
-    plan_step as plan_step,
-)
 from .rollouts import (
     play as play,
     rollout as rollout,
 )
 from .shooting import (
     Steered as Steered,
+    Step as Step,
     aim as aim,
+    plan_step as plan_step,
     steer as steer,
 )
 from .subdivision import (

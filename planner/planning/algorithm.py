@@ -83,24 +83,20 @@ class Plan:
             parse(element, self.system)
         for name in (self.depart, self.arrive):
             if name not in self.system.strata:
-                known = unknown(name, self.system.strata)
-                raise ValueError(f"stratum {name!r} {known}")
+                raise ValueError(
+                    f"stratum {name!r} {unknown(name, self.system.strata)}"
+                )
         ends = (0, *self.segment_ends)
         if list(ends) != sorted(ends) or ends[-1] != len(self.flows):
             raise ValueError(
                 f"segment_ends do not ascend to the number of flows, {len(self.flows)}"
             )
-        self._require_shapes()
-
-    def _require_shapes(self) -> None:
-        segments, size = len(self.segment_ends), self.system.dimension
-        nodes = self.inputs.shape[1:2]
-        for name, shape in (
-            ("nominal", (segments + 1, size)),
-            ("hall_coordinates", (segments, len(self.basis))),
-            ("inputs", (segments, *nodes, len(self.elements))),
+        segments, nodes = len(self.segment_ends), self.inputs.shape[1:2]
+        for name, value, shape in (
+            ("nominal", self.nominal, (segments + 1, self.system.dimension)),
+            ("hall_coordinates", self.hall_coordinates, (segments, len(self.basis))),
+            ("inputs", self.inputs, (segments, *nodes, len(self.elements))),
         ):
-            value = getattr(self, name)
             if value.shape != shape or not np.isfinite(value).all():
                 raise ValueError(
                     f"{name} of shape {value.shape} should be {shape} finite numbers"

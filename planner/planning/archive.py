@@ -28,11 +28,7 @@ FORMAT = "stratified plan, version 2"
 
 
 def system_table(system: StratifiedSystem) -> Table:
-    """A system as a table of formulas.
-
-    Raises:
-        ValueError: A field is known as a function only.
-    """
+    """A system as a table of formulas; fields known as functions only are refused."""
     for name, field in system.fields.items():
         if isinstance(field, NumericField):
             raise ValueError(
@@ -56,12 +52,14 @@ def system_table(system: StratifiedSystem) -> Table:
 
 
 def system_from(table: Table) -> StratifiedSystem:
-    """The system that a table describes, as `system_table` gives it.
-
-    Raises:
-        ValueError: A key is missing or unknown, or `StratifiedSystem` refuses a value.
-    """
-    _require_keys(table, {"state", "bottom", "strata"}, {"level_sets"}, "system")
+    """The system that a table describes, as `system_table` gives it."""
+    needed = {"state", "bottom", "strata"}
+    for key in sorted(needed - table.keys()):
+        raise ValueError(
+            f"system lacks {key!r}; it has {', '.join(table) or 'nothing'}"
+        )
+    for key in sorted(table.keys() - needed - {"level_sets"}):
+        raise ValueError(f"system has the unknown key {key!r}")
     state = [sp.Symbol(str(name), real=True) for name in table["state"]]
     return StratifiedSystem(
         state=tuple(state),
@@ -80,17 +78,6 @@ def system_from(table: Table) -> StratifiedSystem:
     )
 
 
-def _require_keys(
-    table: Table, needed: set[str], optional: set[str], what: str
-) -> None:
-    for key in sorted(needed - table.keys()):
-        raise ValueError(
-            f"{what} lacks {key!r}; it has {', '.join(table) or 'nothing'}"
-        )
-    for key in sorted(table.keys() - needed - optional):
-        raise ValueError(f"{what} has the unknown key {key!r}")
-
-
 def save_plan(plan: Plan, path: Path | str) -> None:
     """Write a plan to a file, as a whole or not at all.
 
@@ -106,21 +93,11 @@ def save_plan(plan: Plan, path: Path | str) -> None:
         >>> len(load_plan("plan.npz").flows)
         4
     """
-    table = {
-        "format": FORMAT,
-        "system": system_table(plan.system),
-        "elements": list(plan.elements),
-        "basis": list(plan.basis),
-        "flows": [list(flow) for flow in plan.flows],
-        "segment_ends": list(plan.segment_ends),
-        "inputs": plan.inputs.tolist(),
-        "hall_coordinates": plan.hall_coordinates.tolist(),
-        "nominal": plan.nominal.tolist(),
-        "depart": plan.depart,
-        "arrive": plan.arrive,
-    } | ({"gait": list(plan.gait)} if plan.gait else {})
+    table = {"format": FORMAT} | vars(plan) | {"system": system_table(plan.system)}
+    if not plan.gait:
+        del table["gait"]
     with whole_file(path) as part:
-        part.write_text(json.dumps(table))
+        part.write_text(json.dumps(table, default=np.ndarray.tolist))
 
 
 def load_plan(path: Path | str) -> Plan:
@@ -147,22 +124,18 @@ def load_plan(path: Path | str) -> Plan:
     if not isinstance(table, dict) or table.get("format") != FORMAT:
         raise ValueError(f"{path} is not a plan of the format {FORMAT!r}; save it anew")
     try:
-        return _plan(table)
+        return Plan(
+            system=system_from(table["system"]),
+            elements=tuple(table["elements"]),
+            basis=tuple(table["basis"]),
+            flows=tuple(Flow(s, f, float(t)) for s, f, t in table["flows"]),
+            segment_ends=tuple(table["segment_ends"]),
+            inputs=np.array(table["inputs"]),
+            hall_coordinates=np.array(table["hall_coordinates"]),
+            nominal=np.array(table["nominal"]),
+            depart=table["depart"],
+            arrive=table["arrive"],
+            gait=tuple(table.get("gait", ())),
+        )
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ValueError(f"{path} is damaged: {error}; save the plan again") from None
-
-
-def _plan(table: Table) -> Plan:
-    return Plan(
-        system=system_from(table["system"]),
-        elements=tuple(table["elements"]),
-        basis=tuple(table["basis"]),
-        flows=tuple(Flow(s, f, float(t)) for s, f, t in table["flows"]),
-        segment_ends=tuple(table["segment_ends"]),
-        inputs=np.array(table["inputs"]),
-        hall_coordinates=np.array(table["hall_coordinates"]),
-        nominal=np.array(table["nominal"]),
-        depart=table["depart"],
-        arrive=table["arrive"],
-        gait=tuple(table.get("gait", ())),
-    )

@@ -35,19 +35,14 @@ from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
 
 BLOCK = 2000  # flows at once; each takes some kilobytes
-FEW_NODES = 10  # which suffice for the flows of a plan of many segments
+NODES = 10, STEP_NODES  # of a flow; few suffice in a plan of many segments
 
 
 class Level(NamedTuple):
-    """Coordinates that are integrated together.
-
-    Attributes:
-        coordinates: Their indices.
-        angular: Whether it is a single coordinate whose rates depend on itself.
-    """
+    """Indices of coordinates that are integrated together."""
 
     coordinates: list[int]
-    angular: bool = False
+    angular: bool = False  # whether it is a single one whose rates depend on itself
 
 
 @lru_cache(maxsize=32)
@@ -67,14 +62,12 @@ def levels(system: StratifiedSystem, names: tuple[str, ...]) -> list[Level] | No
         rest = [i for i in range(system.dimension) if i not in known]
         level = Level([i for i in rest if reads[i] <= known])
         if not level.coordinates:
-            for i in rest:
-                if reads[i] <= known | {i} and is_angular(
-                    rates[i], system.state[i], system.state
-                ):
-                    level = Level([i], angular=True)
-                    break
-            else:
+            own = (i for i in rest if reads[i] <= known | {i})
+            angular = (i for i in own if _is_angular(rates[i], i, system.state))
+            first = next(angular, None)
+            if first is None:
                 return None
+            level = Level([first], angular=True)
         order.append(level)
         known |= set(level.coordinates)
     return order
@@ -94,9 +87,8 @@ def batched(
     found, here = [np.empty((0, start.size))], start
     for begin in range(0, len(flows), BLOCK):
         block = flows[begin : begin + BLOCK]
-        states = _states(system, block, here, order, FEW_NODES)
-        if states is None:
-            states = _states(system, block, here, order, STEP_NODES)
+        tried = (_states(system, block, here, order, n) for n in NODES)
+        states = next((ends for ends in tried if ends is not None), None)
         if states is None:
             return None
         found.append(states)
@@ -128,11 +120,10 @@ class _Batch:
     ) -> None:
         self.rule = collocation(nodes)
         self.durations = np.array([flow.duration for flow in flows])
-        rows: dict[str, list[int]] = {}
-        for k, flow in enumerate(flows):
-            rows.setdefault(flow.field, []).append(k)
+        names = np.array([flow.field for flow in flows])
         self.fields = [
-            (system.compiled(name), np.array(on)) for name, on in rows.items()
+            (system.compiled(name), np.flatnonzero(names == name))
+            for name in dict.fromkeys(names.tolist())
         ]
         self.states = np.zeros((system.dimension, nodes, len(flows)))
 
@@ -141,7 +132,7 @@ class _Batch:
         chosen, begins = level.coordinates, start[level.coordinates]
         if level.angular:
             at = partial(self._at, chosen[0])
-            turned = angular_ways(at, begins[0], self.durations, self.rule)
+            turned = _angular_ways(at, begins[0], self.durations, self.rule)
             if turned is None:
                 return False
             self._place(chosen, turned[None], begins)
@@ -187,28 +178,22 @@ class _Batch:
         return rates
 
 
-def is_angular(rates: Sequence[sp.Expr], angle: sp.Symbol, state: Symbols) -> bool:
+def _is_angular(rates: Sequence[sp.Expr], index: int, state: Symbols) -> bool:
     """Whether all rates of a coordinate are of the form c + a cos + b sin of it."""
+    angle = state[index]
     return all(
         vanishing([sp.Matrix([r.diff(angle, 3) + r.diff(angle)])], state)[0]
         for r in rates
     )
 
 
-def angular_ways(
+def _angular_ways(
     rate: Callable[[float], Array], start: float, durations: Array, rule: Collocation
 ) -> Array | None:
-    """How far a coordinate has come at each node of each of a sequence of flows.
+    """How far a coordinate has come at each node of each flow, shape (nodes, flows).
 
-    Args:
-        rate: Rates at the nodes of all flows wherever the coordinate has a given value,
-            shape (nodes, flows).
-        start: Value of the coordinate before the first flow.
-        durations: Signed durations of the flows, shape (flows,).
-        rule: Nodes in each flow.
-
-    Returns:
-        Shape (nodes, flows); None if a flow is too long for the nodes.
+    `rate` maps a value of the coordinate to its rates there at the nodes of all flows,
+    likewise; durations are signed. None if a flow is too long for the nodes.
     """
     ahead, across, back = (durations * rate(angle) for angle in (0.0, pi / 2, pi))
     moved = np.flatnonzero(ahead.any(axis=0) | across.any(axis=0) | back.any(axis=0))

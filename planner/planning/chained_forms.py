@@ -41,32 +41,22 @@ VANISHED = 1e-8  # relative, of what must vanish there
 class FlatOutputs:
     """Two functions of the configuration from which a chained form follows.
 
-    Attributes:
-        along: The first coordinate z1, which one of the two fields leaves alone.
-        across: The last coordinate zn.
-        rate: Rate of `along` per unit of the field that moves it; derived if None. A
-            shorter expression than the derived one saves time.
-        slope: Rate of `across` over that of `along`; likewise.
+    The rate of `along` per unit of the field that moves it, and the slope of `across`
+    against `along`, are derived if None. A shorter expression saves time.
     """
 
-    along: sp.Expr
-    across: sp.Expr
+    along: sp.Expr  # z1, which one of the two fields leaves alone
+    across: sp.Expr  # zn
     rate: sp.Expr | None = None
     slope: sp.Expr | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class ChainedForm:
-    """A system in chained form.
+    """A system in chained form."""
 
-    Attributes:
-        system: The same state with the combined fields `ahead` and `turn`, which are g1
-            and g2 of the chained form.
-        coordinates: z1, ..., zn as expressions in the state.
-    """
-
-    system: StratifiedSystem
-    coordinates: tuple[sp.Expr, ...]
+    system: StratifiedSystem  # of the combined fields `ahead` and `turn`, g1 and g2
+    coordinates: tuple[sp.Expr, ...]  # z1, ..., zn as expressions in the state
 
     @cached_property
     def model(self) -> ExtendedSystem:
@@ -88,14 +78,7 @@ class ChainedForm:
         return compiled
 
     def at(self, x: ArrayLike) -> Array:
-        """Coordinates z of a configuration, shape (n,).
-
-        Args:
-            x: Configuration, shape (n,).
-
-        Raises:
-            PlannerError: The form is singular there.
-        """
+        """Coordinates z of a configuration, both of shape (n,)."""
         state = np.asarray(x, dtype=float)
         with np.errstate(all="ignore"):
             z = np.array(self._value(*state), dtype=float)
@@ -106,17 +89,10 @@ class ChainedForm:
         return z
 
     def plan(self, start: ArrayLike, goal: ArrayLike, segments: int = 1) -> Plan:
-        """Flows of the combined fields that meet a goal exactly.
+        """Flows of the combined fields from one configuration (n,) exactly to another.
 
-        Args:
-            start: Configuration to start from, shape (n,).
-            goal: Configuration to meet, shape (n,).
-            segments: Number of pieces of the straight line between them in z.
-
-        Raises:
-            ValueError: An end is misshapen or not finite, or there is no such number
-                of segments.
-            PlannerError: The form is singular at an end, or between the two.
+        The segments divide the straight line between them in z, on which the form must
+        not be singular.
         """
         ends = line(start, goal)
         straight = line(self.at(ends(0.0)), self.at(ends(1.0)))
@@ -140,13 +116,7 @@ def chained_form(
 ) -> ChainedForm:
     """The chained form of a system with one stratum and two fields.
 
-    Args:
-        system: System to bring to chained form.
-        outputs: Its flat outputs; pairs of coordinates are tried if not given.
-
-    Raises:
-        PlannerError: It has not two fields given by formulas, or the outputs do not
-            lead to a chained form, or no pair of coordinates does.
+    Pairs of coordinates are tried if no flat outputs are given.
     """
     fields = list(system.fields.values())
     if len(fields) != 2 or any(isinstance(f, NumericField) for f in fields):
@@ -171,28 +141,27 @@ def _formed(
     system: StratifiedSystem, columns: list[sp.Matrix], outputs: FlatOutputs
 ) -> ChainedForm:
     state = system.state
-    check = _Check(state)
     rates = [_rate(outputs.along, column, state) for column in columns]
-    still = [check.vanishes(rate) for rate in rates]
+    still = [_vanishes(rate, state) for rate in rates]
     if sorted(still) != [False, True]:
         raise PlannerError(
             f"{outputs.along} is moved by {2 - sum(still)} of two fields; the first "
             "flat output is moved by one only"
         )
     drive, turn = columns[still.index(False)], columns[still.index(True)]
-    rate = check.equal(rates[still.index(False)], outputs.rate)
+    rate = _equal(rates[still.index(False)], outputs.rate, state)
     ahead = drive / rate
-    slope = check.equal(_rate(outputs.across, ahead, state), outputs.slope)
+    slope = _equal(_rate(outputs.across, ahead, state), outputs.slope, state)
     chain = [outputs.across, slope]
     while len(chain) < len(state) - 1:
-        if not check.vanishes(_rate(chain[-1], turn, state)):
+        if not _vanishes(_rate(chain[-1], turn, state), state):
             raise PlannerError(
                 f"{outputs.along} and {outputs.across} are not flat outputs of a "
                 "chained form: a slope is turned too early"
             )
         chain.append(_rate(chain[-1], ahead, state))
     turned = _rate(chain[-1], turn, state)
-    if check.vanishes(turned):
+    if _vanishes(turned, state):
         raise PlannerError(
             f"{outputs.along} and {outputs.across} are not flat outputs of a chained "
             "form: the last slope is never turned"
@@ -245,32 +214,28 @@ def _inner_rate(part: sp.Expr, rate: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
     return sp.Add(*(outer.diff(stand_ins[i]).xreplace(back) * rates[i] for i in moving))
 
 
-@dataclass(frozen=True)
-class _Check:
-    """Compares expressions by their values near zero, where they are finite."""
+def _values(expression: sp.Expr, state: Symbols) -> Array:
+    """Values of an expression near zero, where they are finite."""
+    points = NEARBY * sample_configurations(len(state))
+    function = sp.lambdify(state, expression, modules="numpy", cse=True)
+    with np.errstate(all="ignore"):
+        values = np.array([function(*x) for x in points], dtype=float)
+    return values[np.isfinite(values)]
 
-    state: Symbols
 
-    def _values(self, expression: sp.Expr) -> Array:
-        points = NEARBY * sample_configurations(len(self.state))
-        function = sp.lambdify(self.state, expression, modules="numpy", cse=True)
-        with np.errstate(all="ignore"):
-            values = np.array([function(*x) for x in points], dtype=float)
-        return values[np.isfinite(values)]
+def _vanishes(expression: sp.Expr, state: Symbols, size: float = 1.0) -> bool:
+    values = _values(expression, state)
+    return bool(np.abs(values).max(initial=0.0) <= VANISHED * size)
 
-    def vanishes(self, expression: sp.Expr, size: float = 1.0) -> bool:
-        """Whether an expression is zero wherever it is finite."""
-        values = self._values(expression)
-        return bool(np.abs(values).max(initial=0.0) <= VANISHED * size)
 
-    def equal(self, derived: sp.Expr, declared: sp.Expr | None) -> sp.Expr:
-        """The declared expression if it equals the derived one, or else an error."""
-        if declared is None:
-            return derived
-        size = float(np.abs(self._values(derived)).max(initial=1.0))
-        if not self.vanishes(derived - declared, size):
-            raise PlannerError(
-                f"{declared} is declared for a flat output but is not the rate that "
-                "the fields give; correct it or leave it out"
-            )
-        return declared
+def _equal(derived: sp.Expr, declared: sp.Expr | None, state: Symbols) -> sp.Expr:
+    """The declared expression if it equals the derived one, or else an error."""
+    if declared is None:
+        return derived
+    size = float(np.abs(_values(derived, state)).max(initial=1.0))
+    if not _vanishes(derived - declared, state, size):
+        raise PlannerError(
+            f"{declared} is declared for a flat output but is not the rate that "
+            "the fields give; correct it or leave it out"
+        )
+    return declared

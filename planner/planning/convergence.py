@@ -19,7 +19,6 @@ reference [3]). The critical step is how long such a plan may be.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -43,7 +42,6 @@ from planner.planning.nominal import (
 from planner.planning.paths import Path, line
 from planner.planning.shooting import shot_towards
 from planner.systems.fields import compile_fields
-from planner.systems.flows import Word
 from planner.systems.strata import StratifiedSystem
 
 ERROR_PLACES = 3  # places on the path where the leading error is looked at
@@ -55,20 +53,12 @@ ACCURACY = 1e-3  # relative, of the step
 
 @dataclass(frozen=True)
 class ConvergenceOrder:
-    """How fast the end of a plan converges.
+    """How fast the end of a plan converges."""
 
-    Attributes:
-        degree: Degree k of the nilpotent approximation.
-        bracket_degree: Highest degree d of the brackets that the path asks for.
-        order: Power of 1/n by which n segments miss the goal at least; infinite where
-            plans are exact.
-        cancelled: Whether the error of degree k + 1 cancels.
-    """
-
-    degree: int
-    bracket_degree: int
-    order: float
-    cancelled: bool
+    degree: int  # k of the nilpotent approximation
+    bracket_degree: int  # d, the highest of the brackets that the path asks for
+    order: float  # power of 1/n of the miss with n segments; infinite if exact
+    cancelled: bool  # whether the error of degree k + 1 cancels
 
     def __str__(self) -> str:
         if np.isinf(self.order):
@@ -82,13 +72,7 @@ class ConvergenceOrder:
 def faster(
     extended: ExtendedSystem, path: Path, coordinates: Coordinates = "fewest"
 ) -> dict[str, ConvergenceOrder]:
-    """What would make plans converge faster, and the order that each has then.
-
-    Args:
-        extended: System to steer.
-        path: Configurations on the bottom stratum for s in [0, 1].
-        coordinates: Words that are followed now.
-    """
+    """What would make plans converge faster, and the order that each has then."""
     now = convergence_order(extended, path, coordinates)
     offers: dict[str, ConvergenceOrder] = {}
     if np.isinf(now.order):
@@ -169,29 +153,20 @@ def _misses(
         extended.system.state,
         [longer.names[j] for j in beyond],
     )
-    words = steering.words(
-        exponential(steering.hall.elements, leading), wording, samples
-    )
-    generators = steering.hall.generators
+    coordinates = exponential(steering.hall.elements, leading)
+    words = steering.words(coordinates, wording, samples)
+    size = len(longer.elements)
+    unit = dict(zip(steering.hall.generators, np.eye(size), strict=False))
     for x, word in zip(samples, words, strict=True):
-        columns, missed = fields(x), word_logarithm(longer, generators, word)[beyond]
-        size = np.abs(columns).max() * np.abs(missed).max()
-        if np.abs(columns @ missed).max() > ROUNDED_OFF * size:
+        flowed = np.zeros(size)
+        for name, duration in zip(word.fields, word.durations, strict=True):
+            flowed = exponential(longer.elements, duration * unit[name], flowed)
+        missed = logarithm(longer.elements, flowed)[beyond]  # eq. (3)
+        columns = fields(x)
+        scale = np.abs(columns).max() * np.abs(missed).max()
+        if np.abs(columns @ missed).max() > ROUNDED_OFF * scale:
             return True
     return False
-
-
-def word_logarithm(hall: HallFields, generators: Sequence[str], word: Word) -> Array:
-    """The logarithm of a word's flow in a Hall basis, shape (s,), eq. (3).
-
-    The basis may go beyond the degree to which the word is exact.
-    """
-    unit = dict(zip(generators, np.eye(len(hall.elements)), strict=False))
-    coordinates = np.zeros(len(hall.elements))
-    for name, duration in zip(word.fields, word.durations, strict=True):
-        step = duration * unit[name]
-        coordinates = exponential(hall.elements, step, coordinates)
-    return logarithm(hall.elements, coordinates)
 
 
 def critical_step(

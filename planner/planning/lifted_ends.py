@@ -28,38 +28,23 @@ ON_GROUND = 1e-9  # of a level set, in its unit
 
 
 def stratum_at(system: StratifiedSystem, x: ArrayLike) -> str:
-    """The stratum that a configuration lies on, with as many contacts as it has.
-
-    Args:
-        system: System with level sets.
-        x: Configuration, shape (n,).
-
-    Raises:
-        StratumError: It lies on none.
-    """
+    """The stratum of a configuration (n,), with as many contacts as it has."""
     state = np.asarray(x, dtype=float)
-    on = [s for s in system.strata if _is_on(system, s, state)]
+
+    def is_on(stratum: str) -> bool:
+        level_set = system.level_set(stratum)
+        return not level_set.functions or bool(
+            np.abs(level_set.value(state)).max() <= ON_GROUND
+        )
+
+    on = list(filter(is_on, system.strata))
     if not on:
         raise StratumError(f"{point(state)} lies on no stratum; put its feet down")
     return max(on, key=lambda stratum: len(system.contacts[stratum]))
 
 
-def _is_on(system: StratifiedSystem, stratum: str, x: Array) -> bool:
-    level_set = system.level_set(stratum)
-    functions = level_set.functions
-    return not functions or bool(np.abs(level_set.value(x)).max() <= ON_GROUND)
-
-
 def set_down(system: StratifiedSystem, x: ArrayLike) -> Array:
-    """The configuration with every foot on the ground, shape (n,).
-
-    Args:
-        system: System whose level sets are heights of feet.
-        x: Configuration with some feet lifted, shape (n,).
-
-    Raises:
-        StratumError: A foot is lifted along no coordinate, or is below the ground.
-    """
+    """The configuration (n,) with every foot set down; level sets are heights."""
     down = np.array(x, dtype=float)
     down[list(_lifted(system, down))] = 0.0
     return down
@@ -72,31 +57,25 @@ def plan_between(
     segments: int,
     execution: Execution | None = None,
 ) -> Plan:
-    """A plan along the straight line whose ends may lie on different strata.
+    """A plan along the straight line between configurations with some feet lifted.
 
-    Args:
-        extended: System to steer.
-        start: Configuration to start from, shape (n,), with some feet lifted.
-        goal: Configuration to reach, likewise.
-        segments: Number of pieces that the line is cut into.
-        execution: How to carry the plan out; the strata at its ends are those of the
-            configurations.
-
-    Raises:
-        StratumError: An end lies on no stratum, one of its feet is below the ground, or
-            no field of its stratum lifts one of the feet.
-        PlannerError: As for `plan`.
+    The strata before and after the execution are those of the ends, shape (n,).
     """
     system = extended.system
     way = line(start, goal)
     ends = way(0.0), way(1.0)
     depart, arrive = (stratum_at(system, x) for x in ends)
-    lifted = [_lifted(system, x) for x in ends]
     down = [set_down(system, x) for x in ends]
     execution = replace(execution or Execution(), depart=depart, arrive=arrive)
     planned = plan(extended, line(*down), segments, execution=execution)
-    landing = _raise(system, depart, {i: -h for i, h in lifted[0].items()})
-    lifting = _raise(system, arrive, lifted[1])
+    landing = [
+        _lift(system, depart, place, -height)
+        for place, height in _lifted(system, ends[0]).items()
+    ]
+    lifting = [
+        _lift(system, arrive, place, height)
+        for place, height in _lifted(system, ends[1]).items()
+    ]
     return _joined(planned, landing, lifting, ends)
 
 
@@ -120,25 +99,14 @@ def _lifted(system: StratifiedSystem, x: Array) -> dict[int, float]:
     return heights
 
 
-def _raise(
-    system: StratifiedSystem, stratum: str, heights: dict[int, float]
-) -> list[Flow]:
-    """Flows of a stratum that change coordinates by given heights in turn."""
-    return [
-        Flow(stratum, *_lift(system, stratum, place, height))
-        for place, height in heights.items()
-    ]
-
-
-def _lift(
-    system: StratifiedSystem, stratum: str, place: int, height: float
-) -> tuple[str, float]:
+def _lift(system: StratifiedSystem, stratum: str, place: int, height: float) -> Flow:
+    """The flow of a stratum that changes one coordinate by a height."""
     for name, field in system.strata[stratum].items():
         if isinstance(field, NumericField):
             continue
         others = [entry for i, entry in enumerate(field) if i != place]
         if not any(others) and field[place].is_number and field[place] != 0:
-            return name, height / float(field[place])
+            return Flow(stratum, name, height / float(field[place]))
     raise StratumError(
         f"no field of S{stratum} moves {system.state[place]} alone; give it one that "
         "lifts this foot"

@@ -51,12 +51,7 @@ class Steerable(Protocol):
 
 
 def require_segments(segments: int, path: Path) -> None:
-    """Check the number of segments of a path.
-
-    Raises:
-        ValueError: It is not a whole number from 1 to `MOST_SEGMENTS`.
-        PlannerError: It is too small for a division at every corner of the path.
-    """
+    """Check that segments are a whole number, and enough for the path's corners."""
     whole = isinstance(segments, Integral) and not isinstance(segments, bool)
     if not whole or not 1 <= segments <= MOST_SEGMENTS:
         raise ValueError(
@@ -78,21 +73,13 @@ def default_nodes(segments: int) -> int:
 def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> Array:
     """Configurations at the nodes of each segment, shape (segments, nodes, n).
 
-    Raises:
-        ValueError: The path does not match the state, is not finite, or leaves the
-            bottom stratum.
+    A path that does not match the state, is not finite, or leaves the bottom stratum is
+    refused.
     """
     cuts = grid(path, segments)
     inner = cuts[:-1, None] + np.diff(cuts)[:, None] * collocation(nodes).nodes[:-1]
     parameters = np.append(inner.ravel(), 1.0)
     values = path.at(parameters)
-    _require_sound(values, parameters, system)
-    starts = values[:-1].reshape(segments, nodes - 1, -1)
-    ends = values[nodes - 1 :: nodes - 1, None]
-    return np.concatenate([starts, ends], axis=1)
-
-
-def _require_sound(values: Array, parameters: Array, system: StratifiedSystem) -> None:
     if values.shape != (parameters.size, system.dimension):
         raise ValueError(
             f"path returns shape {values.shape[1:]}, expected ({system.dimension},): "
@@ -109,6 +96,9 @@ def _require_sound(values: Array, parameters: Array, system: StratifiedSystem) -
             f"path leaves S{system.bottom} at s = {parameters[k]:.6g}, where "
             f"{bottom.functions[i]} is not 0 at {point(values[k])}"
         )
+    starts = values[:-1].reshape(segments, nodes - 1, -1)
+    ends = values[nodes - 1 :: nodes - 1, None]
+    return np.concatenate([starts, ends], axis=1)
 
 
 def extend_along(
@@ -116,17 +106,10 @@ def extend_along(
     elements: Sequence[str] | None,
     path: Path,
 ) -> ExtendedSystem:
-    """The extended system of given elements, or of elements that suit a path.
+    """The extended system of given elements, or of those that span along a path.
 
-    Args:
-        system: System to extend; an extended one is returned unchanged.
-        elements: Fields and brackets; chosen by `extension.choice` if not given.
-        path: Path along which the elements must span the bottom stratum.
-
-    Raises:
-        ValueError: An element is unknown or not an element, or elements are given
-            although the system is extended already.
-        PlannerError: The elements cannot be used, or none can be chosen.
+    They are chosen by `extension.choice` if none are given. A system that is extended
+    already is returned unchanged.
     """
     if isinstance(system, ExtendedSystem):
         if elements is not None:
@@ -158,14 +141,11 @@ def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
 def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> None:
     """Check that inputs follow a path between its nodes as well as at them.
 
-    A loss of rank at a node is detected by `extension.extended`. Shots do not need this
-    check, since each is rolled out. Shapes are as in `fictitious_inputs_along`.
-
-    Raises:
-        PlannerError: The determinant of the elements changes its sign along a segment;
-            the message gives the nodes on both sides.
-        ResolutionError: Midway between nodes the inputs do not give the velocity,
-            because the elements lose rank or because the path turns too fast.
+    A loss of rank at a node is detected by `extension.extended`, one between nodes by
+    the sign of the determinant of the elements at both. A `ResolutionError` says that
+    inputs do not give the velocity midway, because the elements lose rank or because
+    the path turns too fast. Shots do not need this check, since each is rolled out.
+    Shapes are as in `fictitious_inputs_along`.
     """
     moving = np.flatnonzero(np.ptp(samples, axis=1).any(axis=1))
     if not len(moving):
@@ -182,7 +162,10 @@ def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> 
         missed = _missed(extended, samples[rough], inputs[rough]).max(axis=-1)
         if not missed.max() <= MISSED:
             worst = int(missed.argmax())
-            at = _steepest(inputs[rough][worst])
+            steep = np.abs(inputs[rough][worst])
+            largest = steep.max(axis=0)
+            sizes = (steep / np.where(largest > 0.0, largest, 1.0)).sum(axis=-1)
+            at = int((sizes[1:] + sizes[:-1]).argmax())
             lost = moving[rough][~(missed <= MISSED)]
             raise ResolutionError(_refusal(samples[rough][worst], at), lost.tolist())
 
@@ -199,13 +182,6 @@ def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
     size = np.abs(given).sum(axis=-1).max(axis=1, keepdims=True) + noise
     missed = np.abs(given.sum(axis=-1) - between @ velocity)
     return (missed / np.where(size > 0.0, size, 1.0)).max(axis=-1)
-
-
-def _steepest(inputs: Array) -> int:
-    """The first of the two neighbouring nodes where inputs (nodes, p) are largest."""
-    largest = np.abs(inputs).max(axis=0)
-    sizes = (np.abs(inputs) / np.where(largest > 0.0, largest, 1.0)).sum(axis=-1)
-    return int((sizes[1:] + sizes[:-1]).argmax())
 
 
 def _refusal(x: Array, node: int) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import sympy as sp
@@ -72,22 +73,25 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
         >>> waypoints([(0, 0), (1, 0), (1, 1)]).corners
         (0.5,)
     """
-    knots = _configurations(points)
-    lengths = np.linalg.norm(np.diff(knots, axis=0), axis=1)
-    knots = knots[np.concatenate([[True], lengths > 0])]
-    total = lengths.sum()
-    if total == 0:
+    knots, where = _by_length(_configurations(points))
+    if len(knots) == 1:
         return Path(lambda s: np.repeat(knots, s.size, axis=0))
-    where = np.concatenate([[0.0], np.cumsum(lengths[lengths > 0]) / total])
-    where[-1] = 1.0
 
     def at(s: Array) -> Array:
         k = np.clip(np.searchsorted(where, s, side="right") - 1, 0, len(where) - 2)
-        part = (s - where[k]) / (where[k + 1] - where[k])
-        part = part[:, None]
+        part = ((s - where[k]) / (where[k + 1] - where[k]))[:, None]
         return (1 - part) * knots[k] + part * knots[k + 1]
 
-    return Path(at, tuple(float(s) for s in where[1:-1]))
+    return Path(at, tuple(where[1:-1].tolist()))
+
+
+def _by_length(points: Array) -> tuple[Array, Array]:
+    """Points (k, n) without repetitions, and the share of the length at each, (k,)."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    points = points[np.append(True, lengths > 0)]
+    where = np.linspace(0.0, 1.0, len(points))
+    where[1:-1] = np.cumsum(lengths[lengths > 0])[:-1] / lengths.sum()
+    return points, where
 
 
 def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
@@ -138,18 +142,13 @@ def grid(path: Path, segments: int) -> Array:
     Each corner takes the place of the nearest inner division, in such a way that every
     other corner finds one as well. If there are fewer divisions than corners, they are
     uniform and the corners are cut.
-
-    Args:
-        path: Path to divide.
-        segments: Number of segments.
     """
     parameters = np.linspace(0.0, 1.0, segments + 1)
     corners = np.array(path.corners)
     spare = segments - 1 - corners.size
     if spare >= 0:
-        before = np.arange(
-            1, corners.size + 1
-        )  # divisions that it leaves to others, and its own
+        # divisions that each corner leaves to others, and its own
+        before = np.arange(1, corners.size + 1)
         later = np.clip(np.rint(corners * segments) - before, 0, spare)
         parameters[np.maximum.accumulate(later).astype(int) + before] = corners
     return parameters
@@ -158,18 +157,12 @@ def grid(path: Path, segments: int) -> Array:
 def recut(path: Path, cuts: Array) -> Path:
     """The same curve, with the same range of s for each piece between given parameters.
 
-    A uniform division of the new path divides the given one at the cuts. Corners
-    between the cuts are not corners of the new path.
-
-    Args:
-        path: Path to follow.
-        cuts: Parameters of the path from 0 to 1, ascending.
+    A uniform division of the new path divides the given one at the cuts, which ascend
+    from 0 to 1. Corners between the cuts are not corners of the new path.
     """
     even = np.linspace(0.0, 1.0, len(cuts))
     kept = even[np.isin(cuts, path.corners)]
-    return Path(
-        lambda s: path.at(np.interp(s, even, cuts)), tuple(float(s) for s in kept)
-    )
+    return Path(lambda s: path.at(np.interp(s, even, cuts)), tuple(kept.tolist()))
 
 
 def _configurations(points: Sequence[ArrayLike], least: int = 2) -> Array:
@@ -189,12 +182,7 @@ def _configurations(points: Sequence[ArrayLike], least: int = 2) -> Array:
 def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
     """Poses x(s), y(s), yaw(s) for s in [0, 1], and the arc length [m].
 
-    Args:
-        formulas: Formulas or numbers by the names of `COLUMNS`; those missing are 0.
-
-    Raises:
-        ValueError: One of them is no formula of s, or not finite somewhere, or all are
-            constant.
+    Formulas or numbers have the names of `COLUMNS`; those missing are 0.
     """
     s = sp.Symbol("s", real=True)
     exprs = []
@@ -224,33 +212,22 @@ def formula_curve(formulas: Mapping[str, object]) -> tuple[Path, float]:
 def table_curve(poses: Sequence[Sequence[float]]) -> tuple[Path, float]:
     """A smooth curve through poses, and the arc length [m].
 
-    Between the poses each coordinate is a cubic that does not overshoot, s by the
-    length travelled; so dense tables have no corners.
-
-    Args:
-        poses: At least two different poses, shape (k, 3).
-
-    Raises:
-        ValueError: All poses are the same.
+    Between the poses (k, 3) each coordinate is a cubic that does not overshoot, s by
+    the length travelled; so dense tables have no corners.
     """
     from scipy.interpolate import PchipInterpolator
 
-    knots = np.array(poses, dtype=float)
-    steps = np.linalg.norm(np.diff(knots, axis=0), axis=1)
-    knots = knots[np.concatenate([[True], steps > 0])]
+    knots, where = _by_length(np.array(poses, dtype=float))
     if len(knots) < 2:
         raise ValueError("all poses are the same; give at least two different ones")
-    where = np.concatenate([[0.0], np.cumsum(steps[steps > 0])]) / steps.sum()
-    where[-1] = 1.0
     spline = PchipInterpolator(where, knots)
     rate = spline.derivative()
-    cuts = where.tolist()
-    return Path(spline), _arc_length(lambda t: np.hypot(*rate(t)[:2]), cuts)
+    length = _arc_length(lambda t: np.hypot(*rate(t)[:2]), where.tolist())
+    return Path(spline), length
 
 
 def _arc_length(speed: Callable[[float], float], cuts: Sequence[float]) -> float:
     from scipy.integrate import quad
 
-    pieces = zip(cuts[:-1], cuts[1:], strict=True)
     options = {"epsabs": 0.0, "epsrel": ARC_PRECISION, "limit": 500}
-    return float(sum(quad(speed, a, b, **options)[0] for a, b in pieces))
+    return float(sum(quad(speed, a, b, **options)[0] for a, b in pairwise(cuts)))

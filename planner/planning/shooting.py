@@ -3,13 +3,16 @@
 A shot is a plan of one straight segment together with its rollout. `steer` appends
 shots, each from where the one before ended, until the goal is met. `aim` changes the
 target of a single shot until it ends at the goal, so that the plan has as many flows as
-an open-loop plan.
+an open-loop plan. `plan_step` replans one segment from a reached state, in the legs'
+range.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,47 +21,42 @@ from planner.errors import ConvergenceError, PlannerError, RangeError
 from planner.execution.execution import CHOICES, Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
-from planner.planning.algorithm import Plan, assemble, with_remedy
+from planner.planning.algorithm import Plan, assemble, follow_path, with_remedy
 from planner.planning.nominal import fictitious_inputs_along, require_segments, sample
 from planner.planning.paths import Path, as_path, grid, line
-from planner.planning.replanning import FINEST, SEGMENT_NODES
 from planner.planning.rollouts import play
 from planner.support.stopping import tick
 
+SEGMENT_NODES = 9  # of a straight step; its inputs vary with the heading only
+FINEST = 2.0**-20  # smallest part of the way to the target that a step may go
 STALLED = 10  # shots that must at least halve the distance together
 AIMED_PIECES = (1, 2, 4, 8)  # tried in turn where shots stall
 MOST_AIMS = 40  # a dozen suffice where aiming converges
 
 
+class Shot(NamedTuple):
+    """One straight segment, planned and followed."""
+
+    start: Array  # configuration, shape (n,)
+    inputs: Array  # fictitious inputs at its nodes, shape (1, nodes, p)
+    hall_coordinates: Array  # backward coordinates, shape (1, s)
+    end: Array  # configuration that its flows end in, shape (n,)
+
+
+class Steered(NamedTuple):
+    """A plan made of shots, each from where the one before ended."""
+
+    plan: Plan  # every shot is a segment
+    distances: tuple[float, ...]  # to the goal, before the first shot and after each
+    critical_step: float  # shortest shot that did not halve its distance, or infinity
+
+
 @dataclass(frozen=True)
-class Shot:
-    """One straight segment, planned and followed.
-
-    Attributes:
-        inputs: Fictitious inputs at its nodes, shape (1, nodes, p).
-        hall_coordinates: Backward coordinates, shape (1, s).
-        end: Configuration that its flows end in, shape (n,).
-    """
-
-    inputs: Array
-    hall_coordinates: Array
-    end: Array
-
-
-@dataclass(frozen=True)
-class Steered:
-    """A plan made of shots, each from where the one before ended.
-
-    Attributes:
-        plan: The flows; every shot is a segment.
-        distances: Distance to the goal before the first shot and after each.
-        critical_step: Length of the shortest shot that did not halve its distance;
-            infinite if every shot did.
-    """
+class Step:
+    """A plan of one segment, and the part of the way to its target that it goes."""
 
     plan: Plan
-    distances: tuple[float, ...]
-    critical_step: float
+    fraction: float  # 1 unless the limits allow less
 
 
 def aim(
@@ -98,25 +96,34 @@ def aim(
     nominal = as_path(path)
     require_segments(segments, nominal)
     targets = nominal.at(grid(nominal, segments))
-    shots, here = [], targets[0]
-    for number, target in enumerate(targets[1:], start=1):
-        shot = _aimed(extended, (here, target), execution, tolerance)
-        if shot is None:
-            raise ConvergenceError(
-                f"segment {number} of {segments} cannot be aimed to within "
-                f"{tolerance:.3g} of its end; cut the path into more segments"
-            )
-        shots.append(shot)
-        here = shot.end
+    shots = _aimed_along(targets, extended, execution, tolerance)
     try:
         return _assembled(extended, shots, targets, execution)
     except RangeError as error:
         raise with_remedy(error, extended, nominal, segments, execution) from None
 
 
+def _aimed_along(
+    targets: Array, extended: ExtendedSystem, execution: Execution, tolerance: float
+) -> list[Shot]:
+    """Shots from each of the configurations (segments + 1, n) to the next."""
+    shots, here = list[Shot](), targets[0]
+    for number, target in enumerate(targets[1:], start=1):
+        shot = _aimed(extended, here, target, execution, tolerance)
+        if shot is None:
+            raise ConvergenceError(
+                f"segment {number} of {len(targets) - 1} cannot be aimed to within "
+                f"{tolerance:.3g} of its end; cut the path into more segments"
+            )
+        shots.append(shot)
+        here = shot.end
+    return shots
+
+
 def _aimed(
     extended: ExtendedSystem,
-    ends: tuple[Array, Array],
+    here: Array,
+    target: Array,
     execution: Execution,
     tolerance: float,
 ) -> Shot | None:
@@ -125,7 +132,6 @@ def _aimed(
     The first approximation is that the end moves as the aim does. No correction is
     longer than the segment.
     """
-    here, target = ends
     there, inverse = target, np.eye(target.size)  # of the end's change with the aim
     shot = shot_towards(extended, here, there, execution)
     miss = target - shot.end
@@ -186,15 +192,14 @@ def steer(
     """
     way = line(start, goal)
     here, end = way(0.0), way(1.0)
-    begins: list[Array] = []
-    shots: list[Shot] = []
-    distances = [float(np.linalg.norm(end - here))]
+    shots, distances = list[Shot](), [float(np.linalg.norm(end - here))]
     part, critical, hopeful = 1.0, np.inf, True
     while distances[-1] > tolerance:
         tick(f"{len(shots)} shots, which end {distances[-1]:.3g} off the goal")
         if hopeful and (_stalled(distances) or part < FINEST):
             if aimed := _aimed_pieces(extended, way, execution, tolerance):
-                begins, shots, distances = aimed
+                shots, ends = aimed, [shot.end for shot in aimed]
+                distances[1:] = [float(np.linalg.norm(end - x)) for x in ends]
                 break
             hopeful = False
         if len(shots) >= max_shots or part < FINEST:
@@ -209,14 +214,11 @@ def steer(
             critical, part = min(critical, length), part / 2
             continue
         shots.append(shot)
-        begins.append(here)
         here, part = shot.end, min(1.0, 2 * part)
         distances.append(float(np.linalg.norm(end - here)))
-    return Steered(
-        _assembled(extended, shots, np.array([*(begins or [here]), end]), execution),
-        tuple(distances),
-        float(critical),
-    )
+    nominal = np.array([*([shot.start for shot in shots] or [here]), end])
+    planned = _assembled(extended, shots, nominal, execution)
+    return Steered(planned, tuple(distances), float(critical))
 
 
 def _stalled(distances: Sequence[float]) -> bool:
@@ -226,38 +228,19 @@ def _stalled(distances: Sequence[float]) -> bool:
 
 def _aimed_pieces(
     extended: ExtendedSystem, way: Path, execution: Execution, tolerance: float
-) -> tuple[list[Array], list[Shot], list[float]] | None:
-    """Starts, shots and distances of the fewest pieces that can be aimed."""
+) -> list[Shot] | None:
+    """Shots along the fewest pieces of a path that can be aimed."""
     for pieces in AIMED_PIECES:
-        here, end = way(0.0), way(1.0)
-        begins: list[Array] = []
-        shots: list[Shot] = []
-        distances = [float(np.linalg.norm(end - here))]
-        for target in way.at(np.linspace(0.0, 1.0, pieces + 1)[1:]):
-            try:
-                shot = _aimed(extended, (here, target), execution, tolerance)
-            except PlannerError:
-                shot = None
-            if shot is None:
-                break
-            begins.append(here)
-            shots.append(shot)
-            here = shot.end
-            distances.append(float(np.linalg.norm(end - here)))
-        else:
-            return begins, shots, distances
+        targets = way.at(np.linspace(0.0, 1.0, pieces + 1))
+        with suppress(PlannerError):
+            return _aimed_along(targets, extended, execution, tolerance)
     return None
 
 
 def shot_towards(
     extended: ExtendedSystem, here: Array, target: Array, execution: Execution
 ) -> Shot:
-    """A plan of one straight segment and its rollout.
-
-    Raises:
-        ValueError: The execution leaves the choice of coordinates open.
-        PlannerError: The elements do not follow the line.
-    """
+    """A plan of one straight segment between configurations (n,), and its rollout."""
     orders = CHOICES[execution.coordinates][0]
     if len(orders) > 1:
         raise ValueError(
@@ -269,16 +252,43 @@ def shot_towards(
     coordinates = extended.steering.hall_coordinates(inputs)
     (word,) = extended.steering.words(coordinates, orders[0], here[None])
     flows = extended.grouper.flows(word, tuple(range(len(word.fields))))
-    return Shot(inputs, coordinates, play(extended.system, flows, here)[-1])
+    return Shot(here, inputs, coordinates, play(extended.system, flows, here)[-1])
 
 
 def _assembled(
-    extended: ExtendedSystem,
-    shots: list[Shot],
-    nominal: Array,
-    execution: Execution,
+    extended: ExtendedSystem, shots: list[Shot], nominal: Array, execution: Execution
 ) -> Plan:
     shots = shots or [shot_towards(extended, nominal[0], nominal[0], execution)]
     inputs = np.concatenate([shot.inputs for shot in shots])
     coordinates = np.concatenate([shot.hall_coordinates for shot in shots])
     return assemble(extended, inputs, coordinates, nominal, execution)
+
+
+def plan_step(
+    extended: ExtendedSystem, state: ArrayLike, target: ArrayLike, execution: Execution
+) -> Step:
+    """Plan one straight segment from a reached state, as far as limits allow.
+
+    Takes configurations of shape (n,). `finish=False` in the execution leaves the legs
+    where they are at the end. Raises `RangeError` if even the smallest step leaves the
+    limits.
+    """
+
+    def straight(goal: ArrayLike) -> Plan:
+        return follow_path(extended, line(state, goal), 1, execution, SEGMENT_NODES)
+
+    try:
+        return Step(straight(target), 1.0)
+    except RangeError as error:
+        refusal = error
+    state, target = np.asarray(state, float), np.asarray(target, float)
+    best, low, high = None, 0.0, 1.0
+    while high - low > max(FINEST, 1e-3 * low):
+        middle = (low + high) / 2
+        try:
+            best, low = straight(state + middle * (target - state)), middle
+        except RangeError as error:
+            high, refusal = middle, error
+    if best is None:
+        raise refusal
+    return Step(best, low)

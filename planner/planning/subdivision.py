@@ -11,6 +11,7 @@ heading does, the exponent is 1. Callers decide what is bounded.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -62,21 +63,16 @@ def subdivide(cuts: Array, slacks: Callable[[Array], Sequence[Slack]]) -> Array:
         pieces = np.max([needed(slack) for slack in found], axis=0)
         if (pieces == 1).all():
             return cuts
-        tick(_described(cuts, found))
+        kept = [
+            f"{s.bound} of {s.least + s.walking.min():.4g} {s.unit}"
+            for s in found
+            if s.unit
+        ]
+        held = f", which keep {' and '.join(kept)}" if kept else ""
+        tick(f"{len(cuts) - 1} segments{held}")
         if pieces.sum() > MOST_DIVIDED:
             raise _refusal(cuts, found)
         cuts = refined(cuts, pieces)
-
-
-def _described(cuts: Array, found: Sequence[Slack]) -> str:
-    """How far the path is divided, and what that keeps."""
-    kept = [
-        f"{s.bound} of {s.least + s.walking.min():.4g} {s.unit}"
-        for s in found
-        if s.unit
-    ]
-    held = f", which keep {' and '.join(kept)}" if kept else ""
-    return f"{len(cuts) - 1} segments{held}"
 
 
 def _refusal(cuts: Array, found: Sequence[Slack]) -> BoundError:
@@ -106,6 +102,6 @@ def refined(cuts: Array, pieces: Array) -> Array:
     """Parameters (segments + 1,) after each segment is cut into equal pieces."""
     parts = [
         np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(cuts[:-1], cuts[1:], pieces, strict=True)
+        for (a, b), n in zip(pairwise(cuts), pieces, strict=True)
     ]
     return np.append(np.concatenate(parts), cuts[-1])

@@ -12,8 +12,8 @@ from planner.execution.execution import Execution
 from planner.extension.extended import extend
 from planner.planning.algorithm import plan
 from planner.planning.paths import ellipse, line, waypoints
-from planner.planning.replanning import plan_step
 from planner.planning.rollouts import play, rollout
+from planner.planning.shooting import plan_step
 from planner.systems.fields import NumericField
 from planner.systems.flows import contact_switches
 from planner.systems.strata import StratifiedSystem

@@ -6,8 +6,8 @@ import pytest
 from planner.errors import RangeError
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
-from planner.planning.replanning import plan_step
 from planner.planning.rollouts import rollout
+from planner.planning.shooting import plan_step
 from tests.systems import LIFTED, METRES, hexapod
 
 AT_REST = np.zeros(5)
