@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 from typing import Literal
 
 import numpy as np
@@ -27,7 +28,6 @@ from planner.systems.flows import Flow, contact_switches, merged
 
 Objective = Literal["time", "strokes", "switches"]
 Completion = Callable[[Sequence[Sequence[Flow]]], list[list[Flow]]]
-"""Adds flows in between to those of each segment, such as repositioning of legs."""
 
 REFINEMENTS = 12  # of a plan, until its exact motion meets the goal and constraints
 NEGLIGIBLE_MISS = 1e-6  # distance from the goal, in units of a stroke's length
@@ -37,13 +37,11 @@ FLOW_SAMPLES = 8  # states of a flow that are compared with the path
 
 @dataclass(frozen=True)
 class Criterion:
-    """The objective, and how flows are measured.
+    """The objective to minimise, and how flows in time order are measured.
 
-    Attributes:
-        objective: Quantity to minimise.
-        duration: Time that flows take in their order.
-        predict: Final state of flows; by rollout on the task's system if not given.
-        complete: Adds flows in between, such as repositioning; none if not given.
+    The final state of flows is predicted by rollout on the task's system if not given.
+    `complete` adds flows in between to those of each segment, such as repositioning of
+    legs.
     """
 
     objective: Objective
@@ -55,16 +53,10 @@ class Criterion:
 class Optimiser:
     """Strokes and recoveries that follow a path at the least cost.
 
-    The search takes place once; plans for nearby goals start from its solutions.
-
-    Args:
-        task: Fields, stages, tolerances and constraints.
-        criterion: Objective.
-        extended: Extended system whose elements and basis the plan names.
-        path: Configurations to follow.
-        segments: Number of segments of the path to which flows are assigned.
-        coarse: Stratified plans for first guesses.
-        report: Called with the share of the work that is done, from 0 to 1.
+    The search takes place once; plans for nearby goals start from its solutions. The
+    plan names elements and basis of the extended system, and has a number of segments
+    of the path to which flows are assigned. Coarse stratified plans give first guesses;
+    `report` is called with the share of the work that is done, from 0 to 1.
     """
 
     def __init__(
@@ -89,9 +81,9 @@ class Optimiser:
 
     def score(self, solution: Solution) -> float:
         """Value of the objective for a solution."""
-        flows = [f for part in self.flows([solution]) for f in part]
         if self.criterion.objective == "strokes":
             return solution.cost
+        flows = list(chain(*self.flows([solution])))
         duration = self.criterion.duration(flows)
         if self.criterion.objective == "time":
             return duration
@@ -101,13 +93,11 @@ class Optimiser:
         """Flows of each segment, assigned by the middle of their stages on the path."""
         parts: list[list[Flow]] = [[] for _ in range(self.segments)]
         for solution in solutions:
-            for k, (stroke, recoveries) in enumerate(
-                zip(solution.strokes, solution.recoveries, strict=True)
-            ):
+            for k, stroke in enumerate(solution.strokes.tolist()):
                 stage = self.task.stage(solution.first + k)
                 middle = float(np.mean(solution.places[k : k + 2]))
                 segment = min(int(middle * self.segments), self.segments - 1)
-                parts[segment] += stage.flows(float(stroke), recoveries.tolist())
+                parts[segment] += stage.flows(stroke, solution.recoveries[k].tolist())
         complete = self.criterion.complete
         return complete(parts) if complete else parts
 
@@ -116,21 +106,29 @@ class Optimiser:
 
         The program integrates in few steps and checks its constraints only there.
         Stages whose exact motion violates them in between are solved again with larger
-        margins, between the states in which their window begins and ends.
-
-        Args:
-            goal: Configuration to end in, if not the path's own, shape (n,).
-
-        Raises:
-            BoundError: If no plan keeps the tolerances, or none was found that does
-                when it is played exactly.
-            StratumError: If a field that is needed is known as a function only.
-            MissingSolverError: If CasADi is not installed.
+        margins, between the states in which their window begins and ends. The goal,
+        shape (n,), is the path's own unless another is given. A `BoundError` says that
+        no plan keeps the tolerances, or none that was found when it is played exactly.
         """
         goal = self.path(1.0) if goal is None else goal
         solutions = self._solutions
         with unlimited():  # what was found in time is not to be lost now
-            return self._plan(self._refined(solutions, goal), goal)
+            joined = [merged(part) for part in self._refined(solutions, goal)]
+        nominal = self.path.at(np.linspace(0.0, 1.0, self.segments + 1))
+        nominal[-1] = goal
+        elements, basis = self.extended.elements, self.extended.steering.basis
+        return Plan(
+            system=self.task.system,
+            elements=elements,
+            basis=basis,
+            flows=tuple(chain(*joined)),
+            segment_ends=tuple(np.cumsum([len(part) for part in joined]).tolist()),
+            inputs=np.zeros((self.segments, 0, len(elements))),
+            hall_coordinates=np.zeros((self.segments, len(basis))),
+            nominal=nominal,
+            depart=self.task.system.bottom,
+            arrive=self.task.system.bottom,
+        )
 
     def _refined(self, solutions: Sequence[Solution], goal: Array) -> list[list[Flow]]:
         """Flows of each segment whose exact motion meets the goal and constraints."""
@@ -138,20 +136,21 @@ class Optimiser:
         margins: Sequence[Margins] = [
             Margins.none(self.task, len(s.strokes)) for s in solutions
         ]
+        sizes = self.task.sizes(self.path(0.0))
         for left in reversed(range(REFINEMENTS)):
             flows = self.flows(solutions)
             miss, violations = goal - self._end(flows), self._violations(flows)
-            off = self._off(miss)
+            off = float(np.abs(miss[self.task.moved] / sizes).max())
             if violations.none and (best is None or off < best[0]):
                 best = off, flows
             if left == 0 or (violations.none and off < NEGLIGIBLE_MISS):
                 break
             aim = aim + miss
-            before, margins = (
-                margins,
-                self._refinement.enlarged(margins, solutions, violations),
-            )
-            changed = [d is not b for d, b in zip(margins, before, strict=True)]
+            before = margins
+            margins = self._refinement.enlarged(before, solutions, violations)
+            changed = [
+                now is not then for now, then in zip(margins, before, strict=True)
+            ]
             try:
                 found = self._again(solutions, margins, [*changed[:-1], True], aim)
             except KeyboardInterrupt as stop:
@@ -202,7 +201,7 @@ class Optimiser:
 
     def _violations(self, flows: Sequence[Sequence[Flow]]) -> Violations:
         """Violations of tolerances and inequalities along the exact motion of flows."""
-        joined = merged(flow for part in flows for flow in part)
+        joined = merged(chain(*flows))
         states = play(self.task.system, joined, self.path(0.0), FLOW_SAMPLES)
         points = self.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
         tolerances, inequalities = self.task.tolerances, self.task.inequalities
@@ -210,31 +209,8 @@ class Optimiser:
         excess = max(f / t.most for f, t in zip(found, tolerances, strict=True))
         return Violations(excess, np.array([i.lack(flows) for i in inequalities]))
 
-    def _off(self, miss: Array) -> float:
-        sizes = self.task.sizes(self.path(0.0))
-        return float(np.abs(miss[self.task.moved] / sizes).max())
-
     def _end(self, flows: Sequence[Sequence[Flow]]) -> Array:
-        joined = merged(flow for part in flows for flow in part)
+        joined = merged(chain(*flows))
         if self.criterion.predict is not None:
             return self.criterion.predict(joined)
         return play(self.task.system, joined, self.path(0.0))[-1]
-
-    def _plan(self, flows: list[list[Flow]], goal: Array) -> Plan:
-        system = self.task.system
-        joined = [merged(part) for part in flows]
-        nominal = self.path.at(np.linspace(0.0, 1.0, self.segments + 1))
-        nominal[-1] = goal
-        elements, basis = self.extended.elements, self.extended.steering.basis
-        return Plan(
-            system=system,
-            elements=elements,
-            basis=basis,
-            flows=tuple(flow for part in joined for flow in part),
-            segment_ends=tuple(np.cumsum([len(part) for part in joined]).tolist()),
-            inputs=np.zeros((self.segments, 0, len(elements))),
-            hall_coordinates=np.zeros((self.segments, len(basis))),
-            nominal=nominal,
-            depart=system.bottom,
-            arrive=system.bottom,
-        )

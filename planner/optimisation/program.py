@@ -12,7 +12,6 @@ width of the corridor would be needed.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +20,6 @@ from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Constraints, Margins
 from planner.optimisation.dynamics import STAGE_STEPS, path_distance, stage_function
 from planner.optimisation.solver import WARM, Expression, Ipopt, solver
-from planner.optimisation.stages import Stage
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.unknowns import Unknowns
 from planner.planning.paths import Path
@@ -31,14 +29,7 @@ WIDTH_COST = 1000.0  # of a tolerance of width, in units of the dearest field's 
 
 
 class Program:
-    """The program for a number of stages, built once and solved from any guess.
-
-    Args:
-        task: Task to optimise.
-        path: Configurations to follow.
-        count: Number of stages.
-        first: Number in the cycle of the first stage.
-    """
+    """The program for a number of stages, built once and solved from any guess."""
 
     def __init__(self, task: Task, path: Path, count: int, first: int = 0) -> None:
         self.task, self.path = task, path
@@ -49,21 +40,18 @@ class Program:
             stage: stage_function(task, stage, self._start)
             for stage in dict.fromkeys(self.unknowns.stages)
         }
-        self._constraints = Constraints()
         dearest = max(task.cost(s.stroke) for s in task.stages if s.stroke)
         self._width_cost = WIDTH_COST * dearest
+        self._constraints = Constraints()
         self._program = self._built()
         self._solver = Ipopt(self._program)
 
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
     ) -> Solution:
-        """A first guess: given strokes, each centred on zero, and their motion.
+        """A first guess: strokes (count,), each centred on zero, and their motion.
 
-        Args:
-            strokes: Strokes of all stages, shape (count,).
-            start: State before the first stage, shape (n,).
-            places: Places on the path where the motion begins and ends.
+        It leads from a state (n,), and between two places on the path.
         """
         moved, stages = self.task.moved, self.unknowns.stages
         strokes, recoveries = self.unknowns.centred(strokes, start)
@@ -88,12 +76,9 @@ class Program:
     ) -> Solution | None:
         """The local optimum near a guess; None if the solver finds none.
 
-        Args:
-            guess: Initial iterate; its first state is the start.
-            places: Places on the path where the motion begins and ends.
-            goal: State to end in, shape (n,); None for any within the tolerances.
-            margins: Margins of the constraints in each stage.
-            near: Whether the guess is nearly optimal, so that the solver stays near.
+        It begins in the guess's first state and ends in the goal, shape (n,), or
+        anywhere within the tolerances if that is None, between two places on the path.
+        The solver stays near a guess that is nearly optimal.
         """
         start = guess.states[0]
         lowest, highest = self.unknowns.bounds(start, places, goal, CHECKED_SHARE)
@@ -142,7 +127,7 @@ class Program:
         constraints.add(width[1:] - width[:-1], 0.0, 0.0)
         constraints.add(S[1:] - S[:-1], 0.0, np.inf)
         lengths = forward + backward, up + down
-        cost = self._cost(self.unknowns.stages, *lengths)
+        cost = self._cost(*lengths)
         if task.overlapped:
             constraints.durations(task, self.unknowns.stages, times, *lengths)
             cost = ca.sum2(times) + OVERLAPPED_COST * cost
@@ -152,11 +137,9 @@ class Program:
             "g": ca.vertcat(*constraints.rows),
         }
 
-    def _cost(
-        self, stages: Sequence[Stage], D: Expression, A: Expression
-    ) -> Expression:
+    def _cost(self, D: Expression, A: Expression) -> Expression:
         """Cost of all strokes and recoveries in sequence."""
-        ca, task = solver(), self.task
+        ca, task, stages = solver(), self.task, self.unknowns.stages
         prices = [task.cost(s.stroke) if s.stroke else 0.0 for s in stages]
         cost = ca.dot(D, ca.DM(prices).T)
         for j in range(task.most_recoveries):

@@ -28,15 +28,10 @@ GUARD = 1e-3  # further share of a tolerance, since larger margins move the plan
 
 @dataclass(frozen=True, eq=False)
 class Violations:
-    """Violations of tolerances and inequalities by an exact motion.
+    """Violations of tolerances and inequalities by an exact motion."""
 
-    Attributes:
-        excess: Largest deviation from the path, in tolerances.
-        lacks: Violation of each of the task's inequalities, shape (R,).
-    """
-
-    excess: float
-    lacks: Array
+    excess: float  # largest deviation from the path, in tolerances
+    lacks: Array  # violation of each of the task's inequalities, shape (R,)
 
     @property
     def none(self) -> bool:
@@ -66,12 +61,7 @@ def _violating(excess: Array) -> Array:
 
 @dataclass
 class Refinement:
-    """Enlarges the margins of the stages whose motion violates constraints.
-
-    Attributes:
-        task: Task that is optimised.
-        path: Configurations to follow.
-    """
+    """Enlarges the margins of the stages whose motion violates constraints."""
 
     task: Task
     path: Path
@@ -83,13 +73,9 @@ class Refinement:
         solutions: Sequence[Solution],
         violations: Violations,
     ) -> list[Margins]:
-        """Margins enlarged in the stages that cause the violations.
+        """Margins of consecutive solutions, enlarged in the stages at fault.
 
-        Args:
-            before: Margins that the solutions were found with.
-            solutions: Consecutive solutions.
-            violations: Violations of the exact motion. A violation that no stage
-                accounts for enlarges the margins of all stages.
+        A violation that no stage accounts for enlarges the margins of all stages.
         """
         if violations.none:
             return list(before)
@@ -121,8 +107,7 @@ class Refinement:
         The position is compared with the places on the path that belong to the states
         in the solutions.
         """
-        asked = self.task.tolerances
-        groups = [list(tolerance.coordinates) for tolerance in asked]
+        groups = [list(tolerance.coordinates) for tolerance in self.task.tolerances]
         points = self.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
         states = np.tile(points[0], (sum(map(len, parts)), 1))
         states[:, self.task.moved] = np.vstack(parts)
@@ -133,7 +118,7 @@ class Refinement:
         ]
         apart = states - self.path.at(np.concatenate([p.ravel() for p in places]))
         found[:, 0] = np.linalg.norm(apart[:, groups[0]], axis=1)
-        widths = (found / [t.most for t in asked]).max(axis=1)
+        widths = (found / [t.most for t in self.task.tolerances]).max(axis=1)
         return np.array([part.max() for part in np.split(widths, len(parts))])
 
     def _checked(self, solution: Solution, number: int) -> tuple[Array, Array]:

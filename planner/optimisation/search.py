@@ -30,14 +30,14 @@ class Search(WindowSearch):
         """Consecutive solutions from the start of the path to its goal.
 
         Ctrl-C, or the end of the time to plan in, ends the search for better plans;
-        before a plan is found it is passed on.
-
-        Raises:
-            BoundError: If no plan keeps the tolerances; it says which would be kept.
-            BudgetError: If the time is over before a plan is found.
+        before a plan is found it is passed on. A `BoundError` says which tolerances
+        would be kept if those given are not.
         """
         here, place, first = self.path(0.0), 0.0, 0
-        length, done = self._length(), list[Solution]()
+        points = self.path.at(np.linspace(0.0, 1.0, 201))[:, self.task.moved]
+        steps = np.abs(np.diff(points, axis=0)) / self.task.sizes(here)
+        length = max(float(steps.max(axis=1).sum()), 1e-9)  # in those of strokes
+        done = list[Solution]()
         width = min(1.0, FIRST_WINDOW / length)
         count = _first_count(width * length)
         while place < 1.0:
@@ -62,10 +62,7 @@ class Search(WindowSearch):
     def again(
         self, solution: Solution, goal: Array, margins: Margins
     ) -> Solution | None:
-        """A solution found before, solved again for a goal and with margins.
-
-        None if no solution nearby keeps the tolerances.
-        """
+        """A solution again, for a goal and with margins; None if none keeps them."""
         program = self.programs(len(solution.strokes), solution.first)
         ends = float(solution.places[0]), float(solution.places[-1])
         with unlimited():
@@ -74,12 +71,6 @@ class Search(WindowSearch):
                 if found and found.width <= KEPT_WIDTH:
                     return found
         return None
-
-    def _length(self) -> float:
-        """Length of the path in units of a stroke's length."""
-        points = self.path.at(np.linspace(0.0, 1.0, 201))[:, self.task.moved]
-        steps = np.abs(np.diff(points, axis=0)) / self.task.sizes(self.path(0.0))
-        return max(float(steps.max(axis=1).sum()), 1e-9)
 
     def _refusal(self, window: Window, found: Solution | None) -> BoundError:
         """The error that says which tolerances the narrowest solution keeps."""

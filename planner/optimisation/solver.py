@@ -86,29 +86,20 @@ def casadi_function(
 class Ipopt:
     """A nonlinear program that is solved repeatedly.
 
-    Args:
-        program: Unknowns `x`, cost `f` and constraints `g` as CasADi's expressions.
-        options: Options of CasADi and IPOPT in addition to those that silence them.
+    It has unknowns `x`, cost `f` and constraints `g` as CasADi's expressions.
     """
 
     def __init__(
         self, program: Mapping[str, Expression], options: Options | None = None
     ) -> None:
-        sizes = program["x"].numel(), program["g"].numel()
-        self._watch = _watch()(*sizes)
-        watched = {"iteration_callback": self._watch}
-        self._solver = solver().nlpsol(
-            "plan", "ipopt", program, QUIET | watched | (options or {})
-        )
+        self._watch = _watch()(program["x"].numel(), program["g"].numel())
+        settings = QUIET | {"iteration_callback": self._watch} | (options or {})
+        self._solver = solver().nlpsol("plan", "ipopt", program, settings)
 
     def __call__(self, **values: Array) -> dict[str, Expression] | None:
-        """The local optimum; None if none was found.
+        """The local optimum from a guess `x0` in bounds `lbx`, `ubx`, `lbg`, `ubg`.
 
-        Args:
-            values: Guess `x0`, and bounds `lbx`, `ubx`, `lbg`, `ubg`.
-
-        Raises:
-            BudgetError: If the time to plan in is over.
+        None if none was found; `BudgetError` if the time to plan in is over.
         """
         with _noted() as noted:
             found = self._solver(**values) if self._watch.began(noted) else {}

@@ -25,19 +25,12 @@ GUESSED_WIDTH = 4.0  # largest width of the corridor, in tolerances, of a guess
 
 @dataclass(frozen=True)
 class Unknowns:
-    """The vector of unknowns for a given number of stages.
-
-    Attributes:
-        task: Task with the cycle of stages.
-        first: Number in the cycle of the first stage.
-        count: Number of stages.
-        size: Largest extent of the path in a coordinate.
-    """
+    """The vector of unknowns for a given number of stages."""
 
     task: Task
-    first: int
-    count: int
-    size: float
+    first: int  # number in the cycle of the first stage
+    count: int  # of the stages
+    size: float  # largest extent of the path in a coordinate
 
     @cached_property
     def stages(self) -> tuple[Stage, ...]:
@@ -102,11 +95,8 @@ class Unknowns:
     ) -> tuple[Array, Array]:
         """Lower and upper bounds of the vector.
 
-        Args:
-            start: State before the first stage, shape (n,).
-            places: Places on the path where the motion begins and ends.
-            goal: State to end in, shape (n,); None for any.
-            narrowest: Smallest width of the corridor, in tolerances.
+        The motion leads from a state (n,) to a goal likewise, if there is one, between
+        two places on the path. The corridor has a smallest width, in tolerances.
         """
         count, wide, moved = self.count, self.task.most_recoveries, self.task.moved
         spans = [self.task.limits.get(i, (-np.inf, np.inf)) for i in moved]
@@ -121,12 +111,8 @@ class Unknowns:
         most = [self.longest, self.longest, free.ravel(), free.ravel()]
         times = np.full(count if self.task.overlapped else 0, np.inf)
         amounts, width = np.concatenate([*most, times]), np.full(self.widths, narrowest)
-        high = [
-            states[..., 1].ravel(),
-            along[:, 1],
-            amounts,
-            np.full(self.widths, np.inf),
-        ]
+        widest = np.full(self.widths, np.inf)
+        high = [states[..., 1].ravel(), along[:, 1], amounts, widest]
         low = [states[..., 0].ravel(), along[:, 0], np.zeros(len(amounts)), width]
         return np.concatenate(low), np.concatenate(high)
 
@@ -140,10 +126,8 @@ class Unknowns:
             for j, recovery in enumerate(() if self.task.centred else stage.recoveries):
                 i = recovery.coordinate
                 later = (m for m in range(k + 1, self.count) if i in rates[m])
-                nearest = next(later, None)
-                target = start[i]
-                if nearest is not None:
-                    target = -strokes[nearest] * rates[nearest][i] / 2
+                targets = (-strokes[m] * rates[m][i] / 2 for m in later)
+                target = next(targets, start[i])
                 amounts[k, j] = (target - now[i]) / recovery.rate
                 now[i] = target
             for i, rate in rates[k].items():
@@ -153,16 +137,15 @@ class Unknowns:
     @cached_property
     def longest(self) -> Array:
         """Longest stroke of every stage, shape (count,)."""
-        known = {stage: self._longest(stage) for stage in self.task.stages}
+        known = dict[Stage, float]()
+        for stage in self.task.stages:
+            unlimited = UNLIMITED_STROKE * max(1.0, self.size)
+            known[stage] = unlimited if stage.stroke else 0.0
+            for i, rate in self.task.rates(stage).items():
+                low, high = self.task.limits.get(i, (-np.inf, np.inf))
+                span = 2 * min(high, -low) if self.task.centred else high - low
+                known[stage] = min(known[stage], span / abs(rate))
         return np.array([known[stage] for stage in self.stages])
-
-    def _longest(self, stage: Stage) -> float:
-        longest = UNLIMITED_STROKE * max(1.0, self.size) if stage.stroke else 0.0
-        for i, rate in self.task.rates(stage).items():
-            low, high = self.task.limits.get(i, (-np.inf, np.inf))
-            span = 2 * min(high, -low) if self.task.centred else high - low
-            longest = min(longest, span / abs(rate))
-        return longest
 
     def _each(self, recoveries: Array) -> tuple[Array, ...]:
         return tuple(

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cache, partial
 from itertools import islice
 
 import numpy as np
@@ -47,19 +48,12 @@ Trial = tuple[int, int, int]  # number of stages, the first of them, and of the 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Window:
-    """A part of the path, and the state in which the motion enters it.
+    """A part of the path, and the state in which the motion enters it."""
 
-    Attributes:
-        start: State at its beginning, shape (n,).
-        ends: Places on the path where it begins and ends, from 0 to 1.
-        goal: State to end in, shape (n,); None for any within the tolerances.
-        first: Number of the first stage, counted from the start of the path.
-    """
-
-    start: Array
-    ends: tuple[float, float]
-    goal: Array | None
-    first: int
+    start: Array  # state at its beginning, shape (n,)
+    ends: tuple[float, float]  # places on the path, from 0 to 1
+    goal: Array | None  # state to end in, shape (n,); None for any in the tolerances
+    first: int  # number of the first stage, counted from the start of the path
 
     @property
     def begins(self) -> bool:
@@ -67,35 +61,19 @@ class Window:
         return self.ends[0] == 0.0
 
 
-@dataclass
-class Programs:
-    """Programs of a task along a path, each built once."""
-
-    task: Task
-    path: Path
-    _built: dict[tuple[int, int], Program] = field(default_factory=dict)
-
-    def __call__(self, count: int, first: int) -> Program:
-        """The program for a number of stages and the number of the first."""
-        key = count, first % len(self.task.stages)
-        if key not in self._built:
-            self._built[key] = Program(self.task, self.path, *key)
-        return self._built[key]
+def _programs(task: Task, path: Path) -> Callable[[int, int], Program]:
+    """Programs for a number of stages and the first of them, each built once."""
+    built = cache(partial(Program, task, path))
+    return lambda count, first: built(count, first % len(task.stages))
 
 
 @dataclass
 class WindowSearch:
     """Search for the best plan of one window after another.
 
-    Attributes:
-        task: Task to optimise.
-        path: Configurations to follow.
-        score: Objective of a solution; `Solution.cost` lacks the part that the number
-            of stages determines.
-        coarse: Stratified plans for first guesses.
-        report: Called with the share of the work that is done, from 0 to 1.
-        hurried: Whether the first solution is accepted, as after Ctrl-C.
-        without_soft: Whether soft constraints are left out at present.
+    The score is the objective of a solution; `Solution.cost` lacks the part that the
+    number of stages determines. `report` is called with the share of the work that is
+    done, from 0 to 1.
     """
 
     task: Task
@@ -103,16 +81,16 @@ class WindowSearch:
     score: Score
     coarse: Coarse | None = None
     report: Report = lambda done: None
-    hurried: bool = False
-    without_soft: bool = False
+    hurried: bool = False  # whether the first solution is accepted, as after Ctrl-C
+    without_soft: bool = False  # whether soft constraints are left out at present
     _best: Solution | None = None
     _guesses: dict[Trial, Solution | None] = field(default_factory=dict)
     _tried: set[Trial] = field(default_factory=set)
     _left: float = 1.0
 
     def __post_init__(self) -> None:
-        self.programs = Programs(self.task, self.path)
-        without = Programs(self.task.relaxed, self.path)
+        self.programs = _programs(self.task, self.path)
+        without = _programs(self.task.relaxed, self.path)
         self._relaxed = without if self._relaxes else self.programs
 
     def solve(self, window: Window, count: int) -> Solution | None:
@@ -125,7 +103,7 @@ class WindowSearch:
         self._guesses.clear()
         self._best, self.without_soft = None, self._relaxes
         try:
-            self._explore_both(window, count)
+            self._explore(window, count)
         except (KeyboardInterrupt, BudgetError) as stop:
             if self.without_soft or self._width_of(self._best) > KEPT_WIDTH:
                 raise  # nothing is found
@@ -138,7 +116,8 @@ class WindowSearch:
             self.hurried = True
         return self._best
 
-    def _explore_both(self, window: Window, count: int) -> None:
+    def _explore(self, window: Window, count: int) -> None:
+        """The first search and, with soft constraints, the second."""
         few = 0 if window.begins else round(count / STRIDE**2)
         self._tried.clear()
         count = self._fewest(window, few, count)
@@ -153,7 +132,12 @@ class WindowSearch:
 
     def _fewest(self, window: Window, few: int, count: int) -> int:
         """The fewest stages, more than `few`, that keep the tolerances, if any do."""
-        while (width := self._width_found(window, count)) > KEPT_WIDTH:
+        while True:
+            width = self._width(window, count, ROUGHLY)
+            if width == np.inf:
+                width = self._width(window, count, CLOSELY)
+            if width <= KEPT_WIDTH:
+                break
             if count >= MOST_STAGES:
                 return count
             growth = np.clip(1 + STEEPNESS * (width - 1), STRIDE, 2.0)
@@ -165,11 +149,6 @@ class WindowSearch:
             else:
                 few = middle
         return count
-
-    def _width_found(self, window: Window, count: int) -> float:
-        """Least width for a number of stages, from more guesses if few fail."""
-        width = self._width(window, count, ROUGHLY)
-        return width if width < np.inf else self._width(window, count, CLOSELY)
 
     def _improve(self, window: Window, count: int) -> None:
         """Try more stages until the score no longer improves."""
@@ -197,7 +176,9 @@ class WindowSearch:
                 self._tried.add(trial)
                 here = self._solved(window, trial, strokes)
                 self._keep(here)
-                self._worked(window)
+                self._left *= WORKED  # the amount of work is not known beforehand
+                begin, end = window.ends
+                self.report(begin + (end - begin) / 2 * (1.0 - self._left))
                 least = min(least, self._width_of(here))
                 if least <= KEPT_WIDTH and self.hurried:
                     return least
@@ -252,9 +233,3 @@ class WindowSearch:
 
     def _least(self) -> float:
         return self.score(self._best) if self._best else np.inf
-
-    def _worked(self, window: Window) -> None:
-        """Report progress, of an amount of work that is not known beforehand."""
-        self._left *= WORKED
-        begin, end = window.ends
-        self.report(begin + (end - begin) / 2 * (1.0 - self._left))
