@@ -14,13 +14,8 @@ def point(configuration: Iterable[float]) -> str:
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Suggestion for an unknown name: the nearest known one, and all known ones.
 
-    Args:
-        name: The unknown name.
-        known: The names that are known, in the order in which to list them.
-
-    Returns:
-        `did you mean 'line'? there are line, ellipse`, or without the question where no
-        known name is near.
+    It reads `did you mean 'line'? there are line, ellipse`, without the question where
+    no known name is near.
     """
     known = list(known)
     near = get_close_matches(name, known, n=1)

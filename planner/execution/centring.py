@@ -10,8 +10,9 @@ range.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow
@@ -32,7 +33,6 @@ class _Visit:
     runs: list[tuple[str, float]] = field(default_factory=list)  # strokes, joined
 
     def add(self, segment: int, flow: Flow) -> None:
-        """Append a stroke."""
         self.strokes.append((segment, flow))
         before = 0.0
         if self.runs and self.runs[-1][0] == flow.field:
@@ -60,14 +60,17 @@ def centred(
 ) -> list[list[Flow]]:
     """Flows that move the body as given ones do, with every stroke centred on zero.
 
-    Args:
-        shape: Shape coordinates of the system.
-        segments: Flows of each segment, grouped by stratum.
-        start: Configuration before the first flow, shape (n,).
-        goal: Configuration whose shape to end in; None leaves the legs where they are.
-        ends: Strata before the first flow and after the last one.
+    The flows of each segment are grouped by stratum and lead from a configuration (n,)
+    to the shape of another, or leave the legs where they are if that is None; `ends`
+    are the strata before and after them.
     """
-    visits = list(_visits(shape, segments))
+    visits = list[_Visit]()  # some may be left empty
+    for k, flows in enumerate(segments):
+        for flow in flows:
+            if not visits or visits[-1].stratum != flow.stratum:
+                visits.append(_Visit(flow.stratum, k))
+            if flow.field not in shape.recoveries:
+                visits[-1].add(k, flow)
     if visits or goal is not None:
         for coordinate in sorted({i for i, _ in shape.recoveries.values()}):
             last = None if goal is None else float(goal[coordinate])
@@ -80,23 +83,6 @@ def centred(
         for segment, flow in visit.strokes:
             ordered[segment].append(flow)
     return ordered
-
-
-def _visits(
-    shape: ShapeCoordinates, segments: Sequence[Sequence[Flow]]
-) -> Iterator[_Visit]:
-    """Visits without the recoveries of the plan; some visits may be left empty."""
-    visit = None
-    for k, flows in enumerate(segments):
-        for flow in flows:
-            if visit is None or visit.stratum != flow.stratum:
-                if visit is not None:
-                    yield visit
-                visit = _Visit(flow.stratum, k)
-            if flow.field not in shape.recoveries:
-                visit.add(k, flow)
-    if visit is not None:
-        yield visit
 
 
 def _centre(
@@ -152,21 +138,14 @@ def _place(
         if visit.stratum in recoveries:
             return visit
 
-    def before(k: int) -> str:
-        return done[k - 1].stratum if k else depart
-
-    def after(k: int) -> _Visit:
-        return done[k] if k < len(done) else following
+    strata = [depart, *(visit.stratum for visit in done), following.stratum]
 
     def added(place: tuple[int, str]) -> int:
-        k, stratum = place
-        then = after(k).stratum
-        through = system.switches(before(k), stratum) + system.switches(stratum, then)
-        return through - system.switches(before(k), then)
+        (before, after), stratum = strata[place[0] : place[0] + 2], place[1]
+        through = system.switches(before, stratum) + system.switches(stratum, after)
+        return through - system.switches(before, after)
 
-    k, stratum = min(
-        ((k, stratum) for k in range(first, len(done) + 1) for stratum in recoveries),
-        key=added,
-    )
-    done.insert(k, _Visit(stratum, after(k).segment if k else 0))
+    k, stratum = min(product(range(first, len(done) + 1), recoveries), key=added)
+    segment = [*done, following][k].segment if k else 0
+    done.insert(k, _Visit(stratum, segment))
     return done[k]

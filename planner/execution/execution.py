@@ -7,6 +7,7 @@ with the fewest contact switches, and kept within the range of the legs.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain
 from typing import Literal, get_args
@@ -85,38 +86,24 @@ class Execution:
 
     def __post_init__(self) -> None:
         if self.stance not in get_args(StanceRule):
-            raise ValueError(
-                f"stance {self.stance!r} {unknown(self.stance, get_args(StanceRule))}"
-            )
+            known = unknown(self.stance, get_args(StanceRule))
+            raise ValueError(f"stance {self.stance!r} {known}")
         if self.coordinates not in CHOICES:
-            raise ValueError(
-                f"coordinates {self.coordinates!r} {unknown(self.coordinates, CHOICES)}"
-            )
+            known = unknown(self.coordinates, CHOICES)
+            raise ValueError(f"coordinates {self.coordinates!r} {known}")
 
     def flows(
-        self,
-        extended: ExtendedSystem,
-        hall_coordinates: Array,
-        nominal: Array,
+        self, extended: ExtendedSystem, hall_coordinates: Array, nominal: Array
     ) -> list[list[Flow]]:
         """Flows of each segment in time order, within the limits.
 
-        Args:
-            extended: System that the coordinates are of.
-            hall_coordinates: Backward coordinates, shape (segments, s).
-            nominal: Configurations between segments, before the first flow and the one
-                whose shape to end in included, shape (segments + 1, n).
-
-        Raises:
-            StratumError: `depart` or `arrive` is unknown or cannot be joined.
-            RangeError: The flows leave the limits.
+        Takes backward coordinates (segments, s), and the configurations (segments + 1,
+        n) between segments, the first and the one whose shape to end in included.
         """
         *choices, last_choice = CHOICES[self.coordinates]
         for orders in choices:
-            try:
+            with suppress(RangeError):
                 return self._flows(extended, hall_coordinates, nominal, orders)
-            except RangeError:
-                continue
         return self._flows(extended, hall_coordinates, nominal, last_choice)
 
     def _flows(
@@ -127,9 +114,12 @@ class Execution:
         orders: Sequence[Wording],
     ) -> list[list[Flow]]:
         """Flows of words in one of the orders, a segment each."""
-        ends = self._ends(extended)
-        start, goal = nominal[0], nominal[-1]
-        steering = extended.steering
+        system, steering = extended.system, extended.steering
+        ends = (self.depart or system.bottom, self.arrive or system.bottom)
+        for name in ends:
+            if name not in system.strata:
+                raise StratumError(f"stratum {name!r} {unknown(name, system.strata)}")
+        start, shape_after = nominal[0], nominal[-1] if self.finish else None
         if steering.raised and len(orders) > 1:
             ways = [nearest_words(extended, hall_coordinates, nominal)]
         else:
@@ -140,10 +130,8 @@ class Execution:
         else:
             ordered = regroup(extended.grouper, words, *ends)
         if self.stance == "centred":
-            shape_after = goal if self.finish else None
             ordered = centred(extended.shape, ordered, start, shape_after, ends)
         if self.stance == "stepped":
-            shape_after = goal if self.finish else None
             rules = self.limits, self.static_stability
             ordered = stepped(extended.shape, ordered, start, shape_after, *rules)
         extended.shape.require_within(self.limits, chain(*ordered), start)
@@ -163,11 +151,3 @@ class Execution:
             return [steering.words(hall_coordinates, o, starts) for o in orders]
         signs = nearest_signs(extended, hall_coordinates, nominal, plain)
         return [steering.scaled_words(hall_coordinates, o, signs) for o in plain]
-
-    def _ends(self, extended: ExtendedSystem) -> tuple[str, str]:
-        system = extended.system
-        ends = (self.depart or system.bottom, self.arrive or system.bottom)
-        for name in ends:
-            if name not in system.strata:
-                raise StratumError(f"stratum {name!r} {unknown(name, system.strata)}")
-        return ends

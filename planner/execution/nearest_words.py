@@ -13,6 +13,7 @@ of degree 3 and more.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,12 +49,13 @@ def nearest_words(
         for signs in every
         for order in ORDERS
     ]
-    return [
-        _nearest(extended.system, words, start, goal)
-        for words, start, goal in zip(
-            zip(*ways, strict=True), nominal[:-1], nominal[1:], strict=True
-        )
-    ]
+    nearest = list[Word]()
+    ends = pairwise(nominal)
+    for words, (start, goal) in zip(zip(*ways, strict=True), ends, strict=True):
+        tick()
+        misses = [_miss(extended.system, word, start, goal) for word in words]
+        nearest.append(words[int(np.argmin(misses))])
+    return nearest
 
 
 def nearest_signs(
@@ -62,10 +64,9 @@ def nearest_signs(
     nominal: Array,
     orders: Sequence[Spelled],
 ) -> Array | None:
-    """Signs of the generators with which segments end nearest to their goals, (m,).
+    """Signs (m,) of the generators with which words in the orders end nearest to goals.
 
-    None where the printed signs are as good as any. The words may have the given
-    orders.
+    None where the printed signs are as good as any.
     """
     steering, count = extended.steering, len(hall_coordinates)
     sample = np.unique(np.linspace(0, count - 1, SAMPLE).round().astype(int))
@@ -80,14 +81,6 @@ def nearest_signs(
     misses = [min(miss(signs, order) for order in orders) for signs in steering.signs]
     best = int(np.argmin(misses))
     return None if misses[0] <= misses[best] * AS_GOOD else steering.signs[best]
-
-
-def _nearest(
-    system: StratifiedSystem, words: Sequence[Word], start: Array, goal: Array
-) -> Word:
-    tick()
-    misses = [_miss(system, word, start, goal) for word in words]
-    return words[int(np.argmin(misses))]
 
 
 def _miss(system: StratifiedSystem, word: Word, start: Array, goal: Array) -> float:

@@ -41,21 +41,11 @@ def stepped(
     limits: ShapeLimits,
     static_stability: StabilityTest | None,
 ) -> list[list[Flow]]:
-    """The strokes of given flows, with every leg repositioned before each.
+    """The strokes of each segment, with every leg repositioned before each.
 
-    Args:
-        shape: Shape coordinates of the system.
-        segments: Flows of each segment in time order.
-        start: Configuration before the first flow, shape (n,).
-        goal: Configuration whose shape to end in; None leaves the legs where they are.
-        limits: Lowest and highest value of shape coordinates by name; a stroke that
-            would leave them is divided into parts.
-        static_stability: Whether the robot is statically stable with a leg in the air;
-            None if it always is.
-
-    Raises:
-        StratumError: A coordinate has strokes but no recovery, or the legs cannot be
-            repositioned without tipping the robot.
+    They lead from a configuration (n,) to the shape of another, or leave the legs where
+    they are if that is None. A stroke that would leave the limits is divided into
+    parts. The robot is always statically stable if there is no test.
     """
     legs = _Legs(shape, start, limits, static_stability)
     ordered: list[list[Flow]] = []
@@ -94,7 +84,13 @@ class _Legs:
                 f"{flow.field} moves {self.shape.names[stuck[0]]} in a stroke, and no "
                 "field is its recovery; the legs cannot be repositioned"
             )
-        self._require_room(flow, rates)
+        for i, (low, high) in self.spans.items():
+            if rates[i] and not low < 0 < high:
+                raise StratumError(
+                    f"{flow.field} makes strokes of {self.shape.names[i]} around zero, "
+                    f"which is not inside its range {low:g} to {high:g}; give it a "
+                    "range on both sides of zero"
+                )
         parts = self._parts(flow.duration * rates)
         part = flow._replace(duration=flow.duration / parts)
         for _ in range(parts):
@@ -103,15 +99,6 @@ class _Legs:
             )
             yield part
             self.now += part.duration * rates
-
-    def _require_room(self, flow: Flow, rates: Array) -> None:
-        for i, (low, high) in self.spans.items():
-            if rates[i] and not low < 0 < high:
-                raise StratumError(
-                    f"{flow.field} makes strokes of {self.shape.names[i]} around zero, "
-                    f"which is not inside its range {low:g} to {high:g}; give it a "
-                    "range on both sides of zero"
-                )
 
     def _parts(self, way: Array) -> int:
         """Number of parts of a stroke that range and stability ask for.
@@ -137,11 +124,7 @@ class _Legs:
         )
 
     def set(self, targets: Mapping[int, float]) -> list[Flow]:
-        """Bring coordinates to their targets by recoveries.
-
-        Raises:
-            StratumError: There is no order in which the robot remains stable.
-        """
+        """Bring coordinates to their targets by recoveries in a stable order."""
         now = {i: float(self.now[i]) for i in targets}
         moves = self._moves(now, targets)
         if moves is None:
@@ -163,7 +146,13 @@ class _Legs:
         legs = sorted(targets)
         if self.static_stability is None:
             return [(i, targets[i]) for i in legs if _apart(now[i], targets[i])]
-        places = [self._places(i, now[i], targets[i]) for i in legs]
+        places = []
+        for i in legs:  # where it is, its target, zero, and the ends of its range
+            kept = [now[i]]
+            for place in (targets[i], 0.0, *self.spans.get(i, ())):
+                if all(_apart(place, other) for other in kept):
+                    kept.append(place)
+            places.append(np.array(kept))
         named = dict(zip((self.shape.names[i] for i in legs), places, strict=True))
         steady = self.static_stability(
             [self.recoveries[i][0].stratum for i in legs], named
@@ -172,24 +161,13 @@ class _Legs:
         moves = reposition_legs(places, steady, [0] * len(legs), goal)
         return moves and [(legs[leg], place) for leg, place in moves]
 
-    def _places(self, i: int, now: float, target: float) -> Array:
-        """The place of a coordinate, its target, zero, and the ends of its range."""
-        kept = [now]
-        for place in (target, 0.0, *self.spans.get(i, ())):
-            if all(_apart(place, other) for other in kept):
-                kept.append(place)
-        return np.array(kept)
-
 
 def _apart(one: float, other: float) -> bool:
     return abs(one - other) > SHORTEST_RECOVERY
 
 
 def reposition_legs(
-    places: Sequence[Array],
-    steady: Array,
-    now: Sequence[int],
-    goal: Sequence[int],
+    places: Sequence[Array], steady: Array, now: Sequence[int], goal: Sequence[int]
 ) -> list[tuple[int, float]] | None:
     """The cheapest sequence of moves through the air, one leg at a time.
 
@@ -197,17 +175,14 @@ def reposition_legs(
     are, so that a leg may have to wait, or to stand elsewhere for a while. The cheapest
     sequence is found by value iteration over all combinations of places.
 
-    Args:
-        places: Places where each of L legs may stand, shape (P_i,).
-        steady: Whether the robot is stable while a leg is in the air, for each leg and
-            all combinations of places, shape (L, P_1, ..., P_L), bool.
-        now: Index of the place where each leg is.
-        goal: Index of the place where each leg is to be.
-
-    Returns:
-        Leg and place of each move in time order; None if no sequence leads there.
+    Each of L legs has places (P_i,) where it may stand, with the index of the place
+    where it is, and where it is to be. `steady`, shape (L, P_1, ..., P_L), bool, is
+    whether the robot is stable while a leg is in the air. Gives leg and place of each
+    move in time order, or None if no sequence leads there.
     """
-    ways = [_ways(place) for place in places]
+    ways = [LIFT_COST + np.abs(place[:, None] - place) for place in places]
+    for way in ways:
+        np.fill_diagonal(way, np.inf)  # to stay
     cost = np.full([len(place) for place in places], np.inf)
     cost[tuple(goal)] = 0.0
     nearer = _nearer(cost, ways, steady)
@@ -221,13 +196,6 @@ def reposition_legs(
         here[leg] = place
         moves.append((leg, float(places[leg][place])))
     return moves
-
-
-def _ways(place: Array) -> Array:
-    """Cost of a move between two places of a leg, shape (P, P); infinite to stay."""
-    way = LIFT_COST + np.abs(place[:, None] - place)
-    np.fill_diagonal(way, np.inf)
-    return way
 
 
 def _nearer(cost: Array, ways: Sequence[Array], steady: Array) -> Array:

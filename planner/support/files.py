@@ -25,15 +25,8 @@ def whole_file(path: Path | str, size: int = 0) -> Iterator[Path]:
 
     The block writes to the path that it is given. That file takes the name `path` when
     the block has succeeded, and is removed when it has not. It lies in the same folder
-    and has the same suffix, from which writers tell the format.
-
-    Args:
-        path: Name of the file, in a folder that exists.
-        size: Number of bytes that will be written, as far as it is known.
-
-    Raises:
-        OSError: The disk is full, or the folder cannot be written; `filename` is the
-            name of the file.
+    and has the same suffix, from which writers tell the format. `size` is the number of
+    bytes that will be written, as far as it is known.
     """
     path = Path(path)
     part = path.parent / f".{path.stem}.{os.getpid()}.part{path.suffix}"
@@ -61,28 +54,13 @@ def remove_unfinished() -> None:
 
 
 def require_space(folder: Path, size: int) -> None:
-    """Refuse to write what the disk has no room for.
-
-    Args:
-        folder: Folder that exists, on the disk in question.
-        size: Number of bytes that will be written.
-
-    Raises:
-        OSError: The disk has less room than that.
-    """
+    """Refuse to write a number of bytes that a folder's disk has no room for."""
     if shutil.disk_usage(folder).free < size:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
 
 
 def open_file(path: Path | str) -> BinaryIO:
-    """Open a file for reading, and nothing that would be waited for or never ends.
-
-    Args:
-        path: Name of the file.
-
-    Raises:
-        OSError: It is a pipe, a device or a folder, or cannot be opened.
-    """
+    """Open a file for reading, and nothing that would be waited for or never ends."""
     try:
         handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     except ValueError:  # of a name with a zero byte
@@ -98,15 +76,7 @@ def open_file(path: Path | str) -> BinaryIO:
 
 
 def read_file(path: Path | str, largest: int = LARGEST_TEXT) -> bytes:
-    """Contents of a file that somebody else may have made.
-
-    Args:
-        path: Name of the file.
-        largest: Number of bytes that it may have.
-
-    Raises:
-        OSError: It is no file, has more bytes than that, or cannot be read.
-    """
+    """Contents of a file that somebody else may have made, of so many bytes at most."""
     with open_file(path) as file:
         content = file.read(largest + 1)
     if len(content) > largest:

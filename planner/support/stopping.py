@@ -30,29 +30,20 @@ class _Budget:
     next_report: float = 0.0  # [s] after it began
 
 
-@dataclass(frozen=True)
-class _Interruption:
-    stop: KeyboardInterrupt
-    when_answered: Callable[[], object]
-
-
 _current: ContextVar[_Budget | None] = ContextVar("budget", default=None)
 _open: list[_Budget] = []  # of all threads, the innermost last
-_noted: list[_Interruption] = []  # the last interruption until it is answered
+_noted: list[tuple[KeyboardInterrupt, Callable[[], object]]] = []
+"""The last interruption until it is answered, and what is called then."""
 
 
 @contextmanager
 def limited(
     seconds: float, report: Callable[[float], None] = lambda share: None
 ) -> Iterator[None]:
-    """Limit the time of the searches inside a `with` block.
+    """Limit the time [s] of the searches inside a `with` block together.
 
-    Args:
-        seconds: Time that they may take together [s].
-        report: Function that is called with the share of the time that has passed.
-
-    Raises:
-        BudgetError: If they take longer; it describes the best result so far.
+    `report` is called with the share of the time that has passed. The `BudgetError` of
+    searches that take longer describes the best result so far.
     """
     budget = _Budget(seconds, time.monotonic(), report)
     token = _current.set(budget)
@@ -79,14 +70,10 @@ def unlimited() -> Iterator[None]:
 
 
 def tick(best: str = "") -> None:
-    """Report that a search is still running.
+    """Report that a search is still running, and its best result so far in words.
 
-    Args:
-        best: Its best result so far in words; empty if there is no better one.
-
-    Raises:
-        BudgetError: If the time is over.
-        KeyboardInterrupt: If an interruption was noted and nothing has answered it.
+    Raises `BudgetError` if the time is over, and an interruption that was noted and
+    that nothing has answered.
     """
     if stop := unanswered_interruption():
         raise stop
@@ -112,11 +99,9 @@ def note_interruption(
 ) -> None:
     """Note an interruption that is about to be raised.
 
-    Args:
-        stop: What will be raised.
-        when_answered: Called if a search answers it with its best result and goes on.
+    `when_answered` is called if a search answers it with its best result and goes on.
     """
-    _noted[:] = [_Interruption(stop, when_answered)]
+    _noted[:] = [(stop, when_answered)]
 
 
 def forget_interruption() -> None:
@@ -126,12 +111,12 @@ def forget_interruption() -> None:
 
 def unanswered_interruption() -> KeyboardInterrupt | None:
     """The interruption that nothing has answered yet, if there is one."""
-    return _noted[0].stop if _noted else None
+    return _noted[0][0] if _noted else None
 
 
 def answer(stop: KeyboardInterrupt) -> None:
     """Take a search's best result as the answer to an interruption; work goes on."""
-    noted = [last for last in _noted if last.stop is stop]
+    noted = [when_answered for last, when_answered in _noted if last is stop]
     forget_interruption()
-    for last in noted:
-        last.when_answered()
+    for when_answered in noted:
+        when_answered()
