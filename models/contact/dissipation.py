@@ -11,6 +11,8 @@ loads only and is vectorised over configurations.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from planner import Array
@@ -41,15 +43,10 @@ def foot_jacobians(feet: Array) -> Array:
 
 
 def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
-    """The twist xi that minimises sum_i N_i |v_i(xi)|.
+    """The body twist xi that minimises sum_i N_i |v_i(xi)|, shape (N, 3).
 
-    Args:
-        feet: Positions in the body frame, shape (N, F, 2) [m].
-        rates: Velocities relative to the body, shape (N, F, 2) [m/s].
-        loads: Normal forces, zero for feet in the air, shape (N, F) [N].
-
-    Returns:
-        Body twist, shape (N, 3).
+    Feet [m] and their velocities [m/s] are those in the body frame, shape (N, F, 2),
+    normal forces are zero for feet in the air, shape (N, F) [N].
     """
     on = loads[..., None] > 0
     speed = np.linalg.norm(rates * on, axis=-1).max(axis=-1)
@@ -63,11 +60,13 @@ def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
     return problem.solve() * unit / np.array([1.0, 1.0, reach])
 
 
+@dataclass(frozen=True, eq=False)
 class _Problem:
     """Dissipation scaled so that speeds, lengths and loads are of order one."""
 
-    def __init__(self, feet: Array, rates: Array, loads: Array) -> None:
-        self.feet, self.rates, self.loads = feet, rates, loads
+    feet: Array
+    rates: Array
+    loads: Array
 
     def solve(self) -> Array:
         xi, sticking = self._turning_about_one_foot()
@@ -77,13 +76,9 @@ class _Problem:
             xi[rest] = part.improve(xi[rest])
         return xi
 
-    def velocities(self, xi: Array) -> Array:
-        """Velocity of each foot over the ground, shape (N, F, 2)."""
-        return foot_velocities(self.feet, self.rates, xi)
-
     def dissipation(self, xi: Array, smoothing: float = 0.0) -> Array:
         """Smoothed power, shape (N,)."""
-        square = (self.velocities(xi) ** 2).sum(-1)
+        square = (foot_velocities(self.feet, self.rates, xi) ** 2).sum(-1)
         return (self.loads * np.sqrt(square + smoothing**2)).sum(-1)
 
     def _turning_about_one_foot(self) -> tuple[Array, Array]:
@@ -94,8 +89,9 @@ class _Problem:
         omega, on the real axis, from the complex number -a / b. The sum over j is
         convex in omega; the sign of its slope is bisected.
         """
-        r = self.feet[..., 0] + 1j * self.feet[..., 1]
-        v = self.rates[..., 0] + 1j * self.rates[..., 1]
+        feet, rates = self.feet, self.rates
+        r = feet[..., 0] + 1j * feet[..., 1]
+        v = rates[..., 0] + 1j * rates[..., 1]
         a, b = v[:, None] - v[..., None], 1j * (r[:, None] - r[..., None])  # (N, i, j)
         far = np.abs(b) > 0
         z = -a / np.where(far, b, 1.0)
@@ -103,14 +99,20 @@ class _Problem:
         weight = self.loads[:, None] * np.abs(b)
         carrying = far & (weight > 0)
         alone = ~carrying.any(axis=-1)  # all weight on one foot: any turn will do
-        low = np.where(carrying, p, np.inf).min(axis=-1)
-        high = np.where(carrying, p, -np.inf).max(axis=-1)
-        low, high = np.where(alone, 0.0, low), np.where(alone, 0.0, high)
-        omega = _bisect(p, q2, weight, low, high)  # (N, i)
-        xi = _about(self.feet, self.rates, omega)  # (N, i, 3)
-        power = np.stack(
-            [self.dissipation(xi[:, i]) for i in range(xi.shape[1])], axis=-1
-        )
+        low = np.where(alone, 0.0, np.where(carrying, p, np.inf).min(axis=-1))
+        high = np.where(alone, 0.0, np.where(carrying, p, -np.inf).max(axis=-1))
+        for _ in range(_BISECTIONS):
+            omega = (low + high) / 2  # (N, i)
+            d = omega[..., None] - p
+            length = np.sqrt(d**2 + q2)
+            slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=-1)
+            low = np.where(slope < 0, omega, low)
+            high = np.where(slope > 0, omega, high)
+        omega = (low + high) / 2
+        forward = -rates[..., 0] + omega * feet[..., 1]
+        left = -rates[..., 1] - omega * feet[..., 0]
+        xi = np.stack([forward, left, omega], axis=-1)  # (N, i, 3)
+        power = np.stack([self.dissipation(turn) for turn in xi.swapaxes(0, 1)], -1)
         best = np.where(self.loads > 0, power, np.inf).argmin(axis=-1)
         return xi[np.arange(len(xi)), best], best
 
@@ -120,7 +122,7 @@ class _Problem:
         A foot that sticks bears any friction up to its load. Where several stick the
         answer is no unless nothing slides at all: then there is nothing to improve.
         """
-        w = self.velocities(xi)
+        w = foot_velocities(self.feet, self.rates, xi)
         speed = np.linalg.norm(w, axis=-1)
         sliding = (speed > _STICKS) & (self.loads > 0)
         force = self.loads[..., None] * w / np.where(sliding, speed, np.inf)[..., None]
@@ -137,7 +139,6 @@ class _Problem:
         for smoothing in _SMOOTHINGS:
             for _ in range(_NEWTON_STEPS):
                 step = self._newton_step(xi, J, smoothing)
-                step = self._halved_until_lower(xi, step, smoothing)
                 xi = xi + step
                 if np.abs(step).max() < 1e-3 * smoothing:
                     break
@@ -145,18 +146,15 @@ class _Problem:
         return np.where(better[:, None], xi, start)
 
     def _newton_step(self, xi: Array, J: Array, smoothing: float) -> Array:
-        w = self.velocities(xi)
+        """Newton's step, halved until the power is lower, and 0 where it never is."""
+        w = foot_velocities(self.feet, self.rates, xi)
         s = np.sqrt((w**2).sum(-1) + smoothing**2)[..., None]  # (N, F, 1)
         Jw = np.einsum("nfij,nfi->nfj", J, w / s)
-        n = self.loads[..., None]
-        gradient = (n * Jw).sum(axis=1)
+        gradient = (self.loads[..., None] * Jw).sum(axis=1)
         H = np.einsum("nf,nfij,nfik->njk", self.loads / s[..., 0], J, J)
         H -= np.einsum("nf,nfj,nfk->njk", self.loads / s[..., 0], Jw, Jw)
         H += 1e-14 * np.trace(H, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-        return -np.linalg.solve(H, gradient[..., None])[..., 0]
-
-    def _halved_until_lower(self, xi: Array, step: Array, smoothing: float) -> Array:
-        """Steps that are worse whatever their length are not taken."""
+        step = -np.linalg.solve(H, gradient[..., None])[..., 0]
         before = self.dissipation(xi, smoothing) * (1 + 1e-15)
         for _ in range(_HALVINGS):
             worse = self.dissipation(xi + step, smoothing) > before
@@ -165,26 +163,3 @@ class _Problem:
             step = np.where(worse[:, None], step / 2, step)
         worse = self.dissipation(xi + step, smoothing) > before
         return np.where(worse[:, None], 0.0, step)
-
-
-def _bisect(p: Array, q2: Array, weight: Array, low: Array, high: Array) -> Array:
-    """Minimise sum_j weight_j sqrt((omega - p_j)^2 + q_j^2) over omega."""
-    for _ in range(_BISECTIONS):
-        middle = (low + high) / 2
-        d = middle[..., None] - p
-        length = np.sqrt(d**2 + q2)
-        slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=-1)
-        low, high = np.where(slope < 0, middle, low), np.where(slope > 0, middle, high)
-    return (low + high) / 2
-
-
-def _about(feet: Array, rates: Array, omega: Array) -> Array:
-    """Twist that turns at `omega` with a foot at rest, for each foot: (N, F, 3)."""
-    return np.stack(
-        [
-            -rates[..., 0] + omega * feet[..., 1],
-            -rates[..., 1] - omega * feet[..., 0],
-            omega,
-        ],
-        axis=-1,
-    )

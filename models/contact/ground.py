@@ -49,39 +49,24 @@ class Ground:
         """
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-        _sink(robot, model, data)
-        feet = [_contacts(model, data, leg.foot) for leg in robot.leg_cards]
-        springs = np.array([_spring(data, found) for found in feet])  # (F, 2)
+        gap = Kinematics(robot).standing.height
+        data.qpos[robot.root_address_in(model) + 2] -= gap.max() - gap.min() + _TOUCH
+        mujoco.mj_forward(model, data)
+        touching, springs = [], []
+        for leg in robot.leg_cards:
+            geoms = {model.geom(name).id for name in leg.foot}
+            own = [contact for contact in data.contact if geoms & {*contact.geom}]
+            rows = [contact.efc_address for contact in own]
+            stiffness, damping, impedance, _ = np.transpose(data.efc_KBIP[rows])
+            spring = float((stiffness * impedance / data.efc_R[rows]).sum())
+            springs.append((spring, float((damping / (stiffness * impedance)).mean())))
+            touching += own
         lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
-        touching = [index for found in feet for index in found]
+        stiffnesses, pushes = np.transpose(springs)
         return cls(
-            contact=1 / springs[:, 0],
+            contact=1 / stiffnesses,
             servo=model.actuator_gainprm[lifts, 0],
-            friction=float(np.mean([data.contact[i].friction[0] for i in touching])),
+            friction=float(np.mean([contact.friction[0] for contact in touching])),
             weight=robot.weight_in(model),
-            push=float(springs[:, 1].mean()),
+            push=float(pushes.mean()),
         )
-
-
-def _sink(robot: Robot, model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Lower the root until every foot touches, and compute the contacts."""
-    gap = Kinematics(robot).standing.height
-    data.qpos[robot.root_address_in(model) + 2] -= gap.max() - gap.min() + _TOUCH
-    mujoco.mj_forward(model, data)
-
-
-def _contacts(
-    model: mujoco.MjModel, data: mujoco.MjData, foot: tuple[str, ...]
-) -> list[int]:
-    geoms = {model.geom(name).id for name in foot}
-    return [
-        i for i in range(data.ncon) if geoms & {int(g) for g in data.contact[i].geom}
-    ]
-
-
-def _spring(data: mujoco.MjData, contacts: list[int]) -> tuple[float, float]:
-    """Stiffness of a foot's contacts together, and damping over stiffness."""
-    rows = [data.contact[i].efc_address for i in contacts]
-    stiffness, damping, impedance, _ = np.transpose(data.efc_KBIP[rows])
-    springs = stiffness * impedance / data.efc_R[rows]
-    return float(springs.sum()), float((damping / (stiffness * impedance)).mean())

@@ -60,9 +60,12 @@ class Kinematics:
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
         robot = self.robot
         turned, raised = robot.joint_angles(swing, lift)  # (..., F)
-        basis = _basis(turned), _basis(raised)  # (..., F, 3)
+        turn, rise = (  # (..., F, 3) each
+            np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
+            for angle in (turned, raised)
+        )
         feet, swung, lifted, weight = (
-            np.einsum("fabi,...fa,...fb->...fi", coefficients, *basis)
+            np.einsum("fabi,...fa,...fb->...fi", coefficients, turn, rise)
             for coefficients in self._coefficients
         )
         return Stance(
@@ -105,10 +108,7 @@ class Kinematics:
 
     @cached_property
     def _coefficients(self) -> tuple[Array, ...]:
-        """Coefficients of feet, their two velocities and weight, (F, 3, 3, 3) each.
-
-        Every leg is sampled on a 3 x 3 grid of its two angles.
-        """
+        """Coefficients of feet, their two velocities and weight, (F, 3, 3, 3) each."""
         robot, data = self.robot, self._data
         middle, samples = self.center_of_mass, np.empty((4, len(robot.legs), 3, 3, 3))
         soles = [find_sole(robot.model, data, leg.foot) for leg in robot.leg_cards]
@@ -121,8 +121,7 @@ class Kinematics:
                 shift = self._find_center_of_mass() - middle
                 samples[:, i, a, b] = (*self._touch(card, sole), shift)
             swing.qpos[0], lift.qpos[0] = start
-        fit = "pa,qb,kfabi->kfpqi"
-        return tuple(np.einsum(fit, _FIT, _FIT, samples))
+        return tuple(np.einsum("pa,qb,kfabi->kfpqi", _FIT, _FIT, samples))
 
     @cached_property
     def _data(self) -> mujoco.MjData:
@@ -140,10 +139,6 @@ class Kinematics:
         qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
         return qpos
 
-    @cached_property
-    def _root(self) -> int:
-        return int(self.robot.model.body(self.robot.root).id)
-
     def axis(self, joint: str) -> Array:
         """Direction of a hinge's axis as the robot stands, shape (3,)."""
         mujoco.mj_kinematics(self.robot.model, self._data)
@@ -153,8 +148,8 @@ class Kinematics:
         """Bring positions up to date and return the centre of mass, shape (3,)."""
         mujoco.mj_kinematics(self.robot.model, self._data)
         mujoco.mj_comPos(self.robot.model, self._data)
-        origin = np.append(self._data.xpos[self._root][:2], 0.0)
-        return np.array(self._data.subtree_com[self._root] - origin)
+        root = self._data.body(self.robot.root)
+        return np.array(root.subtree_com - (*root.xpos[:2], 0.0))
 
     def _touch(self, card: LegCard, sole: Sole) -> tuple[Array, Array, Array]:
         """Where a foot touches, and its velocity by swing and by lift, (3,) each."""
@@ -163,15 +158,9 @@ class Kinematics:
         jacobian = np.empty((3, model.nv))
         body = model.geom_bodyid[sole.geoms[0]]
         mujoco.mj_jac(model, data, jacobian, None, point, body)
-        swing, lift = (
-            jacobian[:, model.joint(joint).dofadr[0]]
-            for joint in (card.swing, card.lift)
-        )
-        return point - (*data.xpos[self._root][:2], 0.0), swing, lift
-
-
-def _basis(angle: Array) -> Array:
-    return np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
+        swing, lift = (model.joint(name).dofadr[0] for name in (card.swing, card.lift))
+        place = point - (*data.body(self.robot.root).xpos[:2], 0.0)
+        return place, jacobian[:, swing], jacobian[:, lift]
 
 
 TABLE = 1001  # angles up to the farthest; heights in between are interpolated

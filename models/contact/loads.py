@@ -20,19 +20,12 @@ ROUNDING_LOAD = 1e-12  # share of the weight that counts as zero
 
 
 def static_loads(feet: Array, center_of_mass: Array) -> Array:
-    """Normal forces that balance a unit weight.
+    """Share of the weight on each of the feet in contact, shape (N, F), summing to 1.
 
-    On three feet the forces are determined. On more feet, a rigid body is taken to
-    stand on equal vertical springs; on fewer, the forces balance the weight as well as
-    possible in the sense of least squares.
-
-    Args:
-        feet: Feet in contact, shape (N, F, 2) [m].
-        center_of_mass: Shape (N, 2) [m], same frame as the feet.
-
-    Returns:
-        Share of the weight on each foot, shape (N, F), summing to 1; a foot that would
-        have to pull gets none.
+    Feet (N, F, 2) and centre of mass (N, 2) are in one frame [m]. Three feet determine
+    the forces. On more, a rigid body is taken to stand on equal vertical springs; on
+    fewer, the forces balance the weight in the sense of least squares. A foot that
+    would have to pull gets none.
     """
     arms = np.concatenate([np.ones((*feet.shape[:-1], 1)), feet], axis=-1)
     target = np.concatenate([np.ones((len(feet), 1)), center_of_mass], axis=-1)
@@ -104,22 +97,17 @@ class StaticStability:
         owner = np.repeat(groups, shape)
         alone = np.concatenate(angles)[:, None] * (owner[:, None] == groups)
         stance = self._kinematics.stance(alone)
-        moved = stance.center_of_mass - self._middle
+        middle = self._kinematics.standing.center_of_mass
+        moved = stance.center_of_mass - middle
         feet = np.empty((*shape, len(self.robot.legs), 2))
-        center = np.broadcast_to(self._middle, (*shape, 2)).copy()
+        center = np.broadcast_to(middle, (*shape, 2)).copy()
         for g in groups:
             along = np.where(groups == g, -1, 1)
             own = self.robot.group_of_leg == g
             center += moved[owner == g].reshape(*along, 2)
-            feet[..., own, :] = stance.feet[owner == g][:, own].reshape(
-                *along, own.sum(), 2
-            )
+            placed = stance.feet[owner == g][:, own]
+            feet[..., own, :] = placed.reshape(*along, own.sum(), 2)
         return feet, center
-
-    @cached_property
-    def _middle(self) -> Array:
-        """Centre of mass with all legs at angle 0, shape (2,)."""
-        return self._kinematics.standing.center_of_mass
 
     @cached_property
     def _kinematics(self) -> Kinematics:
@@ -130,22 +118,14 @@ def least_load(feet: Array, center: Array) -> Array:
     """Smallest share of the weight on any of the feet; 0 or less where they tip.
 
     Feet on the ground have shape (..., F, 2), the centre of mass (..., 2), the shares
-    (...).
+    (...). On three feet they are the weight's barycentric coordinates: the triangle
+    that it makes with the other two feet over the whole one.
     """
-    if feet.shape[-2] == 3:
-        return _shares(feet, center).min(axis=-1)
-    rows = static_loads(feet.reshape(-1, *feet.shape[-2:]), center.reshape(-1, 2))
-    return rows.min(axis=-1).reshape(center.shape[:-1])
-
-
-def _shares(feet: Array, center: Array) -> Array:
-    """Share of the weight on each of three feet, negative outside, shape (..., 3).
-
-    The weight's barycentric coordinates: the triangle that it makes with the other two
-    feet over the whole one.
-    """
+    if feet.shape[-2] != 3:
+        rows = static_loads(feet.reshape(-1, *feet.shape[-2:]), center.reshape(-1, 2))
+        return rows.min(axis=-1).reshape(center.shape[:-1])
     spokes = feet - center[..., None, :]
     after = np.roll(spokes, -1, axis=-2)
     areas = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
     opposite = np.roll(areas, -1, axis=-1)
-    return opposite / areas.sum(axis=-1, keepdims=True)
+    return (opposite / areas.sum(axis=-1, keepdims=True)).min(axis=-1)

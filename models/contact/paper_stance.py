@@ -14,9 +14,7 @@ from numpy.typing import ArrayLike
 
 from planner import Array
 
-_ROWS = np.array(
-    [0.5, 0.0, -0.5]
-)  # front, middle, rear, in body lengths from the middle
+_ROWS = np.array([0.5, 0.0, -0.5])  # front, middle, rear [body lengths]
 _SIDES = {1: np.array([1.0, -1.0, 1.0]), 2: np.array([-1.0, 1.0, -1.0])}
 
 
@@ -56,19 +54,14 @@ class PaperStance:
     def feet(self, tripod: int, phi: ArrayLike) -> Array:
         """Feet of tripod 1 or 2 at angles of shape (...), shape (..., 3, 2)."""
         phi = np.asarray(phi, dtype=float)[..., None]
-        reach = np.stack(
-            [-np.sin(phi) + 0 * _ROWS, np.cos(phi) * _SIDES[tripod]], axis=-1
-        )
-        return self.hips(tripod) + self.leg_length * reach
+        reach = np.broadcast_arrays(-np.sin(phi), np.cos(phi) * _SIDES[tripod])
+        return self.hips(tripod) + self.leg_length * np.stack(reach, axis=-1)
 
     def bounds(self, phi: ArrayLike) -> tuple[Array, Array]:
-        """Least and largest b that the loaded tripod carries without tipping.
+        """Least and largest b that a loaded tripod at phi carries without tipping.
 
-        Both bounds hold for either tripod: l_b/4 + l sin(phi) <= b <= 3 l_b/4 +
-        l sin(phi). Sec. 6 prints one for each.
-
-        Args:
-            phi: Angle of the loaded tripod, within a quarter turn, shape (...) [rad].
+        Both bounds hold for either tripod, within a quarter turn: l_b/4 + l sin(phi) <=
+        b <= 3 l_b/4 + l sin(phi). Sec. 6 prints one for each.
         """
         swept = self.leg_length * np.sin(np.asarray(phi, dtype=float))
         return self.body_length / 4 + swept, 3 * self.body_length / 4 + swept

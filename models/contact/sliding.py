@@ -34,20 +34,12 @@ _LEAST_COMPLIANCE = 0.1  # of a leg's own, where friction would jam it
 def sliding_twist(
     stance: Stance, rates: Array, ground: Ground, speed: float = 0.0
 ) -> tuple[Array, Array]:
-    """The twist at which friction balances, and the loads that go with it.
+    """The twist (N, 3) at which friction balances, and the feet's shares of the weight.
 
-    Without a speed friction may jam a leg, at one in fifty poses of a hexapod, and then
-    the twist is the closest to balance that is found.
-
-    Args:
-        stance: Feet in contact, N configurations of F feet.
-        rates: Velocities of the feet relative to the body, shape (N, F, 2).
-        ground: Compliance under the same feet.
-        speed: What a rate of 1 stands for when sliding pushes feet apart; 0 leaves
-            that out, as Coulomb's law does.
-
-    Returns:
-        Twist, shape (N, 3), and share of the weight on each foot, shape (N, F).
+    Those and the velocities of the feet relative to the body have shape (N, F) and
+    (N, F, 2). The speed is what a rate of 1 stands for when sliding pushes feet apart;
+    0 leaves that out, as Coulomb's law does. Without a speed friction may jam a leg, at
+    one in fifty poses of a hexapod, and then the twist is the closest to balance found.
     """
     fastest = np.linalg.norm(rates, axis=-1).max(axis=-1)
     unit = np.where(fastest > 0, fastest, 1.0)[:, None]
@@ -63,8 +55,8 @@ def sliding_twist(
         gives=stance.gives,
     )
     xi = balance.follow(_SMOOTHINGS)
-    astray = balance.unbalanced(xi)
-    if len(astray):
+    rest = np.abs(balance.force(xi, _SMOOTHINGS[-1])).max(axis=-1)
+    if len(astray := np.flatnonzero(rest > _BALANCED)):
         xi[astray] = balance.take(astray).follow(_CAREFUL)
     loads, _ = balance.loads(xi, _SMOOTHINGS[-1])
     return xi * unit / np.array([1.0, 1.0, reach]), loads
@@ -88,32 +80,28 @@ class _Balance:
         return _Balance(self.ground, **{name: a[rows] for name, a in arrays.items()})
 
     def follow(self, smoothings: Sequence[float]) -> Array:
-        """Twists for friction that is smoothed less and less, shape (N, 3)."""
+        """Twists for friction that is smoothed less and less, shape (N, 3).
+
+        Newton's method goes on with those that are not balanced yet.
+        """
         xi = np.zeros((len(self.J), 3))
         for smoothing in smoothings:
-            self._approach(xi, smoothing)
+            rows, part = np.arange(len(xi)), self
+            for _ in range(_NEWTON_STEPS):
+                rest = part.force(xi[rows], smoothing)
+                left = np.flatnonzero(np.abs(rest).max(axis=-1) > _BALANCED)
+                if not len(left):
+                    break
+                if len(left) < len(rows):
+                    rows, part, rest = rows[left], part.take(left), rest[left]
+                xi[rows] += part._step(xi[rows], rest, smoothing)
         return xi
-
-    def unbalanced(self, xi: Array) -> Array:
-        """Indices of the configurations whose twist is not found."""
-        rest = np.abs(self.force(xi, _SMOOTHINGS[-1])).max(axis=-1)
-        return np.flatnonzero(rest > _BALANCED)
-
-    def _approach(self, xi: Array, smoothing: float) -> None:
-        """Newton's method, in place, on those that are not balanced yet."""
-        rows, part = np.arange(len(xi)), self
-        for _ in range(_NEWTON_STEPS):
-            rest = part.force(xi[rows], smoothing)
-            left = np.flatnonzero(np.abs(rest).max(axis=-1) > _BALANCED)
-            if not len(left):
-                break
-            if len(left) < len(rows):
-                rows, part, rest = rows[left], part.take(left), rest[left]
-            xi[rows] += part._step(xi[rows], rest, smoothing)
 
     def _step(self, xi: Array, rest: Array, smoothing: float) -> Array:
         """Newton's step, shortened where it does not bring the force closer to zero."""
-        slope = self._slope(xi, rest, smoothing)
+        d = 1e-5 * smoothing
+        ahead = [self.force(xi + d * axis, smoothing) for axis in np.eye(3)]
+        slope = np.moveaxis((np.array(ahead) - rest) / d, 0, -1) + 1e-9 * np.eye(3)
         step = -np.linalg.solve(slope, rest[..., None])[..., 0]
         longest = np.abs(step).max(axis=-1, keepdims=True)
         step *= np.minimum(1.0, _LONGEST_STEP / np.maximum(longest, 1e-300))
@@ -147,31 +135,20 @@ class _Balance:
         compliance = upward * (upward - dragged) / ground.servo + ground.contact
         k = 1 / np.maximum(compliance, _LEAST_COMPLIANCE * own) / ground.weight
         pushed = k * ground.friction * ground.push * self.speed * speed
-        return self._planar(k, pushed), direction
-
-    def _planar(self, k: Array, pushed: Array) -> Array:
-        """Loads of springs under a rigid body; no spring pulls."""
         standing = np.ones(k.shape, dtype=bool)
         for _ in range(k.shape[-1] - 2):  # at least three feet stand
-            loads = self._springs(
-                np.where(standing, k, 0), np.where(standing, pushed, 0)
-            )
+            loads = self._springs(np.where(standing, [k, pushed], 0))
             pulled = standing & (loads < 0)
             if not pulled.any():
                 break
             standing &= ~pulled
-        return np.maximum(loads, 0.0)
+        return np.maximum(loads, 0.0), direction
 
-    def _springs(self, k: Array, pushed: Array) -> Array:
+    def _springs(self, springs: Array) -> Array:
+        """Loads of springs under a rigid body, by stiffness and push, (2, N, F)."""
+        k, pushed = springs
         turned = np.swapaxes(self.arms, -1, -2)  # (N, 3, F)
         stiffness = turned @ (k[..., None] * self.arms)
         missing = self.moments[..., None] - turned @ pushed[..., None]
         sunk = np.linalg.solve(stiffness, missing)
         return k * (self.arms @ sunk)[..., 0] + pushed
-
-    def _slope(self, xi: Array, rest: Array, smoothing: float) -> Array:
-        """Derivative of the force by differences, shape (N, 3, 3)."""
-        d = 1e-5 * smoothing
-        ahead = [self.force(xi + d * axis, smoothing) for axis in np.eye(3)]
-        slope = (np.array(ahead) - rest) / d  # (3, N, 3)
-        return np.moveaxis(slope, 0, -1) + 1e-9 * np.eye(3)

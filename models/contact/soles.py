@@ -32,15 +32,18 @@ class Core:
     radius: float = 0.0  # [m]
 
 
-def core_of(model: mujoco.MjModel, geom: int) -> Core | None:
-    """The core of a geom, None if its shape has none."""
+def covering_core(model: mujoco.MjModel, geom: int) -> Core | None:
+    """The core of a geom; a cylinder's capsule, and the box around an ellipsoid.
+
+    None if the shape has none.
+    """
     size = model.geom_size[geom]
     match model.geom_type[geom]:
         case Geom.mjGEOM_SPHERE:
             return Core(np.zeros((1, 3)), float(size[0]))
-        case Geom.mjGEOM_CAPSULE:
-            return Core(ends(size), float(size[0]))
-        case Geom.mjGEOM_BOX:
+        case Geom.mjGEOM_CAPSULE | Geom.mjGEOM_CYLINDER:
+            return Core(_ends(size), float(size[0]))
+        case Geom.mjGEOM_BOX | Geom.mjGEOM_ELLIPSOID:
             return Core(_CORNERS * size)
         case Geom.mjGEOM_MESH:
             mesh = model.geom_dataid[geom]
@@ -49,18 +52,7 @@ def core_of(model: mujoco.MjModel, geom: int) -> Core | None:
     return None
 
 
-def covering_core(model: mujoco.MjModel, geom: int) -> Core | None:
-    """As `core_of`, with a cylinder's capsule and the box around an ellipsoid."""
-    size = model.geom_size[geom]
-    match model.geom_type[geom]:
-        case Geom.mjGEOM_CYLINDER:
-            return Core(ends(size), float(size[0]))
-        case Geom.mjGEOM_ELLIPSOID:
-            return Core(_CORNERS * size)
-    return core_of(model, geom)
-
-
-def ends(size: Array) -> Array:
+def _ends(size: Array) -> Array:
     """Middles of both ends of a capsule or cylinder of that size, shape (2, 3) [m]."""
     return np.array([(0, 0, -size[1]), (0, 0, size[1])])
 
@@ -84,20 +76,17 @@ class Sole:
 
 def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -> Sole:
     """The sole of a foot with these geoms, as the robot stands."""
-    owner: list[int] = []
-    points: list[Array] = []
-    depths: list[float] = []
-    for name in foot:
-        geom = model.geom(name).id
-        core = _core(model, data, geom)
-        owner += [geom] * len(core.points)
-        points += list(core.points)
-        depths += [core.radius] * len(core.points)
-    geoms, local = np.array(owner), np.array(points)
-    bottom = _place(data, geoms, local)[:, 2] - depths
+    numbers = [model.geom(name).id for name in foot]
+    cores = [_lowest_core(model, data, geom) for geom in numbers]
+    counts = [len(core.points) for core in cores]
+    geoms, depths = (
+        np.repeat(numbers, counts),
+        np.repeat([c.radius for c in cores], counts),
+    )
+    points = np.concatenate([core.points for core in cores])
+    bottom = _place(data, geoms, points)[:, 2] - depths
     lowest = bottom <= bottom.min() + TIED
-    depth = float(np.array(depths)[lowest].mean())
-    return Sole(geoms[lowest], local[lowest], depth)
+    return Sole(geoms[lowest], points[lowest], float(depths[lowest].mean()))
 
 
 def _place(data: mujoco.MjData, geoms: Array, points: Array) -> Array:
@@ -106,25 +95,23 @@ def _place(data: mujoco.MjData, geoms: Array, points: Array) -> Array:
     return data.geom_xpos[geoms] + turned
 
 
-def _core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
-    """The core of a geom; of a cylinder or ellipsoid its lowest points."""
+def _lowest_core(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Core:
+    """The core of a geom; of a cylinder or ellipsoid its lowest points.
+
+    Those of a cylinder are on its two rims, or their middles where it stands upright.
+    """
     size, kind = model.geom_size[geom], model.geom_type[geom]
     down = -data.geom_xmat[geom].reshape(3, 3)[2]  # in the geom's frame
     if kind == Geom.mjGEOM_CYLINDER:
-        return Core(_rims(size, down))
+        across = np.append(down[:2], 0.0)
+        length = float(np.linalg.norm(across))
+        return Core(_ends(size) + across * (size[0] / length if length > 1e-6 else 0.0))
     if kind == Geom.mjGEOM_ELLIPSOID:
         return Core((size**2 * down / np.linalg.norm(size * down))[None])
-    if (core := core_of(model, geom)) is not None:
+    if (core := covering_core(model, geom)) is not None:
         return core
     shape = Geom(kind).name.removeprefix("mjGEOM_").lower()
     raise ModelError(
         f"foot {model.geom(geom).name!r} is a {shape}: give it a sphere, a capsule, a "
         "box, a cylinder, an ellipsoid or a mesh to stand on"
     )
-
-
-def _rims(size: Array, down: Array) -> Array:
-    """Lowest points of a cylinder's two ends; their middles where it stands upright."""
-    across = np.append(down[:2], 0.0)
-    length = float(np.linalg.norm(across))
-    return ends(size) + across * (size[0] / length if length > 1e-6 else 0.0)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import chain
 from math import isfinite
 from typing import Any
 
@@ -52,9 +53,7 @@ class GroupCard:
     twist: Twist | None = None  # claimed, per radian of swing
 
     def __post_init__(self) -> None:
-        if not self.legs:
-            raise ValueError("a group needs at least one leg")
-        _check_gains("legs", self.legs)
+        _check_gains("a group", "leg", self.legs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,19 +67,18 @@ class PatternCard:
     def __post_init__(self) -> None:
         if not self.strata:
             raise ValueError("a pattern needs at least one stratum")
-        if not self.groups:
-            raise ValueError("a pattern needs at least one group")
-        _check_gains("groups", self.groups)
+        _check_gains("a pattern", "group", self.groups)
         for stratum in self.strata:
             if lifted := [group for group in self.groups if group not in stratum]:
                 raise ValueError(f"groups {lifted} are in the air on S{stratum}")
 
 
-def _check_gains(what: str, gains: Mapping[Any, float]) -> None:
-    bad = {n: gain for n, gain in gains.items() if not 1e-6 <= abs(gain) <= 1e6}
-    if bad:
+def _check_gains(whole: str, part: str, gains: Mapping[Any, float]) -> None:
+    if not gains:
+        raise ValueError(f"{whole} needs at least one {part}")
+    if bad := {n: gain for n, gain in gains.items() if not 1e-6 <= abs(gain) <= 1e6}:
         raise ValueError(
-            f"{what} need a sign or a gain other than 0, from 1e-6 to 1e6, got {bad}"
+            f"{part}s need a sign or a gain other than 0, from 1e-6 to 1e6, got {bad}"
         )
 
 
@@ -96,11 +94,12 @@ class Servo:
     def __post_init__(self) -> None:
         if not (isfinite(self.stiffness) and self.stiffness > 0):
             raise ValueError(f"stiffness must be positive, got {self.stiffness}")
-        if not (isfinite(self.damping) and self.damping >= 0):
-            raise ValueError(f"damping must not be negative, got {self.damping}")
-        if not (isfinite(self.armature) and self.armature >= 0):
-            raise ValueError(f"armature must not be negative, got {self.armature}")
-        self._check_kind()
+        for name in ("damping", "armature"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value >= 0):
+                raise ValueError(f"{name} must not be negative, got {value}")
+        if self.made and self.made not in SERVO_KINDS:
+            raise ValueError(f"kind {self.made!r} {unknown(self.made, SERVO_KINDS)}")
 
     def __str__(self) -> str:
         rotor = f" and rotors of {self.armature:.3g} kg m^2" if self.armature else ""
@@ -111,10 +110,6 @@ class Servo:
         """What the card says of it, by key."""
         rotor = {"armature": self.armature} if self.armature else {}
         return {"stiffness": self.stiffness, "damping": self.damping, **rotor}
-
-    def _check_kind(self) -> None:
-        if self.made and self.made not in SERVO_KINDS:
-            raise ValueError(f"kind {self.made!r} {unknown(self.made, SERVO_KINDS)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,14 +136,16 @@ class Card:
     description: str = ""
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.lift_angle) and self.lift_angle > 0):
-            raise ValueError(f"lift_angle must be positive, got {self.lift_angle}")
-        if not (isfinite(self.lift_time) and self.lift_time > 0):
-            raise ValueError(f"lift_time must be positive, got {self.lift_time}")
+        for name in ("lift_angle", "lift_time"):
+            value = getattr(self, name)
+            if not (isfinite(value) and value > 0):
+                raise ValueError(f"{name} must be positive, got {value}")
         self._check_groups()
         self._check_gait()
         self._check_patterns()
-        self._check_joint_servos()
+        for joint in self.joint_servos.keys() - {*self.joints}:
+            known = unknown(joint, self.joints)
+            raise ValueError(f"servo.{joint}: this joint {known}")
         if not 0 <= self.least_load < 1 / 3:
             raise ValueError(
                 f"least_load is a share of the weight below 1/3, got {self.least_load}"
@@ -157,9 +154,8 @@ class Card:
     def _check_groups(self) -> None:
         if long := [name for name in self.groups if len(name) != 1]:
             raise ValueError(f"names of groups are one character each, got {long}")
-        for leg in sorted(
-            {*self.legs, *(n for g in self.groups.values() for n in g.legs)}
-        ):
+        grouped = chain.from_iterable(group.legs for group in self.groups.values())
+        for leg in sorted({*self.legs, *grouped}):
             of = [name for name, group in self.groups.items() if leg in group.legs]
             if leg not in self.legs:
                 raise ValueError(f"group.{of[0]}: there is no leg {leg}")
@@ -189,12 +185,6 @@ class Card:
             if not stratum:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")
 
-    def _check_joint_servos(self) -> None:
-        for joint in self.joint_servos:
-            if joint not in self.joints:
-                known = unknown(joint, self.joints)
-                raise ValueError(f"servo.{joint}: this joint {known}")
-
     def _check_patterns(self) -> None:
         for name, pattern in self.patterns.items():
             if not name.isidentifier():
@@ -207,14 +197,12 @@ class Card:
     @property
     def joints(self) -> tuple[str, ...]:
         """Joints of all legs, legs in ascending order: swing, lift, those held."""
-        return tuple(
-            joint for _, leg in sorted(self.legs.items()) for joint in leg.joints
-        )
+        return tuple(joint for n in sorted(self.legs) for joint in self.legs[n].joints)
 
     @property
     def feet(self) -> tuple[str, ...]:
         """Geoms of all feet, legs in ascending order."""
-        return tuple(geom for _, leg in sorted(self.legs.items()) for geom in leg.foot)
+        return tuple(geom for n in sorted(self.legs) for geom in self.legs[n].foot)
 
     @property
     def group_of_leg(self) -> dict[int, int]:

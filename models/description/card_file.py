@@ -32,7 +32,6 @@ KEYS = {
 }
 JOINT_SERVO_NUMBERS = ("sign", "center", "offset", "counts_per_radian")
 JOINT_SERVO_KEYS = ("channel", *JOINT_SERVO_NUMBERS, "limits")
-OPTIONAL = ("pattern",)
 
 
 def read_text(path: Path) -> str:
@@ -61,23 +60,37 @@ def _card(table: Table) -> Card:
     return Card(
         lift_angle=table.number("lift_angle"),
         legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
-        groups={name: _group(t) for name, t in _each(table, "group")},
+        groups={
+            name: t.make(GroupCard, legs=_legs(t), twist=_twist(t))
+            for name, t in _each(table, "group")
+        },
         gait=gait.texts("strata"),
-        patterns={name: _pattern(t) for name, t in _each(table, "pattern")},
-        least_load=gait.number("least_load") if "least_load" in gait else 0.0,
-        lift_time=table.number("lift_time") if "lift_time" in table else LIFT_TIME,
+        patterns={
+            name: t.make(
+                PatternCard,
+                strata=t.texts("strata"),
+                groups=t.gains("groups", required=True),
+                twist=_twist(t),
+            )
+            for name, t in _each(table, "pattern", required=False)
+        },
+        least_load=gait.number("least_load", 0.0),
+        lift_time=table.number("lift_time", LIFT_TIME),
         servo=_servo(table.table("servo")) if "servo" in table else None,
-        joint_servos=_joint_servos(table.table("servo")),
+        joint_servos={
+            joint: _joint_servo(Table(value, f"servo.{joint}", JOINT_SERVO_KEYS))
+            for joint, value in table.table("servo").values.items()
+            if isinstance(value, dict)
+        },
         start=table.gains("start"),
-        description=table.text("description") if "description" in table else "",
+        description=table.text("description", ""),
     )
 
 
-def _each(table: Table, key: str) -> Iterable[tuple[str, Table]]:
-    """Entries of a table of tables, of none where it may be and is left out."""
-    if key in OPTIONAL and key not in table:
-        return ()
-    return table.tables(key, KEYS[key]).items()
+def _each(table: Table, key: str, required: bool = True) -> Iterable[tuple[str, Table]]:
+    """Entries of a table of tables."""
+    tables = table.tables(key, KEYS[key]) if required or key in table else {}
+    return tables.items()
 
 
 def _leg_number(name: str) -> int:
@@ -86,30 +99,19 @@ def _leg_number(name: str) -> int:
     return int(name)
 
 
+def _legs(table: Table) -> dict[int, float]:
+    gains = table.gains("legs", required=True)
+    return {_leg_number(leg): gain for leg, gain in gains.items()}
+
+
 def _leg(table: Table) -> LegCard:
     return table.make(
         LegCard,
         swing=table.text("swing"),
         lift=table.text("lift"),
         foot=table.texts("foot"),
-        raise_sign=table.number("raise") if "raise" in table else 1,
+        raise_sign=table.number("raise", 1),
         hold=table.gains("hold"),
-    )
-
-
-def _group(table: Table) -> GroupCard:
-    table.get("legs")
-    legs = {_leg_number(leg): gain for leg, gain in table.gains("legs").items()}
-    return table.make(GroupCard, legs=legs, twist=_twist(table))
-
-
-def _pattern(table: Table) -> PatternCard:
-    table.get("groups")
-    return table.make(
-        PatternCard,
-        strata=table.texts("strata"),
-        groups=table.gains("groups"),
-        twist=_twist(table),
     )
 
 
@@ -119,24 +121,15 @@ def _servo(servo: Table) -> Servo | None:
     if servo.values and not common:
         return None
     table = Table(common, "servo", KEYS["servo"])
-    kind = table.text("kind") if "kind" in table else ""
+    kind = table.text("kind", "")
     made = SERVO_KINDS.get(kind)
-    own = {"stiffness": made.stiffness, "damping": made.lost_torque} if made else {}
-    given = {
-        key: own[key] if key in own and key not in table else table.number(key)
-        for key in ("stiffness", "damping")
-    }
-    armature = table.number("armature") if "armature" in table else 0.0
-    return table.make(Servo, **given, made=kind, armature=armature)
-
-
-def _joint_servos(table: Table) -> dict[str, JointServo]:
-    """The tables `[servo.JOINT]`."""
-    return {
-        joint: _joint_servo(Table(value, f"servo.{joint}", JOINT_SERVO_KEYS))
-        for joint, value in table.values.items()
-        if isinstance(value, dict)
-    }
+    return table.make(
+        Servo,
+        stiffness=table.number("stiffness", made.stiffness if made else None),
+        damping=table.number("damping", made.lost_torque if made else None),
+        made=kind,
+        armature=table.number("armature", 0.0),
+    )
 
 
 def _joint_servo(table: Table) -> JointServo:

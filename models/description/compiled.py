@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import mujoco
@@ -15,25 +17,28 @@ ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
-    """Compile, turning every refusal of the compiler into a `ModelError` of one line.
-
-    Numbers in the model that are not finite are refused likewise.
-    """
+    """Compile, refusing what the compiler refuses and numbers that are not finite."""
     silence_the_engine()
-    try:
-        with warnings.catch_warnings(action="ignore"):  # hints on style, many lines
-            model = spec.compile()
-    except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(
-            f"{_language(source)} does not compile: {source}; {reason}"
-        ) from error
+    with (
+        one_line(f"{_language(source)} does not compile: {source}"),
+        warnings.catch_warnings(action="ignore"),  # hints on style, many lines
+    ):
+        model = spec.compile()
     check_model(model, source)
     return model
 
 
+@contextmanager
+def one_line(what: str, *remedy: str) -> Iterator[None]:
+    """Turn refusals of the engine into a `ModelError` that gives their reason."""
+    try:
+        yield
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        reason = " ".join(str(error).split())
+        raise ModelError("; ".join((what, reason, *remedy))) from error
+
+
 def _language(source: str) -> str:
-    """What a model is written in."""
     return "URDF" if source.lower().endswith(".urdf") else "MJCF"
 
 
@@ -47,22 +52,8 @@ def silence_the_engine() -> None:
 def read_spec(path: Path) -> mujoco.MjSpec:
     """A fresh, editable copy of an MJCF file."""
     silence_the_engine()
-    try:
+    with one_line(f"not a usable {_language(str(path))} file: {path}"):
         return mujoco.MjSpec.from_file(str(path))
-    except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        kind = _language(str(path))
-        raise ModelError(f"not a usable {kind} file: {path}; {reason}") from error
-
-
-def parse_spec(text: str, folder: Path) -> mujoco.MjSpec:
-    """An editable model from MJCF text that may include the files of a folder."""
-    included = {path.name: path.read_bytes() for path in folder.glob("*.xml")}
-    try:
-        return mujoco.MjSpec.from_string(text, include=included)
-    except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"not usable as MJCF: {reason}") from error
 
 
 def named(spec: mujoco.MjSpec) -> None:
@@ -74,21 +65,18 @@ def named(spec: mujoco.MjSpec) -> None:
         raise ModelError(f"{reason}; write its names in UTF-8") from error
     for kind, parts in (("body", spec.bodies), ("geom", spec.geoms)):
         for number, part in enumerate(parts):
-            if part.name:
-                continue
-            owner = part.parent.name or "robot"
-            name = f"{owner}_{kind}_{number}"
-            while name in taken:
-                name += "_"
-            taken.add(name)
-            part.name = name
+            if not part.name:
+                name = f"{part.parent.name or 'robot'}_{kind}_{number}"
+                while name in taken:
+                    name += "_"
+                taken.add(name)
+                part.name = name
 
 
 def is_position_servo(gain: float, bias: float) -> bool:
     """Whether an actuator's force is a gain times what is left to its command.
 
-    The gain is `gainprm[0]`; the bias is `biasprm[1]`, the force per unit of the
-    joint's angle.
+    Gain `gainprm[0]` and bias `biasprm[1]`, the latter per unit of the joint's angle.
     """
     return bool(gain > 0 and np.isclose(bias, -gain))
 

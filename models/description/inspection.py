@@ -22,6 +22,7 @@ from typing import Any
 
 import mujoco
 
+from models.description.compiled import one_line
 from models.errors import ModelError
 
 NAMED = re.compile(r"""\bfile\w*\s*=\s*["']([^"']{1,200})["']""")
@@ -39,15 +40,12 @@ class Opened:
 def included(path: Path) -> list[Path]:
     """An MJCF file and the files that it includes or attaches, and may be more."""
     _refuse_pipes(path, set())
-    try:
-        named = mujoco.mju_getXMLDependencies(str(path))
-    except mujoco.FatalError as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"not a usable MJCF file: {path}; {reason}") from error
-    for other in map(Path, named):
+    with one_line(f"not a usable MJCF file: {path}"):
+        named = [Path(name) for name in mujoco.mju_getXMLDependencies(str(path))]
+    for other in named:
         if other.exists() and not other.is_file():  # a pipe would be waited for
             raise ModelError(f"not a file: {other}, which {path} names; correct it")
-    return [Path(name) for name in named if Path(name).is_file()]
+    return [other for other in named if other.is_file()]
 
 
 def _refuse_pipes(path: Path, seen: set[Path]) -> None:
@@ -72,14 +70,14 @@ def elements_with_files(
     spec: mujoco.MjSpec, model: mujoco.MjModel
 ) -> Iterator[tuple[Any, str, Path | None]]:
     """Elements that may have a file, their folder, and where the compiler found it."""
-    for mesh in spec.meshes:
-        yield mesh, mesh.compiler.meshdir, _found(model, "mesh", mesh.name)
-    for field in spec.hfields:
-        yield field, field.compiler.meshdir, _found(model, "hfield", field.name)
-    for skin in spec.skins:
-        yield skin, skin.compiler.meshdir, _found(model, "skin", skin.name)
-    for texture in spec.textures:
-        yield texture, texture.compiler.texturedir, _found(model, "tex", texture.name)
+    for kind, elements, folder in (
+        ("mesh", spec.meshes, "meshdir"),
+        ("hfield", spec.hfields, "meshdir"),
+        ("skin", spec.skins, "meshdir"),
+        ("tex", spec.textures, "texturedir"),
+    ):
+        for part in elements:
+            yield part, getattr(part.compiler, folder), _found(model, kind, part.name)
 
 
 def assets(spec: mujoco.MjSpec, model: mujoco.MjModel) -> set[Path]:
@@ -118,19 +116,11 @@ SHOWN = 3  # files that a message names
 def inspect_model(
     path: Path, others: tuple[Path, ...] = (), allow_external: bool = False
 ) -> Opened:
-    """Make sure that a model may be read; costs the start of a process.
+    """Make sure that a model may be read, and find the files that it opens.
 
-    Args:
-        path: Its MJCF.
-        others: Further files that belong to it.
-        allow_external: Whether it may open files that are not in its own folder.
-
-    Returns:
-        The files that it opens.
-
-    Raises:
-        ModelError: If it is too large, cannot be compiled, has numbers that are not
-            finite, or opens files that it may not.
+    Other files belong to it, too. Refused are models that are too large, do not
+    compile, have numbers that are not finite, or open files that they may not. This
+    costs the start of a process.
     """
     files = {Path(file) for file in _tried(path)}
     taken = outside((files | set(others)) - {path}, path.parent)
@@ -146,19 +136,26 @@ def inspect_model(
 
 def _tried(path: Path) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
+    too_large = ModelError(
+        f"too large: {path}; it takes more than {SECONDS} s or {MEMORY // 10**9} GB to "
+        "compile, leave parts out"
+    )
+    # No pictures, one thread, and this code whatever else is installed.
+    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
+    quick = {"MUJOCO_GL": "disabled", "OPENBLAS_NUM_THREADS": "1"}
     try:
         done = subprocess.run(
             [sys.executable, "-P", "-m", TRIAL, str(path), str(SECONDS), str(MEMORY)],
-            env=_environment(),
+            env={**os.environ, **quick, "PYTHONPATH": paths},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             timeout=SECONDS,
         )
     except subprocess.TimeoutExpired:
-        raise _too_large(path) from None
+        raise too_large from None
     if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
-        raise _too_large(path)
+        raise too_large
     lines = done.stdout.decode(errors="replace").splitlines()
     if done.returncode or not lines:
         raise ModelError(
@@ -167,21 +164,7 @@ def _tried(path: Path) -> list[str]:
         )
     report = json.loads(lines[-1])
     if "large" in report:
-        raise _too_large(path)
+        raise too_large
     if "wrong" in report:
         raise ModelError(report["wrong"])
     return list(report["files"])
-
-
-def _environment() -> dict[str, str]:
-    """No pictures, one thread, and this code whatever else is installed."""
-    paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
-    quick = {"MUJOCO_GL": "disabled", "OPENBLAS_NUM_THREADS": "1"}
-    return {**os.environ, **quick, "PYTHONPATH": paths}
-
-
-def _too_large(path: Path) -> ModelError:
-    return ModelError(
-        f"too large: {path}; it takes more than {SECONDS} s or {MEMORY // 10**9} GB to "
-        "compile, leave parts out"
-    )

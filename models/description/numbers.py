@@ -33,14 +33,6 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 def check_text(path: Path) -> None:
     """Refuse an MJCF file that writes a number that is not finite."""
     text = path.read_bytes().decode("utf-8", errors="replace")
-    for line, element, attribute, value in _bad_attributes(text):
-        raise ModelError(
-            f"{attribute} of {element} is {value!r}, which is not finite: "
-            f"{path}, line {line}; give it a number"
-        )
-
-
-def _bad_attributes(text: str) -> Iterator[tuple[int, str, str, str]]:
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
     for tag in TAG.finditer(text):
         attributes = [
@@ -51,7 +43,11 @@ def _bad_attributes(text: str) -> Iterator[tuple[int, str, str, str]]:
         element = f"<{tag[1]}> {own!r}" if own else f"<{tag[1]}>"
         for name, value in attributes:
             if name not in TEXTS and _is_bad(value):
-                yield text.count("\n", 0, tag.start()) + 1, element, name, value
+                line = text.count("\n", 0, tag.start()) + 1
+                raise ModelError(
+                    f"{name} of {element} is {value!r}, which is not finite: "
+                    f"{path}, line {line}; give it a number"
+                )
 
 
 def _is_bad(value: str) -> bool:
@@ -65,15 +61,20 @@ def _is_bad(value: str) -> bool:
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
     """Refuse a compiled model with a number that is not finite."""
+    for what in _not_finite(model):
+        raise ModelError(f"{what} is not finite: {source}; give it a number")
+
+
+def _not_finite(model: mujoco.MjModel) -> Iterator[str]:
     for name in _float_arrays():
         array = getattr(model, name)
         if array.size and not np.isfinite(array).all():
             row = int(np.argwhere(~np.isfinite(array))[0, 0])
-            _refuse(f"{name} of {_owner(model, name, row)}", source)
+            yield f"{name} of {_owner(model, name, row)}"
     for section in SECTIONS:
         for name, value in _floats(getattr(model, section)):
             if not np.isfinite(value).all():
-                _refuse(f"{section}.{name}", source)
+                yield f"{section}.{name}"
 
 
 def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -> None:
@@ -91,23 +92,18 @@ def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -
                 )
 
 
-def _refuse(what: str, source: str) -> None:
-    raise ModelError(f"{what} is not finite: {source}; give it a number")
-
-
 @cache
 def _float_arrays() -> tuple[str, ...]:
-    """Names of a model's arrays of floats, those last that follow from others."""
+    """Names of a model's arrays of floats.
+
+    What follows from others is last, and of that the body's comes first.
+    """
     empty = mujoco.MjSpec().compile()
     names = (name for name in dir(empty) if not name.startswith("_"))
     floats = [name for name in names if _is_float(getattr(empty, name))]
-    return tuple(sorted(floats, key=_remoteness))
-
-
-def _remoteness(array: str) -> tuple[bool, bool]:
-    """How far an array is from what somebody wrote; the body's come before others'."""
-    derived = bool(DERIVED.search(array))
-    return derived, derived and not array.startswith("body_")
+    derived = {name for name in floats if DERIVED.search(name)}
+    last = {name for name in derived if not name.startswith("body_")}
+    return tuple(sorted(floats, key=lambda name: (name in derived, name in last)))
 
 
 def _is_float(value: object) -> bool:

@@ -1,12 +1,13 @@
 """A robot: an MJCF file, its card, and the places of the card's parts in the model.
 
-Shipped robots and those of users are treated alike. `checks` and `checks`
-check that file and card fit together; the equations of motion are in
-`motion.robot_equations`, and the physics is in `sim`.
+Shipped robots and those of users are treated alike. `checks` checks that file and card
+fit together; the equations of motion are in `motion.robot_equations`, and the physics
+is in `sim`.
 """
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,7 +23,7 @@ from models.description.compiled import (
     compile_model,
     is_position_servo,
     named,
-    parse_spec,
+    one_line,
     read_spec,
     root_body,
 )
@@ -93,9 +94,7 @@ class Robot:
     @cached_property
     def swing_gain(self) -> np.ndarray:
         """Swing of each leg's joint per angle of its group: signs or gains, (F,)."""
-        gains: dict[int, float] = {}
-        for group in self.card.groups.values():
-            gains |= group.legs
+        gains = ChainMap(*(dict(group.legs) for group in self.card.groups.values()))
         return np.array([gains[leg] for leg in self.legs])
 
     @property
@@ -119,14 +118,9 @@ class Robot:
         return np.array([leg.raise_sign for leg in self.leg_cards], float)
 
     def leg_angles(self, swing: np.ndarray, lift: np.ndarray) -> dict[str, np.ndarray]:
-        """Angles of the swing and lift joints when the groups have given angles.
+        """Angle of each joint relative to `standing_angle`, shape (...) [rad].
 
-        Args:
-            swing: Angle of each group, shape (..., G) [rad].
-            lift: How far each group is raised, shape (..., G) [rad].
-
-        Returns:
-            For each joint its angle relative to `standing_angle`, shape (...) [rad].
+        Each group has a swing angle and is raised by an angle, shape (..., G) [rad].
         """
         turned, raised = self.joint_angles(swing, lift)
         return {
@@ -143,11 +137,7 @@ class Robot:
         return self.swing_gain * swing[..., of_leg], self.raise_sign * lift[..., of_leg]
 
     def alternating(self, groups: Mapping[str, Mapping[int, float]]) -> Robot:
-        """The robot with two other groups of legs, which stand in turn.
-
-        Args:
-            groups: For each name the legs, with the gain of their swing joints.
-        """
+        """The robot with two other groups of legs and gains, which stand in turn."""
         first, second = groups
         card = replace(
             self.card,
@@ -163,7 +153,12 @@ class Robot:
 
     def read(self) -> mujoco.MjSpec:
         """A fresh, editable copy of the MJCF without a card; every part has a name."""
-        spec = parse_spec(self.text, FOLDER) if self.text else read_spec(self.path)
+        if self.text:
+            scenes = {path.name: path.read_bytes() for path in FOLDER.glob("*.xml")}
+            with one_line(f"not usable as MJCF: {self.path}"):
+                spec = mujoco.MjSpec.from_string(self.text, include=scenes)
+        else:
+            spec = read_spec(self.path)
         for text in [text for text in spec.texts if text.name == EMBEDDED]:
             spec.delete(text)
         named(spec)
@@ -182,26 +177,18 @@ class Robot:
     @cached_property
     def start_qpos(self) -> np.ndarray:
         """Configuration in the keyframe to start from, or the file's, joints held."""
-        key, model = self._start, self.model
+        key, model = start_key(self.model), self.model
         qpos = np.array(model.qpos0 if key is None else model.key_qpos[key])
-        for joint, angle in self.card.start.items():
-            qpos[model.joint(joint).qposadr] = angle
-        for leg in self.card.legs.values():
-            for joint, angle in leg.hold.items():
+        for angles in (self.card.start, *(leg.hold for leg in self.card.legs.values())):
+            for joint, angle in angles.items():
                 qpos[model.joint(joint).qposadr] = angle
         return qpos
 
     @property
     def start_ctrl(self) -> np.ndarray:
         """Commands in the keyframe to start from, or none, of the file's actuators."""
-        key, model = self._start, self.model
+        key, model = start_key(self.model), self.model
         return np.array(np.zeros(model.nu) if key is None else model.key_ctrl[key])
-
-    @property
-    def _start(self) -> int | None:
-        """Index of the keyframe to start from: the first of `START` that there is."""
-        names = [self.model.key(i).name for i in range(self.model.nkey)]
-        return next((names.index(name) for name in START if name in names), None)
 
     @property
     def root_address(self) -> int:
@@ -224,7 +211,16 @@ class Robot:
     @cached_property
     def swing_range(self) -> Mapping[str, tuple[float, float]]:
         """Lowest and highest angle of each group that all its legs reach [rad]."""
-        return {name: self._range_of(name) for name in self.groups}
+        ranges = {}
+        for name, group in self.card.groups.items():
+            ends = []
+            for leg, gain in group.legs.items():
+                joint = self.card.legs[leg].swing
+                start = self.standing_angle(joint)
+                ends.append(sorted((end - start) / gain for end in self.span(joint)))
+            lows, highs = zip(*ends, strict=True)
+            ranges[name] = max(lows), min(highs)
+        return ranges
 
     def span(self, joint: str) -> tuple[float, float]:
         """Lowest and highest angle that a hinge and its servos allow [rad]."""
@@ -238,10 +234,8 @@ class Robot:
         low = max((float(span[0]) for span in spans), default=-np.pi)
         return low, min((float(span[1]) for span in spans), default=np.pi)
 
-    def _range_of(self, group: str) -> tuple[float, float]:
-        ends = []
-        for leg, gain in self.card.groups[group].legs.items():
-            joint = self.card.legs[leg].swing
-            start = self.standing_angle(joint)
-            ends.append(sorted((end - start) / gain for end in self.span(joint)))
-        return max(low for low, _ in ends), min(high for _, high in ends)
+
+def start_key(model: mujoco.MjModel) -> int | None:
+    """Index of the keyframe to start from: the first of `START` that there is."""
+    names = [model.key(i).name for i in range(model.nkey)]
+    return next((names.index(name) for name in START if name in names), None)

@@ -76,12 +76,8 @@ class ServoKind:
         if self.bus != "pwm" or not (rate and self.command_rate):
             return replace(self, command_rate=rate)
         finer = rate / self.command_rate
-        return replace(
-            self,
-            command_rate=rate,
-            resolution=self.resolution / finer,
-            center=round(self.center * finer),
-        )
+        resolution, center = self.resolution / finer, round(self.center * finer)
+        return replace(self, command_rate=rate, resolution=resolution, center=center)
 
     @property
     def lost_torque(self) -> float:
@@ -118,25 +114,25 @@ class JointServo:
     limits: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        if self.channel is not None and self.channel < 0:
-            raise ValueError(f"channel must not be negative, got {self.channel}")
+        for name in ("channel", "center"):
+            value = getattr(self, name)
+            if value is not None and not 0 <= value < inf:
+                raise ValueError(f"{name} must not be negative, got {value}")
         if self.sign not in (-1, 1):
             raise ValueError(f"sign must be 1 or -1, got {self.sign:g}")
         if not isfinite(self.offset):
             raise ValueError(f"offset must be finite, got {self.offset}")
-        if self.center is not None and not (isfinite(self.center) and self.center >= 0):
-            raise ValueError(f"center must not be negative, got {self.center}")
         counts = self.counts_per_radian
-        if counts is not None and not (isfinite(counts) and counts > 0):
+        if counts is not None and not 0 < counts < inf:
             raise ValueError(f"counts_per_radian must be positive, got {counts}")
-        if self.limits is not None and not _is_range(self.limits):
-            raise ValueError(
-                f"limits are the lowest and the highest angle, got {list(self.limits)}"
-            )
-
-
-def _is_range(limits: tuple[float, ...]) -> bool:
-    return len(limits) == 2 and all(map(isfinite, limits)) and limits[0] < limits[1]
+        match self.limits:
+            case None:
+                return
+            case (low, high) if -inf < low < high < inf:
+                return
+        raise ValueError(
+            f"limits are the lowest and the highest angle, got {list(self.limits)}"
+        )
 
 
 SERVO_KINDS = {

@@ -6,8 +6,8 @@ Every refusal says which value of which key is wrong, and what would be right.
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Collection, Iterable, Mapping
-from math import isfinite
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from math import inf
 from reprlib import repr as shortened
 from typing import Any, TypeVar
 
@@ -47,10 +47,14 @@ def _check_toml(values: Iterable[object], depth: int = 0) -> None:
 
 LARGEST_NUMBER = 1e12  # numbers beyond it overflow somewhere
 T = TypeVar("T")
+Fits = Callable[[object], bool]
 
 
 class Table:
-    """A TOML table of which every key is known."""
+    """A TOML table of which every key is known.
+
+    Values that have no `otherwise` must be there.
+    """
 
     def __init__(
         self, values: object, where: str = "", known: Collection[str] = ()
@@ -75,17 +79,19 @@ class Table:
             raise ValueError(f"{self._place(key)} is missing")
         return self.values[key]
 
-    def text(self, key: str) -> str:
+    def text(self, key: str, otherwise: str | None = None) -> str:
         """A text."""
-        return str(self._of("a text", key, lambda value: isinstance(value, str)))
+        return str(self._of("a text", key, _is_text, otherwise))
 
-    def texts(self, key: str) -> tuple[str, ...]:
+    def texts(
+        self, key: str, otherwise: Sequence[str] | None = None
+    ) -> tuple[str, ...]:
         """A list of texts."""
-        return tuple(self._of("a list of texts", key, _are_texts))
+        return tuple(self._of("a list of texts", key, _list_of(_is_text), otherwise))
 
-    def number(self, key: str) -> float:
+    def number(self, key: str, otherwise: float | None = None) -> float:
         """A finite number."""
-        return float(self._of("a number", key, _is_number))
+        return float(self._of("a number", key, _is_number, otherwise))
 
     def exact(self, key: str) -> float:
         """A finite number as it is written: a whole one is an int."""
@@ -93,24 +99,25 @@ class Table:
 
     def numbers(self, key: str) -> tuple[float, ...]:
         """A list of finite numbers."""
-        return tuple(map(float, self._of("a list of numbers", key, _are_numbers)))
+        found = self._of("a list of numbers", key, _list_of(_is_number))
+        return tuple(map(float, found))
 
-    def whole(self, key: str) -> int:
+    def whole(self, key: str, otherwise: int | None = None) -> int:
         """A whole number."""
-        return int(self._of("a whole number", key, _is_whole))
+        return int(self._of("a whole number", key, _is_whole, otherwise))
 
     def list(self, key: str) -> list[object]:
         """A list; empty if left out."""
-        if key not in self.values:
-            return []
-        return list(self._of("a list", key, lambda value: isinstance(value, list)))
+        return list(self._of("a list", key, _list_of(lambda item: True), ()))
 
     def table(self, key: str) -> Table:
         """A table of any keys; empty if left out."""
         return Table(self.values.get(key, {}), self._place(key))
 
-    def gains(self, key: str) -> dict[str, float]:
-        """A table of numbers; empty if left out."""
+    def gains(self, key: str, required: bool = False) -> dict[str, float]:
+        """A table of numbers."""
+        if required:
+            self.get(key)
         inner = self.table(key)
         return {name: inner.number(name) for name in inner.values}
 
@@ -129,17 +136,27 @@ class Table:
         except ValueError as error:
             raise ValueError(f"{self.where}: {error}") from error
 
-    def _of(self, kind: str, key: str, fits: Callable[[object], bool]) -> Any:
+    def _of(
+        self, kind: str, key: str, fits: Fits, otherwise: object | None = None
+    ) -> Any:
+        if otherwise is not None and key not in self.values:
+            return otherwise
         value = self.get(key)
-        if not fits(value):
-            got = shortened(value)
-            raise ValueError(
-                f"{self._place(key)} must be {kind}, got {got}{_hint(value)}"
-            )
-        return value
+        if fits(value):
+            return value
+        hint = ""
+        if isinstance(value, float | int) and LARGEST_NUMBER < abs(value) < inf:
+            hint = f"; none beyond {LARGEST_NUMBER:g} is taken"
+        raise ValueError(
+            f"{self._place(key)} must be {kind}, got {shortened(value)}{hint}"
+        )
 
     def _place(self, key: str) -> str:
         return f"{self.where}.{key}" if self.where else key
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
 
 
 def _is_number(value: object) -> bool:
@@ -148,21 +165,9 @@ def _is_number(value: object) -> bool:
     return -LARGEST_NUMBER <= value <= LARGEST_NUMBER
 
 
-def _hint(value: object) -> str:
-    """Which numbers do, for one that does not."""
-    if not isinstance(value, float | int) or not isfinite(value):
-        return ""
-    too_large = abs(value) > LARGEST_NUMBER
-    return f"; none beyond {LARGEST_NUMBER:g} is taken" if too_large else ""
-
-
 def _is_whole(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
-def _are_numbers(value: object) -> bool:
-    return isinstance(value, list) and all(map(_is_number, value))
-
-
-def _are_texts(value: object) -> bool:
-    return isinstance(value, list) and all(isinstance(text, str) for text in value)
+def _list_of(fits: Fits) -> Fits:
+    return lambda value: isinstance(value, list) and all(map(fits, value))

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import mujoco
 
-from models.description.compiled import compile_model, read_spec
+from models.description.compiled import compile_model, one_line, read_spec
 from models.description.inspection import assets, included
 from models.description.numbers import check_quaternions, check_text
 from models.errors import ModelError
@@ -31,8 +31,12 @@ def examine(path: Path) -> list[Path]:
         if text.read_bytes()[:100].lstrip(b"\xef\xbb\xbf\r\n\t ").startswith(b"<"):
             check_text(text)
     model = compile_model(read_spec(path), str(path))
-    require_handy(model, path)
-    run_once(model, path)
+    _require_handy(model, path)
+    with one_line(f"the engine cannot run it: {path}", "is <size memory> too small?"):
+        data = mujoco.MjData(model)
+        for key in [*range(model.nkey), -1]:  # -1: as the file has it
+            mujoco.mj_resetDataKeyframe(model, data, key)
+            mujoco.mj_step(model, data)
     spec = read_spec(path)
     check_quaternions(spec, model, str(path))
     named = assets(spec, model)  # compiling may drop some from a spec
@@ -45,7 +49,7 @@ def examine(path: Path) -> list[Path]:
     return sorted({path, *texts, *named})
 
 
-def require_handy(model: mujoco.MjModel, path: Path) -> None:
+def _require_handy(model: mujoco.MjModel, path: Path) -> None:
     """Refuse a model of which there is no room for the copies that a walk needs."""
     numbers = model.nsensordata + model.nuserdata + model.nq + model.nv
     size = mujoco.mj_sizeModel(model) + 8 * numbers
@@ -56,39 +60,20 @@ def require_handy(model: mujoco.MjModel, path: Path) -> None:
         )
 
 
-def run_once(model: mujoco.MjModel, path: Path) -> None:
-    """Step once from each keyframe; refused if the engine fails, for want of memory."""
-    try:
-        data = mujoco.MjData(model)
-        for key in range(model.nkey):
-            mujoco.mj_resetDataKeyframe(model, data, key)
-            mujoco.mj_step(model, data)
-        mujoco.mj_resetData(model, data)
-        mujoco.mj_step(model, data)
-    except (ValueError, RuntimeError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(
-            f"the engine cannot run it: {path}; {reason}; is <size memory> too small?"
-        ) from error
-
-
-def report(path: Path) -> dict[str, object]:
-    """What there is to say of a model: `files`, or `wrong`, or `large`."""
-    try:
-        return {"files": [str(file) for file in examine(path)]}
-    except ModelError as error:
-        large = any(sign in str(error) for sign in TOO_LARGE)
-        return {"large": True} if large else {"wrong": str(error)}
-    except MemoryError:
-        return {"large": True}
-
-
 def main(path: str, seconds: str, memory: str) -> None:
-    """Try a model within limits, and print what came of it."""
+    """Try a model within limits, and print its `files`, what is `wrong`, or `large`."""
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
     resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    print("", json.dumps(report(Path(path))), sep="\n", flush=True)
+    report: dict[str, object]
+    try:
+        report = {"files": [str(file) for file in examine(Path(path))]}
+    except ModelError as error:
+        large = any(sign in str(error) for sign in TOO_LARGE)
+        report = {"large": True} if large else {"wrong": str(error)}
+    except MemoryError:
+        report = {"large": True}
+    print("", json.dumps(report), sep="\n", flush=True)
 
 
 if __name__ == "__main__":
