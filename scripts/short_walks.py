@@ -1,10 +1,10 @@
-"""How much time a walk takes, and how far it strays from its path: what is to be had.
+"""How much time a walk takes, and how far it deviates from its path: what is possible.
 
 Three ways to plan each scenario are compared by their predicted motion: the paper's
 printed words and the shortest words, in more and fewer segments, and optimised plans
-that may stray as far as the printed plan does, and twice as far. Nothing is walked in
+that may deviate as far as the printed plan does, and twice as far. Nothing is walked in
 the physics. A plan is better than another where it is lower and farther to the left.
-The dotted line is a lower bound on the time of any walk that strays as far.
+The dotted line is a lower bound on the time of any walk that deviates as far.
 
 Example:
     python -m scripts.short_walks --plot docs/short-walks.png
@@ -32,7 +32,7 @@ STYLES = {
     "optimised": ("#D55E00", "D-"),
 }
 WIDER = (1.0, 2.0)  # tolerances of optimised plans, in deviations of the printed plan
-HEADER = f"{'scenario':10}{'plan':22}{'time [s]':>9}{'strays [mm]':>13}{'[rad]':>8}"
+HEADER = f"{'scenario':10}{'plan':22}{'time [s]':>9}{'deviation [mm]':>16}{'[rad]':>8}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +56,7 @@ def study(name: str) -> list[Point]:
         points.append(Point(way, seconds, off.position, off.yaw))
         print(
             f"{name:10}{f'{way}, {detail}':22}{seconds:9.1f}"
-            f"{1e3 * off.position:13.1f}{off.yaw:8.3f}",
+            f"{1e3 * off.position:16.1f}{off.yaw:8.3f}",
             flush=True,
         )
         return points[-1]

@@ -33,21 +33,13 @@ from sim.walking.walks import carry_out, expected_steps
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """Everything that is decided before the first step.
+    """Everything that is decided before the first step."""
 
-    Attributes:
-        scenario: The scenario before its path was divided to keep its bounds.
-        setup: The scenario with everything decided.
-        plan: Flows of the whole path; None if segments are planned during the walk.
-        steps: Number of physics steps; an estimate if it plans during the walk.
-        fallback: Why the stratified plan stands where a shorter one was asked for.
-    """
-
-    scenario: Scenario
+    scenario: Scenario  # before its path was divided to keep its bounds
     setup: Setup
-    plan: Plan | None
-    steps: int
-    fallback: str | None = None
+    plan: Plan | None  # of the whole path; None if segments are planned on the way
+    steps: int  # of the physics; an estimate if it plans on the way
+    fallback: str | None  # why a plan is stratified where a shorter one was asked for
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +67,7 @@ class Simulation:
 
     @property
     def plan(self) -> Plan | None:
-        """Flows of the whole path; None if segments were planned during the walk."""
+        """Flows of the whole path; None if segments were planned on the way."""
         return self.prepared.plan
 
     @property
@@ -172,12 +164,13 @@ def simulate(
 
 
 def _prepared(problem: ScenarioProblem) -> Prepared:
-    setup = problem.setup
-    solution = None if problem.replan else problem.solve()
-    plan, fallback = (solution.plan, solution.fallback) if solution else (None, None)
-    steps = expected_steps(setup, plan)
-    check_effort(setup, steps)
-    return Prepared(problem.scenario, setup, plan, steps, fallback)
+    plan, fallback = None, None
+    if not problem.replan:
+        solution = problem.solve()
+        plan, fallback = solution.plan, solution.fallback
+    steps = expected_steps(problem.setup, plan)
+    check_effort(problem.setup, steps)
+    return Prepared(problem.scenario, problem.setup, plan, steps, fallback)
 
 
 def _further(setup: Setup, reached: Array) -> GoalOffset:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, fields, replace
 from statistics import median
 
 from models import Robot
@@ -26,7 +26,6 @@ MEASURES = {  # columns of the table: quantities, and of which row of the compar
     "yaw": (YAW, "goal"),
     "margin": (MARGIN, "achieved"),
 }
-COLUMNS = ("draw", "verdict", *MEASURES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,18 +48,7 @@ def walk_tries(
     draws: Sequence[int],
     progress: Progress,
 ) -> list[Try]:
-    """Walk every draw and write `tries.csv` beside their run folders.
-
-    Args:
-        scenario: What to walk.
-        robot: The scenario's robot.
-        folder: Where the run folders go, `draw-N` each.
-        draws: Numbers of the draws.
-        progress: Called with the share of the draws that is done.
-
-    Raises:
-        FilesError: If a folder cannot be written.
-    """
+    """Walk every draw into a run folder `draw-N`, and write `tries.csv` beside them."""
     tries: list[Try] = []
     for done, draw in enumerate(draws):
         progress("walking draws", done / len(draws))
@@ -82,19 +70,13 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
 def _csv(tries: Sequence[Try]) -> str:
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
-    table.writerow(COLUMNS)
-    for one in tries:
-        table.writerow([getattr(one, column) for column in COLUMNS])
+    table.writerow(item.name for item in fields(Try))
+    table.writerows(map(astuple, tries))
     return text.getvalue()
 
 
 def describe(tries: Sequence[Try], path_length: float) -> str:
-    """Median and worst of all draws, in lines for a terminal.
-
-    Args:
-        tries: What was walked.
-        path_length: Of the nominal path [m].
-    """
+    """Median and worst of all draws, in lines for a terminal; of a path [m]."""
     return "\n".join(_lines(tries, path_length))
 
 
@@ -109,14 +91,13 @@ def _lines(tries: Sequence[Try], path_length: float) -> Iterator[str]:
     yield f"{'':13}{'median':>22}{'worst':>22}"
     for name, (quantity, row) in MEASURES.items():
         values = [getattr(one, name) for one in walked]
-        if quantity is POSITION:
-            said = [_share(off, path_length) for off in (median(values), max(values))]
-            yield f"{ROWS[row]:13}" + "".join(f"{text:>22}" for text in said)
-        elif quantity is MARGIN:
-            said = [MARGIN.words(value) for value in (median(values), min(values))]
-            yield f"{name:13}" + "".join(f"{text:>22}" for text in said)
-
-
-def _share(off: float, path_length: float) -> str:
-    share = f" {off / path_length:7.2%}" if path_length else ""
-    return f"{POSITION.words(off)}{share}"
+        ends = median(values), min(values) if quantity is MARGIN else max(values)
+        words = [quantity.words(end) for end in ends]
+        if quantity is POSITION and path_length:
+            words = [
+                f"{w} {end / path_length:7.2%}"
+                for w, end in zip(words, ends, strict=True)
+            ]
+        if quantity is not YAW:
+            label = ROWS[row] if quantity is POSITION else name
+            yield f"{label:13}" + "".join(f"{text:>22}" for text in words)

@@ -13,23 +13,17 @@ import numpy as np
 
 from models import MeasurementError
 from planner import Array
-from sim.evaluation.achieved import Achieved, achieved_motion
 from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
-from sim.evaluation.deviations import (
-    departure,
-    deviation_from,
-    deviations,
-    off,
-    per_metre,
+from sim.evaluation.deviations import departure, deviation_from, off, per_metre
+from sim.evaluation.motions import (
+    Achieved,
+    achieved_motion,
+    clearances,
+    commands_along,
+    predicted_along,
 )
-from sim.evaluation.following import clearances, commands_along, predicted_along
-from sim.evaluation.phases import (
-    count_changes,
-    moving_time,
-    swing_slip,
-    swing_travel,
-)
+from sim.evaluation.phases import count_changes, moving_time, swing_slip, swing_travel
 from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
@@ -38,7 +32,7 @@ from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import QUASI_STATIC
+from sim.scenarios.predictions import IDEAL, QUASI_STATIC
 from sim.versions import versions
 from sim.walking.finished import Walk
 
@@ -61,6 +55,7 @@ class Evaluation:
     unpredicted: Mapping[str, str]  # predictions that could not be made, and why
     clearance: Mapping[str, Array]  # achieved and predicted, if there are obstacles
     walking: Array  # moments from the start of the walk on, (T,), bool
+    judged: Array  # those of them over which extremes are taken, (T,), bool
     deviation: Mapping[str, Departure | None]  # from the nominal path
     creep_floor: float | None  # slip while standing as long, if measured [m]
 
@@ -78,10 +73,10 @@ class Evaluation:
         predicted = self.predicted.get(QUASI_STATIC.key)
         return judge(self.walk, self.achieved, predicted, self.judged)
 
-    @property
-    def judged(self) -> Array:
-        """Moments over which the summary takes extremes, (T,), bool."""
-        return judged(self.walk)
+    def least_clearance(self, name: str) -> float | None:
+        """Of the walk or of a prediction [m]; None where there are no obstacles."""
+        clearance = self.clearance.get(name)
+        return None if clearance is None else float(clearance[self.judged].min())
 
 
 def evaluate(
@@ -96,7 +91,7 @@ def evaluate(
         walk: A finished walk.
         without: What to leave out of that on which nothing else depends: predictions,
             and `creep_floor`, which the robot stands for as long as it walked.
-        shared: What earlier evaluations have made.
+        shared: What earlier evaluations have built.
         progress: Called with the stage and the finished part of it.
 
     Example:
@@ -108,9 +103,8 @@ def evaluate(
     """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
-    cache = walk_cache(walk.setup, shared)
-    caches: dict[str, Cache] = {"achieved": no_cache}
-    measured = world_cache(walk.setup, shared)
+    caches: dict[str, Cache] = {}
+    cache, measured = walk_cache(walk.setup, shared), world_cache(walk.setup, shared)
     given = cache(
         "commanded", lambda: [list(commands_along(walk, s)) for s in walk.stretches]
     )
@@ -129,47 +123,52 @@ def evaluate(
         except MeasurementError as error:
             unpredicted[name] = str(error)
     achieved = achieved_motion(walk)
-    poses = {name: found.pose for name, found in predicted.items()}
-    deviation = _deviation(walk, caches, {**poses, "achieved": achieved.pose})
+    walking = walk.recording.moments.step >= walk.starts
+    judged = walking & walk.recording.marks.inspected  # whichever rows are written
+    poses = {name: found.pose[judged] for name, found in predicted.items()}
+    poses["achieved"] = achieved.pose[judged]
     creep = None
     if "creep_floor" not in without:
         stand = partial(creep_floor, walk.setup, walk.duration)
         with stage(progress, "measuring the solver's creep"):
             creep = measured(f"creep in {walk.duration} s", stand)
     return Evaluation(
-        walk,
-        achieved,
-        predicted,
-        unpredicted,
-        clearances(walk, predicted),
-        walk.recording.moments.step >= walk.starts,
-        deviation,
-        creep,
+        walk=walk,
+        achieved=achieved,
+        predicted=predicted,
+        unpredicted=unpredicted,
+        clearance=clearances(walk, predicted),
+        walking=walking,
+        judged=judged,
+        deviation=_deviation(walk, caches, poses),
+        creep_floor=creep,
     )
 
 
 def _deviation(
     walk: Walk, caches: Mapping[str, Cache], poses: Mapping[str, Array]
-) -> Mapping[str, Departure | None]:
-    """How far the walk and its predictions are from the nominal path at most."""
-    curve, count = walk.setup.scenario.path.curve, judged(walk)
-    found = {
-        name: partial(
-            caches[name], f"deviation {name}", partial(deviation_from, curve, some)
-        )
-        for name, some in ((name, pose[count]) for name, pose in poses.items())
-    }
-    return deviations(walk.setup.scenario, found)
+) -> dict[str, Departure | None]:
+    """Farthest from the path and from its yaw: planned, quasi-static and achieved.
 
-
-def judged(walk: Walk) -> Array:
-    """Moments over which extremes of a walk are taken, shape (T,), bool.
-
-    They depend on the commands alone, not on which rows are written.
+    A plan follows the prediction it steers on, an optimised one at least the
+    quasi-static.
     """
-    recording = walk.recording
-    found: Array = recording.moments.step >= walk.starts
-    return found & recording.marks.inspected
+    scenario = walk.setup.scenario
+    planned = scenario.steered_on
+    if planned == IDEAL.key and scenario.optimise != "none":
+        planned = QUASI_STATIC.key
+
+    def farthest(name: str) -> Departure | None:
+        if name not in poses:
+            return None
+        found = partial(deviation_from, scenario.path.curve, poses[name])
+        return caches.get(name, no_cache)(f"deviation {name}", found)
+
+    return {
+        "planned": farthest(planned),
+        "quasi_static": farthest(QUASI_STATIC.key),
+        "achieved": farthest("achieved"),
+    }
 
 
 def summarise(
@@ -188,22 +187,28 @@ def summarise(
     recording, dt = walk.recording, setup.limits.timestep
     pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
     swings = [p for p in walk.phases if p.kind == "swing"]
+    peaks = (setup.limits.swing_peak(p.direction, p.amount) for p in swings)
     length, walked = scenario.path.length, walk.distance
     strokes = swing_travel(swings, setup.robot.groups, loaded=True)
     slip, in_swings, judged = achieved.slip[-1], swing_slip(walk), evaluation.judged
     absent = dict.fromkeys(evaluation.unpredicted)
-    errors: dict[str, Departure | None] = {
+    errors = {
         name: off(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
     }
-    predicted: dict[str, Predicted | None] = {
+    predicted = {
         name: Predicted(
             pose=prediction.pose[-1].tolist(),
             min_margin=float(prediction.margin[judged].min()),
             slip=float(prediction.slip[-1].sum()),
-            min_clearance=_least(evaluation, name),
+            min_clearance=evaluation.least_clearance(name),
         )
         for name, prediction in evaluation.predicted.items()
+    }
+    sources = {  # of an error that adds up: no segment was planned from a new pose
+        name: error_sources(walk, achieved.pose, prediction)
+        for name, prediction in evaluation.predicted.items()
+        if not scenario.replan
     }
     return Summary(
         verdict=evaluation.verdict.word,
@@ -230,31 +235,27 @@ def summarise(
         self_contacts=recording.self_contacts,
         saturated_segments=walk.saturated_segments,
         let_down=setup.world.let_down,
-        fastest_swing=max(
-            (setup.limits.swing_peak(p.direction, p.amount) for p in swings),
-            default=0.0,
-        ),
+        fastest_swing=max(peaks, default=0.0),
         swing_speed=scenario.swing_speed,
         walk_starts=walk.starts * dt,
-        predicted=predicted | absent,
+        predicted={**predicted, **absent},
         unpredicted=dict(evaluation.unpredicted),
         achieved=Accomplished(
             pose=pose.tolist(),
             min_margin=recording.least_margin,
-            min_clearance=_least(evaluation, "achieved"),
+            min_clearance=evaluation.least_clearance("achieved"),
             slip=float(slip.sum()),
             slip_swing=in_swings,
             slip_transition=float(slip.sum()) - in_swings,
-            slip_per_foot={
-                str(leg): float(s)
-                for leg, s in zip(setup.robot.legs, slip, strict=True)
-            },
+            slip_per_foot=dict(
+                zip(map(str, setup.robot.legs), slip.tolist(), strict=True)
+            ),
             creep_floor=evaluation.creep_floor,
         ),
         error={**errors, **absent, "goal": departure(pose, goal)},
-        error_sources=_sources(evaluation),
+        error_sources=None if scenario.replan else {**sources, **absent},
         servo=setup.servo.table(setup.world.servo),
-        deviation=dict(evaluation.deviation),
+        deviation=evaluation.deviation,
         per_metre=per_metre(length, moving_time(walk), strokes),
         simulated_time=recording.steps * dt,
         timestep=dt,
@@ -263,23 +264,3 @@ def summarise(
         missed=list(missed),
         timing=dict(timing or {}),
     )
-
-
-def _least(evaluation: Evaluation, name: str) -> float | None:
-    """Least clearance [m]; None where there are no obstacles."""
-    clearance = evaluation.clearance.get(name)
-    return None if clearance is None else float(clearance[evaluation.judged].min())
-
-
-def _sources(
-    evaluation: Evaluation,
-) -> dict[str, dict[str, list[float]] | None] | None:
-    """Sources of open-loop errors; None if each segment was planned from a new pose."""
-    walk, achieved = evaluation.walk, evaluation.achieved.pose
-    if walk.setup.scenario.replan:
-        return None
-    found: dict[str, dict[str, list[float]] | None] = {
-        name: error_sources(walk, achieved, prediction)
-        for name, prediction in evaluation.predicted.items()
-    }
-    return found | dict.fromkeys(evaluation.unpredicted)

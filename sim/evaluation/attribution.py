@@ -21,11 +21,8 @@ def contributions(achieved: Array, predicted: Array) -> Array:
     Given are poses at the start and at the end of each phase, shape (P + 1, 3), from
     the same start; the sum is achieved[-1] - predicted[-1].
     """
-    rest = relative(
-        predicted, predicted[-1]
-    )  # predicted motion from each pose to the end
-    ends = compose(achieved, rest)  # (P + 1, 3)
-    return np.diff(ends, axis=0)
+    to_the_end = relative(predicted, predicted[-1])  # predicted, from each pose on
+    return np.diff(compose(achieved, to_the_end), axis=0)
 
 
 def error_sources(
@@ -53,9 +50,9 @@ def error_sources(
     phases = [phase for phase in walk.phases if phase.start >= walk.starts]
     edges = np.array([phases[0].start, *(phase.stop for phase in phases)])
     at = walk.recording.moments.step.searchsorted(edges)  # ends of phases are recorded
-    both = (poses[at] for poses in (achieved, prediction.pose))
+    parts = contributions(achieved[at], prediction.pose[at])
     sources: dict[str, Array] = {}
-    for phase, part in zip(phases, contributions(*both), strict=True):
+    for phase, part in zip(phases, parts, strict=True):
         name = f"{phase.kind} S{phase.stratum}"
         sources[name] = sources.get(name, np.zeros(3)) + part
-    return {name: [float(v) for v in part] for name, part in sources.items()}
+    return {name: part.tolist() for name, part in sources.items()}

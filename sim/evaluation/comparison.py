@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 
 from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, ROWS
-from sim.evaluation.summary import Departure, Played, Predicted, Summary
+from sim.evaluation.summary import Departure, Played, Summary
 from sim.scenarios.predictions import QUASI_STATIC, prediction_key
 
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are mentioned
@@ -20,17 +20,21 @@ HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'physics ends off by':23}{H
 def describe(summary: Summary) -> str:
     """The walk and its comparison with the predictions, in lines for a terminal."""
     text = summary.verdict_text
-    return "\n".join(
-        [
-            text[:1].upper() + text[1:],
-            *_headline(summary),
-            "",
-            HEADER,
-            *_rows(summary),
-            *_lines(summary),
-            *_clearance(summary),
-        ]
-    )
+    replan = ", replanned" if summary.replan else ""
+    if summary.optimise != "none":
+        replan = f", optimised for {summary.optimise}"
+    lines = [
+        text[:1].upper() + text[1:],
+        f"{summary.scenario}: {summary.robot}, {summary.fields} fields, "
+        f"{summary.stance} stance, steered on {summary.steer}{replan}",
+        *(f"{label:13}{words}" for label, words in _facts(summary)),
+        "",
+        HEADER,
+        *_rows(summary),
+        *_lines(summary),
+        *_clearance(summary),
+    ]
+    return "\n".join(lines)
 
 
 def describe_export(summary: Summary, played: Played) -> str:
@@ -44,60 +48,52 @@ def describe_export(summary: Summary, played: Played) -> str:
     return "\n".join([HEADER, *(row for row in rows if row), exported])
 
 
-def _headline(summary: Summary) -> Iterator[str]:
-    replan = ", replanned" if summary.replan else ""
-    if summary.optimise != "none":
-        replan = f", optimised for {summary.optimise}"
+def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
+    """What was planned, walked and noticed: a label, and words for it."""
     yield (
-        f"{summary.scenario}: {summary.robot}, {summary.fields} fields, "
-        f"{summary.stance} stance, steered on {summary.steer}{replan}"
+        "planned",
+        f"{summary.segments} segments, {summary.contact_switches} contact switches, "
+        f"{summary.distance_walked:.3f} m to walk for a path of "
+        f"{summary.path_length:.3f} m",
     )
     yield (
-        f"{'planned':13}{summary.segments} segments, {summary.contact_switches} "
-        f"contact switches, {summary.distance_walked:.3f} m to walk for a path of "
-        f"{summary.path_length:.3f} m"
-    )
-    yield (
-        f"{'walked':13}{summary.contact_switches_achieved} contact switches, "
+        "walked",
+        f"{summary.contact_switches_achieved} contact switches, "
         f"{summary.bounces} bounces, {summary.simulated_time:.1f} s simulated in "
-        f"{summary.timing['simulate']:.1f} s"
+        f"{summary.timing['simulate']:.1f} s",
     )
     if summary.fallback:
-        yield f"{'fell back':13}on the stratified plan: {summary.fallback}"
+        yield "fell back", f"on the stratified plan: {summary.fallback}"
     if len(summary.missed) > 1:
         misses = ", then ".join(f"{1e3 * miss:.3g}" for miss in summary.missed)
-        yield f"{'corrected':13}the goal was missed by {misses} mm"
-    yield from _path_deviation(summary)
-    if summary.saturated_segments:
-        scaled = "segments scaled down to the joint range"
-        yield f"{'saturated':13}{summary.saturated_segments} {scaled}"
-    if summary.fastest_swing < CAPPED * summary.swing_speed:
-        yield (
-            f"{'swings':13}at {summary.fastest_swing:.3g} rad/s at most: "
-            f"swing_acceleration caps the swing_speed of {summary.swing_speed:g}"
-        )
-    if abs(down := summary.let_down) > MENTIONED:
-        how = "let down onto" if down > 0 else "lifted out of"
-        yield f"{'start':13}{how} the floor by {1e3 * abs(down):.1f} mm"
-    if summary.self_contacts:
-        yield (
-            f"{'collided':13}parts of the robot touched each other "
-            f"{summary.self_contacts} times, which no prediction takes into account"
-        )
-
-
-def _path_deviation(summary: Summary) -> Iterator[str]:
-    """Deviation from the nominal path, and what a metre of it takes."""
+        yield "corrected", f"the goal was missed by {misses} mm"
     found = ", ".join(
         f"{1e3 * apart.position:.1f} mm and {apart.yaw:.3f} rad {name}"
         for name, apart in summary.deviation.items()
         if apart is not None and name != QUASI_STATIC.key
     )
     if found:
-        yield f"{'deviation':13}{found}"
+        yield "deviation", found
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
     if seconds is not None:
-        yield f"{'a metre':13}takes {seconds:.0f} s and {strokes:.1f} rad of strokes"
+        yield "a metre", f"takes {seconds:.0f} s and {strokes:.1f} rad of strokes"
+    if saturated := summary.saturated_segments:
+        yield "saturated", f"{saturated} segments scaled down to the joint range"
+    if summary.fastest_swing < CAPPED * summary.swing_speed:
+        yield (
+            "swings",
+            f"at {summary.fastest_swing:.3g} rad/s at most: "
+            f"swing_acceleration caps the swing_speed of {summary.swing_speed:g}",
+        )
+    if abs(down := summary.let_down) > MENTIONED:
+        how = "let down onto" if down > 0 else "lifted out of"
+        yield "start", f"{how} the floor by {1e3 * abs(down):.1f} mm"
+    if summary.self_contacts:
+        yield (
+            "collided",
+            f"parts of the robot touched each other {summary.self_contacts} times, "
+            "which no prediction takes into account",
+        )
 
 
 def _rows(summary: Summary) -> Iterator[str]:
@@ -110,22 +106,13 @@ def _rows(summary: Summary) -> Iterator[str]:
 
 def _row(summary: Summary, row: str, label: str = "") -> str:
     """Where a row of the comparison ends, and how far the physics ends off it."""
-    if (pose := _pose(summary, row)) is None:
+    if (pose := summary.poses.get(row)) is None:
         return ""
     x, y, yaw = pose
     end = f"{x:z8.4f} {y:z8.4f} {yaw:z8.4f}"
     off = _off(summary.error.get(row), summary.path_length)
     cells = (f"{q.words(q.value(summary, row)):>{q.width}}" for q in COLUMNS)
     return f"{label or ROWS[row]:13}{end:28}{off:28}{''.join(cells)}".rstrip()
-
-
-def _pose(summary: Summary, row: str) -> Sequence[float] | None:
-    if row == GOAL:
-        return summary.goal
-    if row == ACHIEVED:
-        return summary.achieved.pose
-    found = summary.predicted.get(row)
-    return found.pose if isinstance(found, Predicted) else None
 
 
 def _off(error: Departure | None, path_length: float) -> str:

@@ -1,8 +1,6 @@
-"""Deviations of a walk from its nominal path, and what each metre of the path costs."""
+"""Distances of poses from others and from the nominal path, and per metre of it."""
 
 from __future__ import annotations
-
-from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -10,32 +8,8 @@ from planner import Array, Path
 from sim.evaluation.summary import Departure, PerMetre, PredictionError
 from sim.motion.path_deviation import path_deviation
 from sim.motion.poses import wrap
-from sim.scenarios.predictions import IDEAL, QUASI_STATIC
-from sim.scenarios.scenario import Scenario
 
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
-
-
-def deviations(
-    scenario: Scenario, deviation_of: Mapping[str, Callable[[], Departure]]
-) -> dict[str, Departure | None]:
-    """Farthest from the path and from its yaw: planned, quasi-static and achieved.
-
-    A plan follows the prediction it steers on, an optimised one at least the
-    quasi-static.
-    """
-    planned = scenario.steered_on
-    if planned == IDEAL.key and scenario.optimise != "none":
-        planned = QUASI_STATIC.key
-    asked = {
-        "planned": planned,
-        "quasi_static": QUASI_STATIC.key,
-        "achieved": "achieved",
-    }
-    return {
-        key: deviation_of[name]() if name in deviation_of else None
-        for key, name in asked.items()
-    }
 
 
 def deviation_from(curve: Path, poses: Array) -> Departure:
@@ -54,9 +28,9 @@ def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
 
 def departure(pose: Array, other: Array) -> Departure:
     """How far a pose is from another one."""
+    apart = pose - other
     return Departure(
-        position=float(np.hypot(*(pose - other)[:2])),
-        yaw=float(abs(wrap(pose[2] - other[2]))),
+        position=float(np.hypot(*apart[:2])), yaw=float(abs(wrap(apart[2])))
     )
 
 
@@ -68,8 +42,7 @@ def off(poses: Array, others: Array, length: float, walked: float) -> Prediction
     """
     at_end = departure(poses[-1], others[-1])
     return PredictionError(
-        position=at_end.position,
-        yaw=at_end.yaw,
+        **at_end,
         position_per_path=at_end.position / length if length else None,
         position_per_walked=at_end.position / walked if walked else None,
         farthest=float(np.hypot(*(poses - others)[:, :2].T).max()),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 
 class WalkedPhase(NamedTuple):
@@ -24,18 +24,6 @@ class WalkedPhase(NamedTuple):
 
 
 COLUMNS = ("index", *WalkedPhase._fields)
-READ: tuple[Callable[[str], Any], ...] = (
-    int,
-    float,
-    float,
-    str,
-    str,
-    str,
-    float,
-    str,
-    float,
-    "1".__eq__,
-)
 
 
 def written(phases: Iterable[WalkedPhase]) -> str:
@@ -51,16 +39,24 @@ def written(phases: Iterable[WalkedPhase]) -> str:
 def read(text: str) -> tuple[WalkedPhase, ...]:
     """The phases that a text of `written` lists, its columns in any order.
 
-    Raises:
-        KeyError: If a column is missing.
-        ValueError: If a line has more or fewer entries than there are columns.
+    A missing column is a KeyError, a line with more or fewer entries than there are
+    columns a ValueError.
     """
     lines = [line for line in csv.reader(text.splitlines()) if line]
     if len({len(line) for line in lines}) != 1:
         raise ValueError("flows.csv is incomplete")
-    rows = (dict(zip(lines[0], line, strict=True)) for line in lines[1:])
-    names = WalkedPhase._fields
     return tuple(
-        WalkedPhase(*(as_type(row[n]) for n, as_type in zip(names, READ, strict=True)))
-        for row in rows
+        WalkedPhase(
+            segment=int(row["segment"]),
+            start=float(row["start"]),
+            end=float(row["end"]),
+            kind=row["kind"],
+            stratum=row["stratum"],
+            field=row["field"],
+            amount=float(row["amount"]),
+            group=row["group"],
+            slip=float(row["slip"]),
+            as_planned=row["as_planned"] == "1",
+        )
+        for row in (dict(zip(lines[0], line, strict=True)) for line in lines[1:])
     )

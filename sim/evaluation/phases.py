@@ -14,9 +14,8 @@ from sim.walking.finished import Walk
 
 def phase_slip(walk: Walk, phase: Phase) -> Array:
     """Slip of every foot during a phase, shape (F,) [m]."""
-    recording = walk.recording
-    after = recording.slip_after(phase.stop)
-    return after - recording.slip_after(phase.start) if phase.start else after
+    after = walk.recording.slip_after(phase.stop)
+    return after - walk.recording.slip_after(phase.start) if phase.start else after
 
 
 def swing_slip(walk: Walk) -> float:
@@ -69,8 +68,7 @@ def count_changes(walk: Walk) -> int:
     for group in range(len(walk.setup.robot.groups)):
         feet = contact[:, walk.setup.robot.group_of_leg == group]
         standing = np.where(feet.all(axis=1), 1, np.where(feet.any(axis=1), -1, 0))
-        standing = standing[standing >= 0]
-        changes += int(np.count_nonzero(np.diff(standing)))
+        changes += int(np.count_nonzero(np.diff(standing[standing >= 0])))
     return changes
 
 

@@ -16,39 +16,35 @@ class Numbers(Mapping[str, Any]):
     """Fields of a dataclass that are also read by their names, as from a file."""
 
     def __getitem__(self, key: str) -> Any:
-        if key not in self.__dataclass_fields__:  # type: ignore[attr-defined]
-            raise KeyError(key)
-        return getattr(self, key)
+        return vars(self)[key]
 
     def __iter__(self) -> Iterator[str]:
-        return (item.name for item in fields(self))  # type: ignore[arg-type]
+        return iter(vars(self))
 
     def __len__(self) -> int:
-        return len(fields(self))  # type: ignore[arg-type]
+        return len(vars(self))
 
     def to_json(self) -> dict[str, object]:
         """The fields as plain values, in the order of the file."""
-        plain: dict[str, object] = _plain(self)
-        return plain
+        return _plain(self)
 
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Self:
-        """The values of a file's table; what older versions did not write is left out.
+        """The values of a file's table, where older versions wrote fewer.
 
-        Raises:
-            KeyError: If a key is missing.
+        A key without a default that is missing is a KeyError.
         """
         items = fields(cls)  # type: ignore[arg-type]
-        without = (i.default is MISSING and i.default_factory is MISSING for i in items)
-        needed = (i.name for i, needs in zip(items, without, strict=True) if needs)
-        given = {name: table[name] for name in needed}
-        return cls(**given | {i.name: table[i.name] for i in items if i.name in table})
+        required = {i.name for i in items if i.default is i.default_factory is MISSING}
+        names = (i.name for i in items if i.name in table or i.name in required)
+        return cls(**{name: table[name] for name in names})
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {key: _plain(inner) for key, inner in value.items()}
-    return value
+def _plain(table: Mapping[str, Any]) -> dict[str, object]:
+    return {
+        key: _plain(value) if isinstance(value, Mapping) else value
+        for key, value in table.items()
+    }
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -162,11 +158,7 @@ class Summary(Numbers):
 
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Self:
-        """The summary in a file's table, also in one of an older version.
-
-        Raises:
-            KeyError: If a number is missing.
-        """
+        """The summary in a file's table, also in one of an older version."""
         inner: dict[str, object] = {
             "predicted": _each(Predicted, table["predicted"]),
             "achieved": Accomplished.read(table["achieved"]),
@@ -176,6 +168,12 @@ class Summary(Numbers):
             "per_metre": PerMetre.read(table.get("per_metre", {})),
         }
         return super().read({**table, **inner})
+
+    @property
+    def poses(self) -> dict[str, list[float]]:
+        """Where goal, predictions and physics end, by the rows of a comparison."""
+        made = {key: found.pose for key, found in self.predicted.items() if found}
+        return {"goal": self.goal, **made, "achieved": self.achieved.pose}
 
     @property
     def farthest_share(self) -> float | None:

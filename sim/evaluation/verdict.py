@@ -12,13 +12,11 @@ from typing import Literal
 import numpy as np
 
 from planner import Array
-from sim.evaluation.achieved import Achieved
+from sim.evaluation.motions import Achieved
 from sim.evaluation.phases import phase_slip
 from sim.motion.poses import tilt
 from sim.motion.prediction import Prediction
 from sim.walking.finished import Walk
-
-Word = Literal["fell", "collided", "slipped", "drifted", "arrived"]
 
 FAILURES = ("fell", "collided")
 TILTED = np.deg2rad(30)  # of a body that has fallen
@@ -30,7 +28,7 @@ TOLERATED = 0.05  # of the path: slip and drift beyond the quasi-static predicti
 class Verdict:
     """What became of a walk."""
 
-    word: Word
+    word: Literal["fell", "collided", "slipped", "drifted", "arrived"]
     text: str  # one sentence, without a full stop
 
 
@@ -67,7 +65,7 @@ def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Verdict | None:
     down = judged & ((leaning > TILTED) | (lost > LOW * height))
     if not down.any():
         return None
-    first = int(np.flatnonzero(down)[0])
+    first = int(down.argmax())
     time = moments.step[first] * walk.setup.limits.timestep
     how = f"the body tilted by {np.rad2deg(leaning[first]):.0f} degrees"
     if leaning[first] <= TILTED:
@@ -76,12 +74,13 @@ def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Verdict | None:
 
 
 def _collided(walk: Walk) -> Verdict | None:
+    counts = {
+        "parts of the robot touched each other": walk.recording.self_contacts,
+        "the robot touched obstacles": walk.recording.wall_contacts,
+    }
     touched = [
         f"{what} {count} {'time' if count == 1 else 'times'}"
-        for what, count in (
-            ("parts of the robot touched each other", walk.recording.self_contacts),
-            ("the robot touched obstacles", walk.recording.wall_contacts),
-        )
+        for what, count in counts.items()
         if count
     ]
     if not touched:
@@ -95,17 +94,18 @@ def _slipped(walk: Walk, predicted: Prediction, end: str) -> Verdict | None:
     What feet slip while others lift and land is no part of any prediction, and does not
     move the body.
     """
-    slip = np.zeros(len(walk.setup.robot.legs))
+    robot = walk.setup.robot
+    slip = np.zeros(len(robot.legs))
     for phase in walk.phases:
         if phase.kind == "swing":
-            slip += phase_slip(walk, phase) * walk.setup.robot.planted(phase.stratum)
+            slip += phase_slip(walk, phase) * robot.planted(phase.stratum)
     excess = slip - predicted.slip[-1]
     worst = int(excess.argmax())
     if not excess[worst] > TOLERATED * _length(walk):
         return None
     return Verdict(
         "slipped",
-        f"slipped: the foot of leg {walk.setup.robot.legs[worst]} moved "
+        f"slipped: the foot of leg {robot.legs[worst]} moved "
         f"{1e3 * excess[worst]:.1f} mm more than predicted"
         f"{_share(excess[worst], walk)}; it ended {end}",
     )

@@ -14,7 +14,7 @@ import numpy as np
 
 from planner import Array, Flow
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
-from sim.evaluation.following import commanded_angles
+from sim.evaluation.motions import commanded_angles
 from sim.evaluation.summary import Summary
 from sim.interruption import deaf
 from sim.motion.poses import rotate

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, POSITION, YAW
 from sim.progress import Progress, silent
@@ -19,28 +20,19 @@ IGNORED = ("name", "description")
 
 @dataclass(frozen=True)
 class Comparison:
-    """Runs, and the tables that compare them; a column a run.
-
-    Attributes:
-        runs: What is compared.
-        differences: Settings that are not the same in all runs.
-        results: What came of the runs.
-        same: Settings that are the same in all.
-    """
+    """Runs, and the tables that compare them; a column a run."""
 
     runs: Sequence[Run]
-    differences: Table
+    differences: Table  # settings that are not the same in all runs
     results: Table
-    same: Table
+    same: Table  # settings that are the same in all
 
 
 def compare(runs: Sequence[Run]) -> Comparison:
     """Compare the runs of several folders."""
     settings = [dict(flat(run.settings)) for run in runs]
-    keys = [
-        k for k in dict.fromkeys(k for s in settings for k in s) if k not in IGNORED
-    ]
-    rows = {key: [_value(s.get(key)) for s in settings] for key in keys}
+    keys = (k for k in dict.fromkeys(chain(*settings)) if k not in IGNORED)
+    rows = {k: [str(s.get(k, "not set")) for s in settings] for k in keys}
     header = ("setting", *names(runs))
     differing = [(key, *row) for key, row in rows.items() if len(set(row)) > 1]
     same = [(key, row[0]) for key, row in rows.items() if len(set(row)) == 1]
@@ -74,10 +66,6 @@ def names(runs: Sequence[Run]) -> list[str]:
     if len(set(short)) == len(short):
         return short
     return [f"{run.folder.parent.name}/{run.title}" for run in runs]
-
-
-def _value(value: object) -> str:
-    return "not set" if value is None else str(value)
 
 
 def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:

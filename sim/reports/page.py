@@ -1,26 +1,30 @@
 """The page of one run, `report.html`: self-contained, for any screen and for print.
 
-It shows the film of its folder, whichever there is when it is opened.
+It shows the film of its folder, whichever there is when it is opened, and the control
+sequence in the paper's notation: a flow along the field g for a time t as eq. (14) has
+it, the time above and the field below, and strata named after the groups that stand.
 """
 
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
-from itertools import chain
+from itertools import chain, groupby
 from pathlib import Path
 
 import numpy as np
 from markupsafe import Markup
 
 from planner import Array
+from sim.evaluation.flows import WalkedPhase
+from sim.evaluation.quantities import MINUS
 from sim.folder import RunFolder
 from sim.pictures.clock import clock
 from sim.progress import Progress, silent
 from sim.reports import tables
 from sim.reports.drawing import Drawing
 from sim.reports.maps import magnified, plan_view
-from sim.reports.notation import sequence
 from sim.reports.panels import panels
 from sim.reports.templates import render
 from sim.runs.run import Run
@@ -29,6 +33,13 @@ from sim.scenarios.predictions import PREDICTIONS
 NAME = "report.html"
 MOMENTS = 1500  # at most under the cursor
 DRAWINGS = 9  # at most, those of a walk among obstacles
+FIELD = re.compile(r"g(\w+)_(\w+)")
+DOING = {
+    "hold": "standing still",
+    "lift": "group {} lifts off",
+    "swing": "group {} swings",
+    "land": "group {} touches down",
+}
 
 
 def write_report(run: Run, progress: Progress = silent) -> Path:
@@ -52,7 +63,7 @@ def page(run: Run, progress: Progress = silent) -> str:
         panels=over_time,
         sources=tables.sources(run),
         counts=tables.counts(run),
-        sequence=list(sequence(run)),
+        sequence=list(_sequence(run)),
         settings=tables.settings(run),
         versions=tables.versions(run),
         moments=as_script(_moments(run)),
@@ -79,17 +90,17 @@ def _moments(run: Run) -> dict[str, object]:
     """Poses, distances and margins at moments evenly spread, for the script."""
     last = len(run.time) - 1
     rows = np.unique(np.linspace(0, last, min(MOMENTS, last + 1)).astype(int))
-    off = 1e3 * np.hypot(*run.error(run.best)[rows, :2].T)
-    phase = np.clip(run.phase[rows], 0, len(run.phases) - 1)
-    margin = 1e3 * run.margin[rows]
     return {
         "time": np.round(run.time[rows], 3).tolist(),
         "x": _finite(1e3 * run.achieved[rows, 0], 2),
         "y": _finite(1e3 * run.achieved[rows, 1], 2),
-        "off": _finite(off, 3),
-        "margin": _finite(margin, 1),
-        "phase": phase.tolist(),
-        "phases": [_doing(p.kind, p.stratum, p.group) for p in run.phases],
+        "off": _finite(1e3 * np.hypot(*run.error(run.best)[rows, :2].T), 3),
+        "margin": _finite(1e3 * run.margin[rows], 1),
+        "phase": np.clip(run.phase[rows], 0, len(run.phases) - 1).tolist(),
+        "phases": [
+            f"stratum {p.stratum}, {DOING.get(p.kind, p.kind).format(p.group)}"
+            for p in run.phases
+        ],
         "best": PREDICTIONS[run.best].label,
         "playback": clock(run.time, run.settings.get("playback")).playback,
         "begins": float(run.time[0]),
@@ -101,11 +112,34 @@ def _finite(values: Array, digits: int) -> list[float | None]:
     return [round(float(v), digits) if np.isfinite(v) else None for v in values]
 
 
-def _doing(kind: str, stratum: str, group: str) -> str:
-    what = {
-        "hold": "standing still",
-        "lift": f"group {group} lifts off",
-        "swing": f"group {group} swings",
-        "land": f"group {group} touches down",
-    }
-    return f"stratum {stratum}, {what.get(kind, kind)}"
+def _sequence(run: Run) -> Iterator[tuple[int, Markup]]:
+    """Number of each segment, from 1, and its flows in the order of time."""
+    last = ""
+    for segment, phases in groupby(run.phases, key=lambda phase: phase.segment):
+        parts: list[Markup] = []
+        for phase in phases:
+            stratum = phase.stratum
+            if phase.kind == "land":  # that of all who stand once it is over
+                pair = phase.stratum, phase.group
+                stratum = "".join(g for g in run.groups if any(g in s for s in pair))
+            if stratum != last:
+                arrow = Markup(" &rarr; ") if last else Markup("")
+                parts.append(arrow + _subscript("S", stratum))
+                last = stratum
+            if phase.kind == "swing":
+                parts.append(Markup(" ") + _flow(phase))
+        yield segment + 1, Markup("").join(parts)
+
+
+def _flow(phase: WalkedPhase) -> Markup:
+    amount = f"{phase.amount:.4g}".replace("-", MINUS)
+    found = FIELD.fullmatch(phase.field)
+    name = Markup.escape(phase.field)
+    if found:  # the second of stratum 12, say
+        name = _subscript("g", f"{found[1]},{found[2]}")
+    text = "<span class=flow>&phi;<span><sup>{}</sup><sub>{}</sub></span></span>"
+    return Markup(text).format(amount, name)
+
+
+def _subscript(letter: str, index: str) -> Markup:
+    return Markup("{}<sub>{}</sub>").format(letter, index)

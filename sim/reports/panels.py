@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner import Array
 from sim import palette
 from sim.evaluation.quantities import number
-from sim.palette import ACHIEVED, PREDICTED
+from sim.palette import ACHIEVED, PREDICTED, Style
 from sim.reports.drawing import Drawing, Key, extremes, finish, sheet
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
@@ -41,124 +41,130 @@ def panels(run: Run) -> Iterator[Drawing]:
     yield _contacts(run)
 
 
-def _line(axes: Axes, run: Run, values: Array, **style: Any) -> None:
-    rows = extremes(values)
-    axes.plot(run.time[rows], values[rows], **style)
+def _curves(
+    run: Run,
+    heading: str,
+    curves: Iterable[tuple[Array, Style]],
+    keys: list[Key],
+    note: str = "",
+    *,
+    limits: Mapping[float, str] | None = None,
+    high: float = PANEL_HEIGHT,
+    bottom: float | None = None,
+) -> Drawing:
+    """Curves over time with limits, which are styles of level lines by their heights.
 
-
-def _over_time(axes: Axes, run: Run) -> None:
-    axes.set_xlim(run.time[0], run.time[-1])
+    `high` is the drawing's height [in], and its axis begins at the bottom if given.
+    """
+    with sheet(high) as (figure, axes):
+        for values, style in curves:
+            rows = extremes(values)
+            axes.plot(run.time[rows], values[rows], **style)
+        for height, dashes in (limits or {}).items():
+            axes.axhline(height, color=LIMIT, ls=dashes, lw=1.0)
+        axes.set_xlim(run.time[0], run.time[-1])
+        if bottom is not None:
+            axes.set_ylim(bottom=bottom)
+        return finish(figure, heading, keys, note)
 
 
 def _errors(run: Run, values: Mapping[str, Array], heading: str) -> Drawing:
-    with sheet(PANEL_HEIGHT) as (figure, axes):
-        for name, curve in values.items():
-            _line(axes, run, curve, **PREDICTED[name].line(linewidth=1.1))
-        _over_time(axes, run)
-        labels = {name: f"off {PREDICTIONS[name].label}" for name in values}
-        keys = [Key.of(PREDICTED[name], label) for name, label in labels.items()]
-        return finish(figure, heading, keys)
+    marks = {name: PREDICTED[name] for name in values}
+    curves = [(values[n], mark.line(linewidth=1.1)) for n, mark in marks.items()]
+    keys = [Key.of(mark, f"off {PREDICTIONS[n].label}") for n, mark in marks.items()]
+    return _curves(run, heading, curves, keys)
 
 
 def _components(run: Run, heading: str) -> Drawing:
-    error = MM * run.error(run.best)
-    with sheet(PANEL_HEIGHT) as (figure, axes):
-        colour = PREDICTED[run.best].colour
-        pale = colour.tint(0.45)
-        _line(axes, run, error[:, 0], color=colour.hex)
-        _line(axes, run, error[:, 1], color=pale.hex, lw=0.9)
-        _over_time(axes, run)
-        keys = [Key("in x", colour.hex), Key("in y", pale.hex)]
-        return finish(figure, heading, keys)
+    x, y = MM * run.error(run.best)[:, :2].T
+    colour = PREDICTED[run.best].colour
+    pale = colour.tint(0.45).hex
+    curves: list[tuple[Array, Style]]
+    curves = [(x, {"color": colour.hex}), (y, {"color": pale, "lw": 0.9})]
+    keys = [Key("in x", colour.hex), Key("in y", pale)]
+    return _curves(run, heading, curves, keys)
 
 
 def _margin(run: Run) -> Drawing:
-    margin = MM * run.margin
-    foreseen = MM * run.arrays[PREDICTIONS[run.best].array("margin")]
+    best, mark = PREDICTIONS[run.best], PREDICTED[run.best]
+    curves = [
+        (MM * run.margin, {"color": ACHIEVED.colour.hex}),
+        (MM * run.arrays[best.array("margin")], mark.line()),
+    ]
     keys = [
         Key.of(ACHIEVED, "achieved"),
-        Key.of(PREDICTED[run.best], f"predicted, {PREDICTIONS[run.best].label}"),
+        Key.of(mark, f"predicted, {best.label}"),
         Key("limit: below 0 it tips over", LIMIT, dashed=True),
     ]
-    with sheet(PANEL_HEIGHT) as (figure, axes):
-        _line(axes, run, margin, color=ACHIEVED.colour.hex)
-        _line(axes, run, foreseen, **PREDICTED[run.best].line())
-        axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
-        if asked := run.settings.get("min_margin"):
-            axes.axhline(MM * asked, color=LIMIT, ls=":", lw=1.0)
-            keys.append(
-                Key(f"least that was asked for, {MM * asked:g} mm", LIMIT, True)
-            )
-        _over_time(axes, run)
-        least = MM * run.summary.achieved.min_margin
-        note = f"The least margin of the walk is {number(least, 1)} mm."
-        return finish(figure, "Static stability margin [mm]", keys, note)
+    limits = {0.0: "--"}
+    if asked := run.settings.get("min_margin"):
+        limits[MM * asked] = ":"
+        keys.append(Key(f"least that was asked for, {MM * asked:g} mm", LIMIT, True))
+    least = number(MM * run.summary.achieved.min_margin, 1)
+    note = f"The least margin of the walk is {least} mm."
+    heading = "Static stability margin [mm]"
+    return _curves(run, heading, curves, keys, note, limits=limits)
 
 
 def _clearance(run: Run, clearance: Array) -> Drawing:
-    with sheet(PANEL_HEIGHT) as (figure, axes):
-        achieved = MM * clearance
-        _line(axes, run, achieved, color=ACHIEVED.colour.hex)
-        axes.axhline(0.0, color=LIMIT, ls="--", lw=1.0)
-        _over_time(axes, run)
-        limit = Key("limit: it touches", LIMIT, dashed=True)
-        keys = [Key.of(ACHIEVED, "achieved"), limit]
-        return finish(figure, "Clearance from obstacles [mm]", keys)
+    curves = [(MM * clearance, {"color": ACHIEVED.colour.hex})]
+    limit = Key("limit: it touches", LIMIT, dashed=True)
+    keys = [Key.of(ACHIEVED, "achieved"), limit]
+    heading = "Clearance from obstacles [mm]"
+    return _curves(run, heading, curves, keys, limits={0.0: "--"})
 
 
 def _slip(run: Run) -> Drawing:
-    achieved = MM * run.arrays["slip"]
-    foreseen = MM * run.arrays[PREDICTIONS[run.best].array("slip")]
-    with sheet(1.25 * PANEL_HEIGHT) as (figure, axes):
-        colours = _legs(run)
-        for i, colour in enumerate(colours):
-            _line(axes, run, achieved[:, i], color=colour.hex)
-            _line(axes, run, foreseen[:, i], color=colour.hex, ls=":", lw=0.9)
-        _over_time(axes, run)
-        axes.set_ylim(bottom=0)
-        keys = [
-            Key(f"leg {leg}", colour.hex)
-            for leg, colour in zip(run.legs, colours, strict=True)
-        ]
-        note = f"Dotted lines are the {PREDICTIONS[run.best].label} prediction."
-        if (floor := run.summary.achieved.creep_floor) is not None:
-            note += (
-                f" Standing still for as long, all feet together creep by "
-                f"{MM * floor:.3g} mm: that much is the solver's."
-            )
-        return finish(figure, "Slip of each foot since the start [mm]", keys, note)
+    achieved = MM * run.arrays["slip"].T
+    foreseen = MM * run.arrays[PREDICTIONS[run.best].array("slip")].T
+    owners = [run.card.group_of_leg[leg] for leg in run.legs]
+    colours = [  # shades of each group's
+        palette.leg(owner, owners[:i].count(owner), owners.count(owner)).hex
+        for i, owner in enumerate(owners)
+    ]
+    curves: list[tuple[Array, Style]] = []
+    for colour, one, other in zip(colours, achieved, foreseen, strict=True):
+        curves.append((one, {"color": colour}))
+        curves.append((other, {"color": colour, "ls": ":", "lw": 0.9}))
+    keys = [Key(f"leg {g}", c) for g, c in zip(run.legs, colours, strict=True)]
+    note = f"Dotted lines are the {PREDICTIONS[run.best].label} prediction."
+    if (floor := run.summary.achieved.creep_floor) is not None:
+        note += (
+            f" Standing still for as long, all feet together creep by "
+            f"{MM * floor:.3g} mm: that much is the solver's."
+        )
+    heading, high = "Slip of each foot since the start [mm]", 1.25 * PANEL_HEIGHT
+    return _curves(run, heading, curves, keys, note, high=high, bottom=0)
 
 
 def _contacts(run: Run) -> Drawing:
     """A row a foot, filled while it touches; below them the stratum."""
-    feet = len(run.legs)
-    contact, planned = run.contact, run.arrays["planned_contact"]
+    feet, contact = len(run.legs), run.contact
+    wrong = contact != run.arrays["planned_contact"]
+    strata = sorted({p.stratum for p in run.phases}, key=lambda s: (-len(s), s))
+    of_stratum = {s: _of_stratum(run, s, i) for i, s in enumerate(strata)}
     with sheet(ROW * (feet + 1.6) + 0.34) as (figure, axes):
         for i, leg in enumerate(run.legs):
             y = feet - i
             colour = palette.group(run.card.group_of_leg[leg]).hex
             _bars(axes, _spells(run, contact[:, i]), y - 0.36, 0.72, colour)
-            wrong = _spells(run, contact[:, i] != planned[:, i])
-            _bars(axes, wrong, y - 0.5, 0.14, LIMIT)
-        for i, stratum in enumerate(_strata(run)):
-            spells = [
-                (p.start, p.end - p.start) for p in run.phases if p.stratum == stratum
-            ]
-            _bars(axes, spells, -0.45, 0.75, _of_stratum(run, stratum, i))
-        axes.set_yticks(
-            [*range(feet, 0, -1), -0.08],
-            [*(f"leg {leg}" for leg in run.legs), "stratum"],
-        )
+            _bars(axes, _spells(run, wrong[:, i]), y - 0.5, 0.14, LIMIT)
+        for stratum, colour in of_stratum.items():
+            there = [p for p in run.phases if p.stratum == stratum]
+            spells = [(p.start, p.end - p.start) for p in there]
+            _bars(axes, spells, -0.45, 0.75, colour)
+        labels = [*(f"leg {leg}" for leg in run.legs), "stratum"]
+        axes.set_yticks([*range(feet, 0, -1), -0.08], labels)
         axes.grid(visible=False)
         axes.set_ylim(-0.6, feet + 0.6)
-        _over_time(axes, run)
-        keys = [
-            *(Key(f"feet of group {name}", palette.group(i).hex, filled=True)
-              for i, name in enumerate(run.groups)),
-            *(Key(f"stratum {name}", _of_stratum(run, name, i), filled=True)
-              for i, name in enumerate(_strata(run))),
-            Key("not as planned", LIMIT, filled=True),
-        ]  # fmt: skip
+        axes.set_xlim(run.time[0], run.time[-1])
+        shown = {
+            f"feet of group {name}": palette.group(i).hex
+            for i, name in enumerate(run.groups)
+        }
+        shown |= {f"stratum {name}": colour for name, colour in of_stratum.items()}
+        shown["not as planned"] = LIMIT
+        keys = [Key(label, colour, filled=True) for label, colour in shown.items()]
         note = (
             "A bar is a foot on the ground. A stratum is named after the groups that "
             "stand. Thin red bars are contacts that differ from the plan."
@@ -183,11 +189,6 @@ def _bars(
     axes.add_patch(PathPatch(shape, facecolor=colour, lw=0))
 
 
-def _strata(run: Run) -> list[str]:
-    """Strata that the walk visits, the one with all feet down first."""
-    return sorted({p.stratum for p in run.phases}, key=lambda s: (-len(s), s))
-
-
 def _of_stratum(run: Run, stratum: str, index: int) -> str:
     """Colour of the only group that stands, else a grey."""
     standing = [i for i, name in enumerate(run.groups) if name in stratum]
@@ -196,19 +197,8 @@ def _of_stratum(run: Run, stratum: str, index: int) -> str:
     return STRATA[index % len(STRATA)]
 
 
-def _legs(run: Run) -> list[palette.Colour]:
-    """Colour of each leg's curve, shades of its group's."""
-    owners = [run.card.group_of_leg[leg] for leg in run.legs]
-    return [
-        palette.leg(owner, owners[:i].count(owner), owners.count(owner))
-        for i, owner in enumerate(owners)
-    ]
-
-
 def _spells(run: Run, flag: Array) -> list[tuple[float, float]]:
     """Start and length of every time for which a flag holds [s]."""
-    edges = np.diff(np.concatenate([[False], flag, [False]]).astype(int))
-    starts, stops = np.flatnonzero(edges > 0), np.flatnonzero(edges < 0)
-    ends = run.time[np.minimum(stops, len(run.time) - 1)]
-    begun = run.time[starts]
-    return list(zip(begun, ends - begun, strict=True))
+    edges = np.flatnonzero(np.diff(flag, prepend=False, append=False))
+    begun, ended = run.time[np.minimum(edges, len(run.time) - 1)].reshape(-1, 2).T
+    return list(zip(begun, ended - begun, strict=True))

@@ -7,16 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sim.evaluation.flows import WalkedPhase
-from sim.evaluation.quantities import (
-    ACHIEVED,
-    GOAL,
-    OF_ROWS,
-    OF_WALKS,
-    POSITION,
-    ROWS,
-    YAW,
-    number,
-)
+from sim.evaluation.quantities import OF_ROWS, OF_WALKS, POSITION, ROWS, YAW, number
 from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import PREDICTIONS
@@ -63,12 +54,9 @@ def sentences(run: Run) -> list[str]:
 def ends(run: Run) -> Table:
     """Where the walk ends, as predicted and achieved, and how much they differ."""
     summary = run.summary
-    poses: dict[str, Sequence[float]] = {GOAL: summary.goal}
-    poses |= {key: p.pose for key, p in summary.predicted.items() if p is not None}
-    poses |= {ACHIEVED: summary.achieved.pose}
     rows = []
     for row, label in ROWS.items():
-        if (pose := poses.get(row)) is not None:
+        if (pose := summary.poses.get(row)) is not None:
             x, y, yaw = number(MM * pose[0]), number(MM * pose[1]), number(pose[2], 4)
             name = f"predicted, {label}" if row in PREDICTIONS else label
             cells = (q.cell(summary, row) for q in (POSITION, YAW, *OF_ROWS))
@@ -89,7 +77,9 @@ def sources(run: Run) -> Table | None:
         header += [f"{PREDICTIONS[name].label}: x [mm]", "y [mm]", "yaw [mrad]"]
     rows = []
     for label in found[names[0]]:
-        row = [_phase_label(label), *_carried_out(run.phases, label)]
+        kind, _, stratum = label.partition(" S")
+        phase = SHIFTED.get(kind, f"{kind} S{{}}").format(stratum)
+        row = [phase, *_carried_out(run.phases, label)]
         for name in names:
             row += [number(MM * part, 3) for part in found[name][label]]
         rows.append(row)
@@ -100,11 +90,6 @@ def sources(run: Run) -> Table | None:
     ]
     rows.append(["all together", *_carried_out(run.phases, None), *sums])
     return Table(header, rows)
-
-
-def _phase_label(label: str) -> str:
-    kind, _, stratum = label.partition(" S")
-    return SHIFTED.get(kind, f"{kind} S{{}}").format(stratum)
 
 
 def _carried_out(phases: Sequence[WalkedPhase], label: str | None) -> list[str]:
@@ -128,8 +113,8 @@ def settings(run: Run) -> Table:
     """Every setting with its value and its meaning, as scenario.toml has them."""
     given = dict(run.settings)
     rows = [
-        (name, toml_value(given.pop(name)) if name in given else "not set", about)
-        for name, about in ((name, item.about) for name, item in SETTINGS.items())
+        (name, toml_value(given.pop(name)) if name in given else "not set", item.about)
+        for name, item in SETTINGS.items()
     ]
     rows += [(name, toml_value(value), "") for name, value in flat(given)]
     for key, value in run.summary.servo.items():

@@ -37,29 +37,32 @@ PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not po
 START = "world_start_pose"  # array with the frame in which poses are given
 
 
+def _array(name: str) -> cached_property[Array]:
+    """One of a run's arrays, read when it is asked for."""
+    return cached_property(lambda run: run.arrays[name])
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
-    """A finished run; lengths in metres, poses and points relative to the start pose.
+    """A finished run; lengths in metres, poses relative to the start pose."""
 
-    Attributes:
-        folder: Of its files; a walk that is never written has none to look into.
-        settings: Contents of scenario.toml.
-        card_text: Contents of model.toml.
-        summary: The numbers of summary.json.
-        phases: Lines of flows.csv.
-        arrays: Those of trajectory.npz, (T, ...) each but for the start pose.
-        commands: Those of commands.npz: `time` [s] and `ctrl`, a row a physics step.
-        frame: Pose, (3,), in which poses and points are given in the world.
-    """
-
-    folder: Path
-    settings: Mapping[str, Any]
-    card_text: str
+    folder: Path  # a walk that is never written has none to look into
+    settings: Mapping[str, Any]  # contents of scenario.toml
+    card_text: str  # contents of model.toml
     summary: Summary
-    phases: tuple[WalkedPhase, ...]
-    arrays: Mapping[str, Array]
-    commands: Mapping[str, Array]
-    frame: Array | None = None
+    phases: tuple[WalkedPhase, ...]  # lines of flows.csv
+    arrays: Mapping[str, Array]  # of trajectory.npz, (T, ...) but for the start pose
+    commands: Mapping[str, Array]  # `time` [s] and `ctrl`, a row a physics step
+    frame: Array | None = None  # pose in the world, (3,), in which others are given
+
+    time = _array("time")  # of each row [s], (T,)
+    phase = _array("phase")  # index of each row's phase, (T,)
+    qpos = _array("qpos")  # positions of all joints, (T, nq)
+    qvel = _array("qvel")  # velocities, (T, nv)
+    achieved = _array("achieved_pose")  # poses in the physics, (T, 3)
+    contact = _array("contact")  # whether each foot touches the ground, (T, F), bool
+    contact_point = _array("contact_point")  # where feet stand or stood, (T, F, 2) [m]
+    margin = _array("achieved_margin")  # stability margin, (T,) [m]
 
     @property
     def title(self) -> str:
@@ -84,30 +87,10 @@ class Run:
         return parse_card(self.card_text, str(self.folder / "model.toml"))
 
     @cached_property
-    def time(self) -> Array:
-        """Of each row [s], (T,)."""
-        return self.arrays["time"]
-
-    @cached_property
     def walking(self) -> slice:
         """Rows from the start of the walk on."""
         first = int(np.searchsorted(self.time, self.summary.walk_starts - 1e-9))
         return slice(min(first, len(self.time) - 1), None)
-
-    @cached_property
-    def phase(self) -> Array:
-        """Index of each row's phase, (T,)."""
-        return self.arrays["phase"]
-
-    @cached_property
-    def qpos(self) -> Array:
-        """Positions of all joints, (T, nq)."""
-        return self.arrays["qpos"]
-
-    @cached_property
-    def qvel(self) -> Array:
-        """Velocities, (T, nv)."""
-        return self.arrays["qvel"]
 
     @cached_property
     def ctrl(self) -> Array:
@@ -115,11 +98,6 @@ class Run:
         rows = np.searchsorted(self.commands["time"], self.time - 1e-9)
         ctrl = self.commands["ctrl"]
         return ctrl[np.minimum(rows, len(ctrl) - 1)]
-
-    @cached_property
-    def achieved(self) -> Array:
-        """Poses in the physics, (T, 3)."""
-        return self.arrays["achieved_pose"]
 
     @cached_property
     def predicted(self) -> dict[str, Array]:
@@ -143,24 +121,9 @@ class Run:
         return np.concatenate([apart[:, :2], wrap(apart[:, 2:])], axis=1)
 
     @cached_property
-    def contact(self) -> Array:
-        """Whether each foot touches the ground, (T, F), bool."""
-        return self.arrays["contact"]
-
-    @cached_property
-    def contact_point(self) -> Array:
-        """Where each foot stands, or last stood, (T, F, 2) [m]."""
-        return self.arrays["contact_point"]
-
-    @cached_property
     def center_of_mass(self) -> Array:
         """Projected on the floor, (T, 2) [m]."""
         return self.arrays["center_of_mass"][:, :2]
-
-    @cached_property
-    def margin(self) -> Array:
-        """Stability margin, (T,) [m]."""
-        return self.arrays["achieved_margin"]
 
     @cached_property
     def clearance(self) -> Array | None:

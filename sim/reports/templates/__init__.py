@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def render(name: str, **values: Any) -> str:
-    """Fill in the template of a file in this folder."""
+    """The text of one of this folder's templates, filled in."""
     return template(name).render(**values)
 
 

@@ -1,0 +1,112 @@
+"""Motion along a walk, as achieved and as predicted: poses, slip, margin, clearance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from models import TwistModel
+from planner import Array
+from sim.motion.poses import rotate, seen_from, wrap
+from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
+from sim.motion.stability import BLOCK, carrying, stability_margin
+from sim.obstacles.clearance import surroundings
+from sim.physics.recording import Moments
+from sim.walking.finished import Stretch, Walk
+
+
+@dataclass(frozen=True)
+class Achieved:
+    """Motion in the physics at every recorded moment, relative to the start pose."""
+
+    pose: Array  # (T, 3)
+    slip: Array  # since the walk's start, (T, F) [m]
+    contact: Array  # (T, F), bool
+    point: Array  # where each foot touches, (T, F, 2) [m]
+    center_of_mass: Array  # (T, 3) [m]
+    moments: Moments  # in world coordinates
+
+    @cached_property
+    def margin(self) -> Array:
+        """Stability margin, shape (T,) [m]."""
+        points, center = self.moments.point, self.moments.center_of_mass
+        feet = carrying(points, self.contact, center)
+        return stability_margin(points, feet, center[:, :2])
+
+
+def achieved_motion(walk: Walk) -> Achieved:
+    """What a walk did at every recorded moment."""
+    recording, moments = walk.recording, walk.recording.moments
+    points, center = moments.point, moments.center_of_mass
+    (x, y, yaw), before = walk.origin, recording.slip_after(walk.starts)
+    on_floor = rotate(center[:, :2] - (x, y), -yaw)
+    return Achieved(
+        pose=seen_from(walk.origin, walk.setup.pose(moments.qpos)),
+        slip=np.maximum(moments.slip - before, 0.0),
+        contact=moments.contact,
+        point=rotate(points - (x, y), -yaw),
+        center_of_mass=np.concatenate([on_floor, center[:, 2:]], axis=1),
+        moments=moments,
+    )
+
+
+def _recorded(walk: Walk, stretch: Stretch) -> Array:
+    """Steps of a stretch, counted from its own start, at the moments recorded, (n,).
+
+    The stretch's last step is always among them.
+    """
+    schedule, during = stretch.schedule, walk.recording.during
+    inside = during[(during >= schedule.start) & (during < schedule.stop)]
+    return inside - schedule.start
+
+
+def commands_along(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
+    """The commands of a stretch at the moments recorded, in blocks."""
+    local = _recorded(walk, stretch)
+    for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
+        yield commanded(stretch.schedule, rows, walk.setup.kinematics)
+
+
+def predicted_along(
+    walk: Walk, model: Callable[[], TwistModel], given: Sequence[Sequence[Commanded]]
+) -> Prediction:
+    """One prediction over all stretches, each from the pose it was planned from."""
+    twists, kinematics = model(), walk.setup.kinematics
+    slipped = np.zeros(len(walk.setup.robot.legs))
+    pieces: list[tuple[Array, Array, Array, Array]] = []
+    for stretch, blocks in zip(walk.stretches, given, strict=True):
+        predict = Predictor(stretch.schedule, twists, kinematics, tuple(stretch.pose))
+        for block in blocks:
+            piece = predict.along(block)
+            slip = piece.slip + slipped
+            pieces.append((piece.pose, slip, piece.margin, piece.contact))
+        slipped = slip[-1]
+    pose, slip, margin, contact = map(np.concatenate, zip(*pieces, strict=True))
+    pose = np.concatenate([pose[:, :2], wrap(pose[:, 2:])], axis=1)
+    return Prediction(pose, slip, margin, contact)
+
+
+def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:
+    """Clearance of the robot's outline at every moment, shape (T,) each [m].
+
+    That of what was achieved and of every prediction; empty without obstacles.
+    """
+    if not walk.setup.scenario.obstacles:
+        return {}
+    around = surroundings(walk.setup)
+    angles = commanded_angles(walk)
+    found = {"achieved": around.clearances(walk.recording.moments.qpos).least}
+    for name, prediction in predicted.items():
+        qpos = around.outline.configurations(prediction.pose, *angles)
+        found[name] = around.clearances(qpos).least
+    return found
+
+
+def commanded_angles(walk: Walk) -> tuple[Array, Array]:
+    """Commanded swing and lift of every group at every moment, shape (T, G) each."""
+    angles = (s.schedule.angles(_recorded(walk, s)) for s in walk.stretches)
+    swing, lift = map(np.concatenate, zip(*angles, strict=True))
+    return swing, lift
