@@ -65,7 +65,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.folder import claim
     from sim.progress import bar
     from sim.run_folder import run
-    from sim.scenarios.imperfect import drawn
+    from sim.scenarios.scenario import drawn
     from sim.world.changes import changes
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals

@@ -20,8 +20,7 @@ from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
 from sim.preparation.reach import explained, require_gait
 from sim.preparation.shared import Shared, built
-from sim.scenarios.imperfect import drawn
-from sim.scenarios.scenario import Scenario
+from sim.scenarios.scenario import Scenario, drawn
 from sim.world.model import World
 from sim.world.servo_settings import ServoSettings, servo_settings
 from sim.world.servos import Channels

@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -21,9 +21,10 @@ import planner.planning
 from planner import Array, Path
 from planner.support import read_file
 from sim.errors import UsageError
-from sim.scenarios.tables import (
+from sim.scenarios.declaration import (
+    Range,
+    accept,
     is_list,
-    numbers,
     refusal,
     require_keys,
     require_kind,
@@ -35,28 +36,23 @@ CLOSE = 1e-12  # [m] or [rad], of a start that counts as (0, 0, 0)
 FARTHEST_POSE = 1e6  # [m] or [rad]; beyond, rounding would exceed single steps
 COLUMNS = ("x", "y", "yaw")  # of a file of poses, [m], [m], [rad]
 MOST_POSES, MOST_BYTES = 100_000, 10**8  # in such a file
-AXES = "two lengths above 0 [m]"
+WHERE = "the nominal path"
+
+Coordinate = Annotated[float, Range(-FARTHEST_POSE, FARTHEST_POSE)]
+Length = Annotated[float, Range(0, FARTHEST_POSE, above=True)]
+NONE_BEYOND = f"none beyond {FARTHEST_POSE:g}"
 
 
 @dataclass(frozen=True)
 class NominalPath:
-    """A curve of poses that starts at (0, 0, 0).
+    """A curve of poses that starts at (0, 0, 0)."""
 
-    Attributes:
-        kind: Its kind, as in a scenario file.
-        parameter: The value that it is made from, as in a scenario file.
-        goal: Pose at s = 1.
-        length: Arc length of the (x, y) curve itself [m].
-        curve: The poses as the planner takes them.
-        uncut: The curve before it was divided; None for one that is not.
-    """
-
-    kind: str
-    parameter: object
-    goal: Pose
-    length: float
-    curve: Path = field(compare=False, repr=False)
-    uncut: Path | None = field(default=None, compare=False, repr=False)
+    kind: str  # as in a scenario file
+    parameter: object  # that it is made from, as in a scenario file
+    goal: Pose  # at s = 1
+    length: float  # of the (x, y) curve itself [m]
+    curve: Path = field(compare=False, repr=False)  # as the planner takes it
+    uncut: Path | None = field(default=None, compare=False, repr=False)  # if divided
 
     def __call__(self, s: float) -> Array:
         """Pose at s, shape (3,)."""
@@ -74,11 +70,7 @@ class NominalPath:
 
 
 def line(goal: Sequence[float]) -> NominalPath:
-    """Straight to a goal, turning uniformly on the way (Figs. 6, 8).
-
-    Raises:
-        UsageError: If the goal is not a pose.
-    """
+    """Straight to a goal, turning uniformly on the way (Figs. 6, 8)."""
     pose = _pose("path.goal", goal)
     curve = planner.line(START, pose)
     return NominalPath("line", pose, pose, math.hypot(*pose[:2]), curve)
@@ -87,25 +79,16 @@ def line(goal: Sequence[float]) -> NominalPath:
 def ellipse(semi_axes: Sequence[float]) -> NominalPath:
     """Once around at constant heading, starting at the ellipse's right end (Fig. 7).
 
-    Args:
-        semi_axes: Along x and y [m].
-
-    Raises:
-        UsageError: If they are not two lengths above 0.
+    The semi-axes are those along x and y [m].
     """
-    a, b = axes = _numbers("path.semi_axes", semi_axes, 2, AXES)
-    if min(axes) <= 0:
-        raise _refusal("path.semi_axes", semi_axes, AXES)
+    wanted = f"two lengths above 0 [m], {NONE_BEYOND}"
+    axes = accept(semi_axes, tuple[Length, Length], wanted, WHERE, "path.semi_axes")
     length = planner.planning.ellipse_perimeter(axes)
-    return NominalPath("ellipse", axes, START, length, planner.ellipse(START, (a, b)))
+    return NominalPath("ellipse", axes, START, length, planner.ellipse(START, axes))
 
 
 def waypoints(points: Sequence[Sequence[float]]) -> NominalPath:
-    """Straight pieces through poses, the first being the start.
-
-    Raises:
-        UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
-    """
+    """Straight pieces through two poses or more, the first being the start."""
     poses = _poses("path.points", points)
     pieces = np.diff(np.array(poses)[:, :2], axis=0)
     length = float(np.hypot(*pieces.T).sum())
@@ -116,19 +99,12 @@ def route(goal: Sequence[float]) -> NominalPath:
     """Any route to a goal that avoids the obstacles; `planning.routes` finds it.
 
     Until it is found, and without obstacles, it is the straight line.
-
-    Raises:
-        UsageError: If the goal is not a pose.
     """
     return replace(line(goal), kind="route")
 
 
 def table(poses: Sequence[Sequence[float]]) -> NominalPath:
-    """A smooth curve through many poses, the first being the start.
-
-    Raises:
-        UsageError: If there are fewer than two, or they do not start at (0, 0, 0).
-    """
+    """A smooth curve through two poses or more, the first being the start."""
     points = _poses("path.poses", poses)
     try:
         curve, length = planner.planning.table_curve(points)
@@ -140,11 +116,7 @@ def table(poses: Sequence[Sequence[float]]) -> NominalPath:
 def formulas(given: Mapping[str, object]) -> NominalPath:
     """Poses x(s), y(s), yaw(s) for s from 0 to 1, at (0, 0, 0) for s = 0.
 
-    Args:
-        given: Formulas or numbers by the names x, y and yaw; those missing are 0.
-
-    Raises:
-        UsageError: If one is no formula of s, or the path does not start there.
+    They are formulas or numbers by the names x, y and yaw; those missing are 0.
     """
     try:
         curve, length = planner.planning.formula_curve(given)
@@ -152,9 +124,10 @@ def formulas(given: Mapping[str, object]) -> NominalPath:
         raise UsageError.at("path", error, "write formulas of s") from error
     start, goal = curve(0.0), curve(1.0)
     if np.abs(start).max() > CLOSE:
-        raise _refusal("path at s = 0", start.tolist(), "[0, 0, 0], the start pose")
+        wanted = "[0, 0, 0], the start pose"
+        raise refusal(start.tolist(), wanted, WHERE, "path at s = 0")
     if np.abs(goal).max() > FARTHEST_POSE:
-        raise _refusal("path at s = 1", goal.tolist(), f"none beyond {FARTHEST_POSE:g}")
+        raise refusal(goal.tolist(), NONE_BEYOND, WHERE, "path at s = 1")
     x, y, yaw = goal.tolist()
     return NominalPath("formulas", dict(given), (x, y, yaw), length, curve)
 
@@ -176,9 +149,6 @@ def decode(table: object) -> NominalPath:
 
     A table with a goal and no kind is a route. The poses of a `table` may be those of
     a CSV `file` instead.
-
-    Raises:
-        UsageError: If a key is missing, unknown, or its value impossible.
     """
     if isinstance(table, dict) and table.keys() == {"goal"}:
         table = {"kind": "route", **table}
@@ -188,9 +158,9 @@ def decode(table: object) -> NominalPath:
         require_keys(table, "path of kind formulas", (), COLUMNS)
         return make({name: v for name, v in table.items() if name != "kind"})
     if table["kind"] == "table" and "poses" not in table:
-        require_keys(table, "path of kind table", ("file",), ())
+        require_keys(table, "path of kind table", ("file",))
         return make(_read_poses(table["file"]))
-    require_keys(table, f"path of kind {table['kind']}", (key,), ())
+    require_keys(table, f"path of kind {table['kind']}", (key,))
     return make(table[key])
 
 
@@ -204,7 +174,7 @@ def encode(path: NominalPath) -> dict[str, object]:
 def _read_poses(file: object) -> list[tuple[float, ...]]:
     """Poses from a CSV file with a column for each of `COLUMNS`, in any order."""
     if not isinstance(file, str):
-        raise _refusal("path.file", file, "the name of a CSV file")
+        raise refusal(file, "the name of a CSV file", WHERE, "path.file")
     try:
         content = read_file(FilePath(file), MOST_BYTES)
         return _poses_in(content.decode("utf-8-sig"))  # spreadsheets mark it
@@ -224,32 +194,22 @@ def _read_poses(file: object) -> list[tuple[float, ...]]:
 def _poses(key: str, value: object) -> tuple[Pose, ...]:
     """Two poses or more, the first being the start."""
     if not is_list(value) or len(value) < 2:
-        raise _refusal(key, value, "at least two poses [x, y, yaw]")
+        raise refusal(value, "at least two poses [x, y, yaw]", WHERE, key)
     poses = tuple(_pose(f"{key}[{i}]", pose) for i, pose in enumerate(value))
     if poses[0] != START:
-        raise _refusal(f"{key}[0]", value[0], "[0, 0, 0], the start pose")
+        raise refusal(value[0], "[0, 0, 0], the start pose", WHERE, f"{key}[0]")
     return poses
 
 
 def _pose(key: str, value: object) -> Pose:
-    x, y, yaw = _numbers(key, value, 3, "x [m], y [m], yaw [rad]")
-    return x, y, yaw
-
-
-def _numbers(key: str, value: object, count: int, wanted: str) -> tuple[float, ...]:
-    return numbers(value, count, FARTHEST_POSE, key, "the nominal path", wanted)
-
-
-def _refusal(key: str, value: object, wanted: str) -> UsageError:
-    return refusal(key, value, "the nominal path", wanted)
+    three = tuple[Coordinate, Coordinate, Coordinate]
+    wanted = f"x [m], y [m], yaw [rad], {NONE_BEYOND}"
+    pose: Pose = accept(value, three, wanted, WHERE, key)
+    return pose
 
 
 def _poses_in(text: str) -> list[tuple[float, ...]]:
-    """Poses from the text of a table whose first line names the columns.
-
-    Raises:
-        ValueError: A column is missing or named twice, or a value is no number.
-    """
+    """Poses from the text of a table whose first line names the columns."""
     rows = csv.DictReader(io.StringIO(text, newline=""))
     names = [name.strip() for name in rows.fieldnames or ()]
     if missing := [name for name in COLUMNS if name not in names]:

@@ -2,20 +2,26 @@
 
 A kind is a type, such as `bool`, `Literal["ideal", "own"]`, `tuple[float, ...]` or a
 union of these, in which numbers are `Annotated` with a `Range` and text may be with a
-`Text`. The settings themselves are declared in `scenarios.settings`.
+`Text`. The settings themselves are declared in `scenarios.settings`. The tables of
+paths and of obstacles hold values of kinds, too; their own `kind` decides their keys.
 """
 
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from math import isfinite
 from numbers import Real
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeGuard, Union, get_args, get_origin
 
+from planner.support import did_you_mean
 from sim.errors import UsageError
+
+Table = Mapping[str, Any]  # as TOML has it
 
 Effect = Literal[
     "label", "equations", "plan", "motion", "world", "drive", "refusal", "rows", "film"
@@ -44,27 +50,16 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """What is declared about a setting.
-
-    Attributes:
-        name: Its key.
-        kind: Type of its values, with their limits.
-        default: Value where none is given; None leaves it to the robot or the run.
-        meaning: What it says, in one line.
-        unit: Of its values.
-        affects: What it changes.
-        imperfection: Whether plans and predictions know nothing of it.
-        formerly: Name that it had before.
-    """
+    """What is declared about a setting."""
 
     name: str
-    kind: object
-    default: object
+    kind: object  # type of its values, with their limits
+    default: object  # None leaves it to the robot or the run
     meaning: str
     unit: str
     affects: frozenset[Effect]
-    imperfection: bool
-    formerly: str
+    imperfection: bool  # whether plans and predictions know nothing of it
+    formerly: str  # name that it had before
 
     @property
     def about(self) -> str:
@@ -83,30 +78,21 @@ class Setting:
             getattr(kind, "__origin__", kind) is form for kind in options(self.kind)
         )
 
-    def accept(self, value: object, where: str) -> object:
-        """A value in its own type, refused if it is not allowed."""
-        try:
-            return read(value, self.kind)
-        except ValueError:
-            what = f"{self.name} = {reprlib.repr(value)} is not allowed"
-            raise UsageError(what, where, f"give {self.allowed}") from None
-
 
 def setting(
     meaning: str,
     default: object,
     affects: Effect | tuple[Effect, ...],
-    *,
     unit: str = "",
+    *,
     imperfection: bool = False,
     formerly: str = "",
 ) -> Any:
     """A field of `Settings`; for the arguments see `Setting`."""
-    own: tuple[Effect, ...] = affects if isinstance(affects, tuple) else (affects,)
     declared = {
         "meaning": meaning,
         "unit": unit,
-        "affects": frozenset(own),
+        "affects": frozenset(affects if isinstance(affects, tuple) else (affects,)),
         "imperfection": imperfection,
         "formerly": formerly,
     }
@@ -127,11 +113,54 @@ def read(value: object, kind: object) -> object:
     """The value as one of the types that a setting may have, else a `ValueError`."""
     *others, last = options(kind)
     for option in others:
-        try:
+        with suppress(ValueError):
             return _read_as(value, option)
-        except ValueError:
-            continue
     return _read_as(value, last)
+
+
+def accept(value: object, kind: object, wanted: str, where: str, what: str = "") -> Any:
+    """The value as one of a kind, or a refusal that says what is wanted instead."""
+    try:
+        return read(value, kind)
+    except ValueError:
+        raise refusal(value, wanted, where, what) from None
+
+
+def refusal(value: object, wanted: str, where: str, what: str = "") -> UsageError:
+    """An error for a value that is not allowed, whose key stands before it if given.
+
+    The place ends with the key otherwise; what is wanted follows the word "give".
+    """
+    key = f"{what} = " if what else ""
+    shown = f"{key}{reprlib.repr(value)} is not allowed"
+    return UsageError(shown, where, f"give {wanted}")
+
+
+def is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    """Whether a value is a list; text is none."""
+    return isinstance(value, Sequence) and not isinstance(value, str)
+
+
+def require_kind(table: object, where: str, kinds: Collection[str]) -> Table:
+    """The table, once its `kind` is found to be a known one."""
+    if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
+        raise refusal(table, f"a table with kind = {' or '.join(kinds)}", where)
+    if table["kind"] not in kinds:
+        what = f"unknown kind {table['kind']!r}"
+        raise UsageError(what, where, did_you_mean(table["kind"], kinds))
+    return table
+
+
+def require_keys(
+    table: Table, where: str, needed: Iterable[str], allowed: Iterable[str] = ()
+) -> None:
+    """Refuse a table that has an unknown key or lacks a needed one."""
+    known = (*needed, *allowed)
+    for key in table.keys() - {"kind", *known}:
+        raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, known))
+    for key in needed:
+        if key not in table:
+            raise UsageError(f"{key} is missing", where, f"give {key}")
 
 
 def _read_as(value: object, kind: object) -> object:
@@ -179,6 +208,7 @@ def _text(value: object, limits: Text) -> str:
     return value
 
 
+@cache
 def words(kind: object) -> str:
     """For example `a number above 0 and up to 0.02`."""
     kinds = [option for option in options(kind) if option is not NoneType]

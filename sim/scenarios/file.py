@@ -19,9 +19,9 @@ from models.description import parse_toml
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
+from sim.scenarios.declaration import Table
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.scenarios.tables import Table
 
 Values = dict[str, Any]  # a table of plain values, by key
 KEYS = (*SETTINGS, "path", "obstacles")
@@ -62,7 +62,7 @@ def load_scenario(
     """
     table, where = scenario_table(source)
     given = dict(overrides or {})
-    _anchor_robot(given, Path.cwd())
+    _anchor(given, "robot", Path.cwd(), ".xml")
     return scenario_from(table, given, where)
 
 
@@ -89,8 +89,20 @@ def scenario_from(
 
 def anchor(table: Values, folder: Path) -> None:
     """Make the files that a scenario names findable from wherever it is read next."""
-    _anchor_robot(table, folder)
-    _anchor_poses(table.get("path"), folder)
+    _anchor(table, "robot", folder, ".xml")
+    if isinstance(table.get("path"), dict):
+        _anchor(table["path"], "file", folder)
+
+
+def _anchor(table: Values, key: str, folder: Path, suffix: str = "") -> None:
+    name = table.get(key)
+    if not isinstance(name, str) or not name.endswith(suffix):
+        return
+    try:
+        table[key] = str((folder / name).resolve())
+    except (ValueError, RuntimeError) as error:  # a zero byte, or a link to itself
+        what = f"{name!r} is no file, {error}"
+        raise UsageError(what, str(folder), "name one that exists") from error
 
 
 def parse_override(text: str) -> tuple[str, object]:
@@ -135,20 +147,15 @@ def _find(source: str) -> Path:
         return FOLDER / f"{source}.toml"
     path = Path(source)
     if path.suffix != ".toml" and len(path.parts) == 1 and not path.exists():
-        raise UsageError(f"unknown scenario {source!r}", "SCENARIO", _known(source))
+        known = did_you_mean(source, shipped_scenarios())
+        remedy = f"{known}; or give the path of a TOML file"
+        raise UsageError(f"unknown scenario {source!r}", "SCENARIO", remedy)
     if path.is_dir():
         raise UsageError("a folder is not a scenario", source, "give a TOML file in it")
     if not path.is_file():
-        raise UsageError(
-            "no such scenario file", source, "give a TOML file that exists"
-        )
+        remedy = "give a TOML file that exists"
+        raise UsageError("no such scenario file", source, remedy)
     return path
-
-
-def _known(source: str) -> str:
-    return (
-        f"{did_you_mean(source, shipped_scenarios())}; or give the path of a TOML file"
-    )
 
 
 def read_toml(path: Path) -> Values:
@@ -160,27 +167,6 @@ def read_toml(path: Path) -> Values:
     except OSError as error:
         reason = f"cannot be read, {error.strerror}"
         raise UsageError(reason, str(path), "give a readable file") from error
-
-
-def _anchor_robot(table: Values, folder: Path) -> None:
-    """Make a robot's file findable from wherever the scenario is read next."""
-    robot = table.get("robot")
-    if isinstance(robot, str) and robot.endswith(".xml"):
-        table["robot"] = _absolute(folder, robot)
-
-
-def _anchor_poses(path: object, folder: Path) -> None:
-    """Likewise a table of poses beside the scenario."""
-    if isinstance(path, dict) and isinstance(path.get("file"), str):
-        path["file"] = _absolute(folder, path["file"])
-
-
-def _absolute(folder: Path, name: str) -> str:
-    try:
-        return str((folder / name).resolve())
-    except (ValueError, RuntimeError) as error:  # a zero byte, or a link to itself
-        what = f"{name!r} is no file, {error}"
-        raise UsageError(what, str(folder), "name one that exists") from error
 
 
 def _replace(table: Values, key: str, value: object) -> None:

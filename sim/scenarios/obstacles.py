@@ -7,19 +7,20 @@ convex pieces once, so that the engine and the planner use the same solids.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 import shapely
 
 from planner import Array
-from sim.scenarios.declaration import is_number
-from sim.scenarios.tables import (
+from sim.scenarios.declaration import (
+    Range,
     Table,
+    accept,
     is_list,
-    numbers,
     refusal,
     require_keys,
     require_kind,
@@ -31,6 +32,20 @@ THICKNESS = 0.02  # of a wall [m], if it says nothing
 HEIGHT = 0.12  # [m], above the shipped robots
 FARTHEST = 1e3  # [m] from the start
 SMALLEST_SIZE = 1e-4  # [m]; smaller sizes are taken for mistakes
+
+Coordinate = Annotated[float, Range(-FARTHEST, FARTHEST)]
+Length = Annotated[float, Range(SMALLEST_SIZE, FARTHEST)]
+Finite = Annotated[float, Range(-1e308, 1e308)]
+A_LENGTH = Length, f"a length from {SMALLEST_SIZE:g} to {FARTHEST:g} m"
+A_POINT = tuple[Coordinate, Coordinate], f"a point [x, y] [m], none beyond {FARTHEST:g}"
+FORMS: Mapping[str, tuple[object, str]] = {
+    "center": A_POINT,
+    "size": (tuple[Length, Length], f"two lengths above 0, none beyond {FARTHEST:g} m"),
+    "yaw": (Finite, "an angle [rad]"),
+    "thickness": A_LENGTH,
+    "height": A_LENGTH,
+}
+"""Kinds of values by their keys, and what is wanted where a value is none."""
 
 
 @dataclass(frozen=True)
@@ -67,19 +82,12 @@ Pieces = tuple[Piece, ...]
 
 @dataclass(frozen=True)
 class Obstacle:
-    """An obstacle on the floor.
+    """An obstacle on the floor."""
 
-    Attributes:
-        kind: Its kind, as in a scenario file.
-        given: The values that it is made from, as in a scenario file.
-        height: Above the floor [m].
-        pieces: Convex solids that it consists of.
-    """
-
-    kind: str
-    given: tuple[tuple[str, object], ...]
-    height: float
-    pieces: Pieces = field(compare=False, repr=False)
+    kind: str  # as in a scenario file
+    given: tuple[tuple[str, object], ...]  # that it is made from, as in such a file
+    height: float  # above the floor [m]
+    pieces: Pieces = field(compare=False, repr=False)  # convex solids
 
     @property
     def area(self) -> shapely.Geometry:
@@ -88,14 +96,9 @@ class Obstacle:
 
 
 def decode(tables: object) -> tuple[Obstacle, ...]:
-    """The obstacles that a scenario's list of tables describes.
-
-    Raises:
-        UsageError: If a key is missing or unknown, or a value impossible; it names the
-            obstacle by its place in the list, from 1.
-    """
+    """The obstacles that a scenario's list of tables describes, counted from 1."""
     if not is_list(tables):
-        raise refusal("", tables, "obstacles", "a list of tables, [[obstacles]]")
+        raise refusal(tables, "a list of tables, [[obstacles]]", "obstacles")
     return tuple(_decode(table, f"obstacle {i}") for i, table in enumerate(tables, 1))
 
 
@@ -104,101 +107,68 @@ def encode(obstacle: Obstacle) -> dict[str, object]:
     return {"kind": obstacle.kind, **dict(obstacle.given)}
 
 
-def _wall(table: Table, where: str) -> Pieces:
+def _wall(points: Sequence[Point], values: Table) -> Pieces:
     """A chain of straight pieces, each longer by the thickness to close the corners."""
-    points = _points(table["points"], f"{where}: points", 2)
-    thickness = _length(table.get("thickness", THICKNESS), f"{where}: thickness")
-    return tuple(_between(a, b, thickness) for a, b in pairwise(points))
+    thickness = values.get("thickness", THICKNESS)
+    pieces = []
+    for (x, y), (next_x, next_y) in pairwise(points):
+        dx, dy = next_x - x, next_y - y
+        half = (math.hypot(dx, dy) + thickness) / 2, thickness / 2
+        center = (x + next_x) / 2, (y + next_y) / 2
+        pieces.append(Box(center, half, math.atan2(dy, dx)))
+    return tuple(pieces)
 
 
-def _between(a: Point, b: Point, thickness: float) -> Box:
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    return Box(
-        center=((a[0] + b[0]) / 2, (a[1] + b[1]) / 2),
-        half=((math.hypot(dx, dy) + thickness) / 2, thickness / 2),
-        yaw=math.atan2(dy, dx),
-    )
+def _box(_: Sequence[Point], values: Table) -> Pieces:
+    width, depth = values["size"]
+    return (Box(values["center"], (width / 2, depth / 2), values.get("yaw", 0.0)),)
 
 
-def _box(table: Table, where: str) -> Pieces:
-    center = _point(table["center"], f"{where}: center")
-    size = _numbers(table["size"], f"{where}: size", "two lengths above 0 [m]")
-    if min(size) < SMALLEST_SIZE:
-        raise refusal("", table["size"], f"{where}: size", "two lengths above 0 [m]")
-    yaw = table.get("yaw", 0.0)
-    if not is_number(yaw) or not math.isfinite(yaw):
-        raise refusal("", yaw, f"{where}: yaw", "an angle [rad]")
-    return (Box(center, (size[0] / 2, size[1] / 2), float(yaw)),)
-
-
-def _polygon(table: Table, where: str) -> Pieces:
+def _polygon(points: Sequence[Point], _: Table) -> Pieces:
     """The polygon itself if it is convex, else triangles."""
-    points = _points(table["points"], f"{where}: points", 3)
     polygon = shapely.Polygon(points)
     if not polygon.is_valid or polygon.area < SMALLEST_SIZE**2:
-        wanted = "corners of a polygon in order, no sides crossing"
-        raise refusal("", table["points"], f"{where}: points", wanted)
-    if math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
-        return (_prism(polygon),)
-    triangles = shapely.constrained_delaunay_triangles(polygon)
-    return tuple(map(_prism, triangles.geoms))
+        raise ValueError("corners of a polygon in order, no sides crossing")
+    parts = [polygon]
+    if not math.isclose(polygon.area, polygon.convex_hull.area, rel_tol=1e-9):
+        parts = shapely.constrained_delaunay_triangles(polygon).geoms
+    corners = [part.exterior.coords[:-1] for part in parts]
+    return tuple(Prism(tuple((float(x), float(y)) for x, y in c)) for c in corners)
 
 
-def _prism(polygon: shapely.Polygon) -> Prism:
-    corners = polygon.exterior.coords[:-1]
-    return Prism(tuple((float(x), float(y)) for x, y in corners))
-
-
-KINDS: Mapping[
-    str,
-    tuple[tuple[str, ...], tuple[str, ...], Callable[[Table, str], tuple[Piece, ...]]],
-] = {
-    "wall": (("points",), ("thickness",), _wall),
-    "box": (("center", "size"), ("yaw",), _box),
-    "polygon": (("points",), (), _polygon),
+KINDS: Mapping[str, tuple[int, tuple[str, ...], tuple[str, ...], Callable[..., Pieces]]]
+KINDS = {
+    "wall": (2, ("points",), ("thickness",), _wall),
+    "box": (0, ("center", "size"), ("yaw",), _box),
+    "polygon": (3, ("points",), (), _polygon),
 }
-"""For each kind the keys it must have, those it may have, and what makes its pieces."""
+"""For each kind how many points it has at least, the keys it must have, those it may
+have, and what makes its pieces, or says which points would be possible."""
 
 
-def _decode(values: object, where: str) -> Obstacle:
-    table = require_kind(values, where, KINDS)
-    kind = table["kind"]
-    needed, allowed, make = KINDS[kind]
+def _decode(given: object, where: str) -> Obstacle:
+    table = require_kind(given, where, KINDS)
+    least, needed, allowed, make = KINDS[table["kind"]]
     require_keys(table, where, needed, (*allowed, "height"))
-    height = _length(table.get("height", HEIGHT), f"{where}: height")
-    given = tuple(
-        (key, _frozen(value)) for key, value in table.items() if key != "kind"
-    )
-    return Obstacle(kind, given, height, make(table, where))
+    values = {
+        key: accept(value, *FORMS[key], f"{where}: {key}")
+        for key, value in table.items()
+        if key in FORMS
+    }
+    at, points = f"{where}: points", table.get("points", ())
+    if not is_list(points) or len(points) < least:
+        raise refusal(points, f"at least {least} points [x, y] [m]", at)
+    corners = [accept(point, *A_POINT, at) for point in points]
+    if any(math.dist(a, b) < SMALLEST_SIZE for a, b in pairwise(corners)):
+        raise refusal(points, "points that differ from one to the next", at)
+    try:
+        pieces = make(corners, values)
+    except ValueError as error:
+        raise refusal(points, str(error), at) from error
+    own = tuple((key, _frozen(v)) for key, v in table.items() if key != "kind")
+    return Obstacle(table["kind"], own, values.get("height", HEIGHT), pieces)
 
 
 def _frozen(value: object) -> object:
     """Lists as tuples, all the way down."""
     return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value
-
-
-def _points(value: object, where: str, least: int) -> tuple[Point, ...]:
-    if not is_list(value) or len(value) < least:
-        raise refusal("", value, where, f"at least {least} points [x, y] [m]")
-    points = tuple(_point(point, where) for point in value)
-    for a, b in pairwise(points):
-        if math.dist(a, b) < SMALLEST_SIZE:
-            wanted = "points that differ from one to the next"
-            raise refusal("", value, where, wanted)
-    return points
-
-
-def _point(value: object, where: str) -> Point:
-    return _numbers(value, where, "a point [x, y] [m]")
-
-
-def _numbers(value: object, where: str, wanted: str) -> Point:
-    x, y = numbers(value, 2, FARTHEST, "", where, wanted)
-    return x, y
-
-
-def _length(value: object, where: str) -> float:
-    if not is_number(value) or not SMALLEST_SIZE <= value <= FARTHEST:
-        wanted = f"a length from {SMALLEST_SIZE:g} to {FARTHEST:g} m"
-        raise refusal("", value, where, wanted)
-    return float(value)

@@ -8,8 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from math import pi, radians
 from typing import Any, Self
 
+import numpy as np
+
+from models import Robot
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
@@ -67,3 +71,29 @@ class Scenario(Settings):
             item.name for item in fields(self) if item.metadata["affects"] & {*effects}
         )
         return tuple((name, repr(getattr(self, name))) for name in own)
+
+
+def drawn(scenario: Scenario, robot: Robot) -> Scenario:
+    """The scenario with the set of imperfections that it asks for as its settings.
+
+    A hobby robot has servos that are fitted by hand, a battery not quite in the middle,
+    a table to walk on: zeros of servos are within half a degree, gears have half a
+    degree of backlash, a twentieth of the robot's mass lies up to 10 mm off the middle,
+    the table leans by up to a degree, feet rub unequally, and what they stand on is ten
+    times as soft. The same robot and `draw` give the same values, which replace those
+    that are given.
+    """
+    if scenario.imperfect is None:
+        return scenario
+    random = np.random.default_rng(scenario.draw)
+    mass = 0.05 * float(robot.model.body_mass.sum())
+    return replace(
+        scenario,
+        imperfect=None,
+        zero_offset=radians(0.5),
+        backlash=radians(0.5),
+        payload=(mass, *random.uniform(-0.01, 0.01, 2).tolist(), 0.02),
+        slope=(radians(random.uniform(0, 1)), random.uniform(-pi, pi)),
+        foot_friction=tuple(random.uniform(0.6, 1.0, len(robot.legs)).tolist()),
+        floor_stiffness=1e4,
+    )

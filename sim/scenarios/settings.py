@@ -10,11 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, fields
+from functools import partial
 from typing import Annotated, Literal, get_type_hints
 
 from sim.errors import UsageError
-from sim.scenarios.declaration import Range, Setting, Text, setting
+from sim.scenarios.declaration import Range, Setting, Text, accept, setting
 
+imperfection = partial(setting, imperfection=True)
 Mass = Annotated[float, Range(0, 1e3)]
 Coordinate = Annotated[float, Range(-10, 10)]
 Slope = Annotated[float, Range(0, 1)]
@@ -80,13 +82,13 @@ class Settings:
         "plan",
     )
     path_tolerance: Annotated[float, Range(0, 100, above=True)] | None = setting(
-        "how far an optimised plan may depart from the path", None, "plan", unit="m"
+        "how far an optimised plan may depart from the path", None, "plan", "m"
     )
     yaw_tolerance: Annotated[float, Range(0, 1e3, above=True)] | None = setting(
         "how far it may depart from the path's yaw; pi leaves the yaw free",
         None,
         "plan",
-        unit="rad",
+        "rad",
     )
     overlap_recovery: bool = setting(
         "let legs in the air recover while others stroke",
@@ -101,13 +103,13 @@ class Settings:
         "coefficient of sliding friction of feet and floor", 1.0, "world"
     )
     timestep: Annotated[float, Range(1e-6, 0.02)] = setting(
-        "time step of the physics", 0.001, ("world", "motion"), unit="s"
+        "time step of the physics", 0.001, ("world", "motion"), "s"
     )
     servo_stiffness: Annotated[float, Range(0, 1e6, above=True)] | None = setting(
-        "stiffness of every servo", None, ("world", "drive"), unit="N m/rad"
+        "stiffness of every servo", None, ("world", "drive"), "N m/rad"
     )
     servo_damping: Annotated[float, Range(0, 1e6)] | None = setting(
-        "damping of every servo", None, ("world", "drive"), unit="N m s/rad"
+        "damping of every servo", None, ("world", "drive"), "N m s/rad"
     )
     servo: str | None = setting(
         "kind of the servos: ideal, own (the robot's), or a make by name",
@@ -118,117 +120,79 @@ class Settings:
         "commands a second; 0 gives one at every physics step",
         None,
         ("world", "drive"),
-        unit="1/s",
+        "1/s",
     )
     resolution: Annotated[float, Range(0, 0.2)] | None = setting(
-        "angle of one count of a servo's command", None, ("plan", "drive"), unit="rad"
+        "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
     feed_forward: bool | None = setting(
         "let commands make up for what loads bend; if not given, on soft servos only",
         None,
         "drive",
     )
-    command_delay: Annotated[float, Range(0, 0.5)] = setting(
-        "delay from a command to the servo's motion",
-        0.0,
-        "drive",
-        unit="s",
-        imperfection=True,
+    command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
+        "delay from a command to the servo's motion", 0.0, "drive", "s"
     )
-    dead_band: Annotated[float, Range(0, 0.2)] = setting(
-        "range of error in which a servo gives no torque",
-        0.0,
-        "world",
-        unit="rad",
-        imperfection=True,
+    dead_band: Annotated[float, Range(0, 0.2)] = imperfection(
+        "range of error in which a servo gives no torque", 0.0, "world", "rad"
     )
     zero_offset: (
         Annotated[float, Range(0, 0.2)] | tuple[Annotated[float, Range(-0.2, 0.2)], ...]
-    ) = setting(
+    ) = imperfection(
         "largest error of the servos' zeros, drawn at random, or that of each",
         0.0,
         "drive",
-        unit="rad",
-        imperfection=True,
+        "rad",
     )
-    backlash: Annotated[float, Range(0, 0.2)] = setting(
-        "backlash in the gears of every leg joint",
-        0.0,
-        "world",
-        unit="rad",
-        imperfection=True,
-        formerly="play",
+    backlash: Annotated[float, Range(0, 0.2)] = imperfection(
+        "backlash in the gears of every leg joint", 0.0, "world", "rad", formerly="play"
     )
-    payload: tuple[Mass, Coordinate, Coordinate, Coordinate] | None = setting(
-        "mass on the body, and its place x, y, z",
-        None,
-        "world",
-        unit="kg, m",
-        imperfection=True,
+    payload: tuple[Mass, Coordinate, Coordinate, Coordinate] | None = imperfection(
+        "mass on the body, and its place x, y, z", None, "world", "kg, m"
     )
-    slope: (
-        tuple[Annotated[float, Range(0, 1)], Annotated[float, Range(-7, 7)]] | None
-    ) = setting(
-        "angle of the floor, and the direction that goes down",
-        None,
-        "world",
-        unit="rad",
-        imperfection=True,
+    slope: tuple[Slope, Direction] | None = imperfection(
+        "angle of the floor, and the direction that goes down", None, "world", "rad"
     )
-    floor_stiffness: Annotated[float, Range(100, 1e7)] | None = setting(
-        "stiffness of the floor's contact, as MuJoCo's solref has it",
-        None,
-        "world",
-        imperfection=True,
+    floor_stiffness: Annotated[float, Range(100, 1e7)] | None = imperfection(
+        "stiffness of the floor's contact, as MuJoCo's solref has it", None, "world"
     )
-    foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = setting(
-        "coefficient of friction of each foot, in the order of the legs",
-        None,
-        "world",
-        imperfection=True,
+    foot_friction: tuple[Annotated[float, Range(0, 10)], ...] | None = imperfection(
+        "coefficient of friction of each foot, in the order of the legs", None, "world"
     )
-    bumps: Annotated[float, Range(0, 0.1)] = setting(
-        "greatest height of bumps in the floor",
-        0.0,
-        "world",
-        unit="m",
-        imperfection=True,
+    bumps: Annotated[float, Range(0, 0.1)] = imperfection(
+        "greatest height of bumps in the floor", 0.0, "world", "m"
     )
-    imperfect: Literal["hobby"] | None = setting(
+    imperfect: Literal["hobby"] | None = imperfection(
         "set of imperfections to draw, which replace those that are given",
         None,
         ("world", "drive"),
-        imperfection=True,
     )
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the random draw of zeros, feet and floor", 0, ("world", "drive")
     )
     swing_speed: Annotated[float, Range(0, 100, above=True)] = setting(
-        "highest speed of a swing joint", 0.5, "motion", unit="rad/s"
+        "highest speed of a swing joint", 0.5, "motion", "rad/s"
     )
     swing_acceleration: Annotated[float, Range(0, 1e4, above=True)] = setting(
-        "highest acceleration of a swing joint", 5.0, "motion", unit="rad/s2"
+        "highest acceleration of a swing joint", 5.0, "motion", "rad/s2"
     )
     lift_height: Annotated[float, Range(0, 1, above=True)] | None = setting(
-        "height of a lifted foot above the floor", None, "motion", unit="m"
+        "height of a lifted foot above the floor", None, "motion", "m"
     )
     hold: Annotated[float, Range(0, 60, above=True)] = setting(
-        "time of standing still before and after the walk", 0.5, "motion", unit="s"
+        "time of standing still before and after the walk", 0.5, "motion", "s"
     )
     plan_time: Annotated[float, Range(0, 1e5, above=True)] = setting(
-        "longest time that planning may take", 300.0, "refusal", unit="s"
+        "longest time that planning may take", 300.0, "refusal", "s"
     )
     min_margin: Annotated[float, Range(0, 1)] | None = setting(
-        "least stability margin that a plan may predict",
-        None,
-        ("plan", "refusal"),
-        unit="m",
+        "least stability margin that a plan may predict", None, ("plan", "refusal"), "m"
     )
     min_clearance: Annotated[float, Range(-1, 1)] = setting(
         "least distance from obstacles that a plan may predict; -1 for any",
         0.002,
         ("plan", "refusal"),
-        unit="m",
+        "m",
     )
     allow_unstable: bool = setting(
         "walk plans that are predicted to tip over or to collide", False, "refusal"
@@ -248,7 +212,8 @@ class Settings:
     def __post_init__(self) -> None:
         where = f"scenario {self.name!r}"
         for key, declared in SETTINGS.items():
-            value = declared.accept(getattr(self, key), where)
+            value = getattr(self, key)
+            value = accept(value, declared.kind, declared.allowed, where, key)
             object.__setattr__(self, key, value)
         if self.optimise != "none" and self.replan:
             raise UsageError(

@@ -9,7 +9,7 @@ from models.library import load
 from sim.cli import main
 from sim.errors import UsageError
 from sim.scenarios.file import load_scenario
-from sim.scenarios.imperfect import drawn
+from sim.scenarios.scenario import drawn
 from sim.scenarios.settings import IMPERFECTIONS
 from sim.tries import Try, describe
 

@@ -123,4 +123,4 @@ def test_a_walk_that_shares_has_the_numbers_of_one_that_does_not(plain):
     for point, without in points:
         done = simulate(point, shared=shared, without=without).summary
         alone = simulate(point, without=without).summary
-        assert done | {"timing": 0} == alone | {"timing": 0}
+        assert replace(done, timing={}) == replace(alone, timing={})

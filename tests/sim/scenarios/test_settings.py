@@ -9,7 +9,7 @@ import pytest
 from scripts.show_outputs import ROOT, SETTINGS_TABLE, settings_table
 from sim.cli import main
 from sim.errors import UsageError
-from sim.scenarios.declaration import Effect
+from sim.scenarios.declaration import Effect, read
 from sim.scenarios.file import announce, load_scenario
 from sim.scenarios.settings import FORMER, SETTINGS
 
@@ -34,7 +34,7 @@ def test_a_setting_under_both_of_its_names_is_refused():
 def test_a_default_is_a_value_that_the_setting_may_have(name):
     declared = SETTINGS[name]
     if declared.default is not MISSING:
-        assert declared.accept(declared.default, "here") == declared.default
+        assert read(declared.default, declared.kind) == declared.default
     assert declared.affects <= set(get_args(Effect))
 
 
