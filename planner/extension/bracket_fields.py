@@ -20,23 +20,14 @@ from planner.systems.strata import StratifiedSystem
 
 @dataclass(frozen=True, eq=False)
 class HallFields:
-    """Hall basis over fields of a system, with the vector field of each element.
+    """Hall basis over fields of a system, with the vector field of each element."""
 
-    Attributes:
-        generators: Names of the fields, in the order in which the basis numbers them.
-        elements: Hall elements over them, except an ideal that vanishes as fields.
-        names: Names of the elements.
-        fields: Vector fields of the elements.
-        vanishing: Elements that vanish as fields but have brackets that do not.
-        clashing: Pairs of generators that do not commute.
-    """
-
-    generators: tuple[str, ...]
-    elements: tuple[Element, ...]
-    names: tuple[str, ...]
-    fields: tuple[VectorField, ...]
-    vanishing: frozenset[Element]
-    clashing: frozenset[frozenset[str]]
+    generators: tuple[str, ...]  # in the order in which the basis numbers them
+    elements: tuple[Element, ...]  # but for an ideal that vanishes as fields
+    names: tuple[str, ...]  # of the elements
+    fields: tuple[VectorField, ...]  # of the elements
+    vanishing: frozenset[Element]  # as fields, with brackets that do not vanish
+    clashing: frozenset[frozenset[str]]  # pairs of generators that do not commute
 
     @property
     def entangled(self) -> tuple[int, ...]:
@@ -72,14 +63,25 @@ def hall_fields(
         >>> hall_fields(system, ["f", "g"], max_degree=3).names
         ('f', 'g', '[f,g]')
     """
-    clashing = _clashing(system, generators)
-    entangled = len(frozenset[str]().union(*clashing))
-    if most is not None and (size := free_dimension(entangled, max_degree)) > most:
+    pairs = list(combinations(generators, 2))
+    brackets = [
+        lie_bracket(system.fields[a], system.fields[b], system.state) for a, b in pairs
+    ]
+    clashing = frozenset(
+        frozenset(pair)
+        for pair, zero in zip(pairs, vanishing(brackets, system.state), strict=True)
+        if not zero
+    )
+    numbers = _entangled(generators, clashing)
+    count = len(numbers)
+    if most is not None and (size := free_dimension(count, max_degree)) > most:
         raise ValueError(
-            f"degree {max_degree} over {entangled} fields that do not commute has "
+            f"degree {max_degree} over {count} fields that do not commute has "
             f"{size} brackets, more than {most}; give a lower degree"
         )
-    full = _entangled_basis(generators, clashing, max_degree)
+    beyond = hall_basis(count, max_degree)[count:] if numbers else ()
+    full: list[Element] = [*range(1, len(generators) + 1)]
+    full += [renumbered(element, numbers) for element in beyond]
     fields = fields_of(full, [system.fields[name] for name in generators], system.state)
     zeros = vanishing(list(fields.values()), system.state)
     zero = frozenset(e for e, gone in zip(full, zeros, strict=True) if gone)
@@ -93,32 +95,6 @@ def hall_fields(
         vanishing=zero - ideal,
         clashing=clashing,
     )
-
-
-def _clashing(
-    system: StratifiedSystem, names: Sequence[str]
-) -> frozenset[frozenset[str]]:
-    """Pairs of fields that do not commute."""
-    pairs = list(combinations(names, 2))
-    brackets = [
-        lie_bracket(system.fields[a], system.fields[b], system.state) for a, b in pairs
-    ]
-    zeros = vanishing(brackets, system.state)
-    return frozenset(
-        frozenset(p) for p, zero in zip(pairs, zeros, strict=True) if not zero
-    )
-
-
-def _entangled_basis(
-    generators: Sequence[str], clashing: frozenset[frozenset[str]], highest: int
-) -> list[Element]:
-    """All generators, and the brackets of those that do not commute with all others."""
-    numbers = _entangled(generators, clashing)
-    brackets = hall_basis(len(numbers), highest)[len(numbers) :] if numbers else ()
-    return [
-        *range(1, len(generators) + 1),
-        *(renumbered(e, numbers) for e in brackets),
-    ]
 
 
 def _entangled(
@@ -159,19 +135,16 @@ def _largest_ideal(
     zero: frozenset[Element], elements: Sequence[Element], generators: int
 ) -> frozenset[Element]:
     """The elements among those that vanish whose brackets are all among them, too."""
-    kept = set(elements) - zero
-    ideal = set(zero)
-    while True:
-        needed = {
-            lost
-            for lost in ideal
-            for generator in range(1, generators + 1)
-            if kept & structure_constants(generator, lost).keys()
-        }
-        if not needed:
-            return frozenset(ideal)
+    kept, ideal = set(elements) - zero, zero
+    while needed := {
+        lost
+        for lost in ideal
+        for generator in range(1, generators + 1)
+        if kept & structure_constants(generator, lost).keys()
+    }:
         ideal -= needed
         kept |= needed
+    return ideal
 
 
 def _tree(element: Element, generators: Sequence[str]) -> Tree:

@@ -7,6 +7,7 @@ degree comes first, then few contact switches, then distance from linear depende
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
@@ -31,17 +32,11 @@ ALIKE = 9  # digits to which two elements count as equally far from dependence
 
 @dataclass(frozen=True)
 class Choice:
-    """Chosen elements, and the reasons for each.
-
-    Attributes:
-        elements: Their names, as `extension.extended.extend` takes them.
-        condition: Largest condition number of B(x) at the configurations.
-        reasons: One sentence for each element.
-    """
+    """Chosen elements by name, and the reasons for each."""
 
     elements: tuple[str, ...]
-    condition: float
-    reasons: tuple[str, ...]
+    condition: float  # largest condition number of B(x) at the configurations
+    reasons: tuple[str, ...]  # one sentence for each element
 
     def __str__(self) -> str:
         return "\n".join([*self.reasons, f"condition number {self.condition:.3g}"])
@@ -49,21 +44,13 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class _Candidate:
-    """An element that might be chosen.
-
-    Attributes:
-        name: Its name.
-        degree: Number of fields in it.
-        switches: Contact switches of its word, from the bottom stratum and back.
-        values: Its values at the configurations, shape (k, n).
-        columns: The same as unit vectors, in units that suit all coordinates.
-    """
+    """An element that might be chosen."""
 
     name: str
     degree: int
-    switches: int
-    values: Array
-    columns: Array
+    switches: int  # of contacts in its word, from the bottom stratum and back
+    values: Array  # at the configurations, shape (k, n)
+    columns: Array  # the same as unit vectors, in units that suit all coordinates
 
     def measured(self, units: Array) -> _Candidate:
         """The same element in given units of the coordinates, shape (n,)."""
@@ -134,12 +121,9 @@ def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:
     """Fields that are tangent to the bottom stratum without correction."""
     usable: dict[str, VectorField] = {}
     for name, field in system.fields.items():
-        try:
-            held, _ = on_bottom(system, [name])
-        except PlannerError:
-            continue
-        if held is system:
-            usable[name] = field
+        with suppress(PlannerError):
+            if on_bottom(system, [name])[0] is system:
+                usable[name] = field
     return usable
 
 
@@ -150,15 +134,17 @@ def _candidates(
     x: Array,
 ) -> list[_Candidate]:
     evaluation = WeighedValues(system.state, x)
-
-    def candidate(name: str, field: VectorField) -> _Candidate:
+    candidates = []
+    for name, field in zip(names, fields, strict=True):
         column = evaluation(field)
         if not (sound := np.isfinite(column).all(axis=1)).all():
             raise SingularConfigurationError(name, x[~sound][0])
-        tree, switches = parse_names(name), _switches(system, parse_names(name))
-        return _Candidate(name, len(leaves(tree)), switches, column, column)
-
-    return [candidate(*named) for named in zip(names, fields, strict=True)]
+        tree = parse_names(name)
+        word = [system.stratum_of[field_name] for field_name in _letters(tree)]
+        walk = pairwise([system.bottom, *word, system.bottom])
+        switches = sum(system.switches(a, b) for a, b in walk)
+        candidates.append(_Candidate(name, len(leaves(tree)), switches, column, column))
+    return candidates
 
 
 def _even(candidates: Sequence[_Candidate]) -> list[_Candidate]:
@@ -177,12 +163,6 @@ def _even(candidates: Sequence[_Candidate]) -> list[_Candidate]:
     logarithms, *_ = np.linalg.lstsq(unknown, np.log(sizes[row, column]), rcond=None)
     units = np.exp(logarithms[: len(sizes)])
     return [candidate.measured(units) for candidate in candidates]
-
-
-def _switches(system: StratifiedSystem, tree: Tree) -> int:
-    walk = [system.stratum_of[name] for name in _letters(tree)]
-    walk = [system.bottom, *walk, system.bottom]
-    return sum(system.switches(a, b) for a, b in pairwise(walk))
 
 
 def _letters(tree: Tree) -> tuple[str, ...]:
@@ -213,20 +193,15 @@ def _enlarged(
         tick()
         spans = _spans(chosen, x)
         lacking = [Q.shape[1] < system.bottom_dimension for Q in spans]
-        gains = {
-            c.name: np.linalg.norm(c.beyond(spans), axis=1)[lacking] for c in candidates
-        }
-        useful = [c for c in candidates if gains[c.name].max(initial=0) > LEAST_ANGLE]
+        gains = [np.linalg.norm(c.beyond(spans), axis=1)[lacking] for c in candidates]
+        useful = [
+            (c.degree, c.switches, -round(float(gain.mean()), ALIKE), i)
+            for i, (c, gain) in enumerate(zip(candidates, gains, strict=True))
+            if gain.max(initial=0) > LEAST_ANGLE
+        ]
         if not useful:
             return chosen
-        chosen.append(
-            min(useful, key=lambda c: (c.degree, c.switches, -_rounded(gains[c.name])))
-        )
-
-
-def _rounded(gain: Array) -> float:
-    """Mean gain of an element, without the digits that rounding decides."""
-    return round(float(gain.mean()), ALIKE)
+        chosen.append(candidates[min(useful)[-1]])
 
 
 def _explained(
@@ -234,7 +209,7 @@ def _explained(
 ) -> Choice:
     reasons = [
         f"{candidate.name}: degree {candidate.degree}, {candidate.switches} contact "
-        f"switches, adds {_addition(candidate.beyond(_spans(chosen[:k], x)), system)}"
+        f"switches, adds {_addition(system, candidate.beyond(_spans(chosen[:k], x)))}"
         for k, candidate in enumerate(chosen)
     ]
     plain = [candidate.measured(np.ones(x.shape[1])) for candidate in chosen]
@@ -245,7 +220,7 @@ def _explained(
     return Choice(names, float(condition), tuple(reasons))
 
 
-def _addition(added: Array, system: StratifiedSystem) -> str:
+def _addition(system: StratifiedSystem, added: Array) -> str:
     """The direction that an element adds, where its contribution is largest."""
     most = added[np.linalg.norm(added, axis=1).argmax()]
     if not most.any():

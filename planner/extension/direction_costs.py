@@ -1,8 +1,7 @@
 """The cost of one unit of motion in each direction, counted in strokes of the inputs.
 
-Brackets may give a direction in theory although it cannot be used in practice: if a
-bracket is very small, no range of the joints moves the system far along it. The rank of
-a matrix does not distinguish the two cases, but the number of strokes does.
+Brackets may give a direction in theory although no range of the joints moves the system
+far along it. The rank of a matrix does not show this, but the number of strokes does.
 """
 
 from __future__ import annotations
@@ -26,17 +25,11 @@ MISSED = 1e-6  # of a unit of any coordinate
 
 @dataclass(frozen=True, slots=True)
 class DirectionCost:
-    """Cost of moving a coordinate by one unit.
+    """Cost of moving a coordinate by one unit."""
 
-    Attributes:
-        direction: Name of the coordinate.
-        element: Element that most of the motion comes from, the first of equal ones.
-        strokes: Number of strokes; infinite where the elements do not give it.
-    """
-
-    direction: str
-    element: str
-    strokes: float
+    direction: str  # name of the coordinate
+    element: str  # that most of the motion comes from, the first of equal ones
+    strokes: float  # infinite where the elements do not give the direction
 
     @property
     def in_theory_only(self) -> bool:
@@ -50,46 +43,39 @@ def stroke_costs(
     at: ArrayLike,
     strokes: Mapping[str, float],
 ) -> tuple[DirectionCost, ...]:
-    """Cost of a unit of each coordinate that is no stroke itself.
+    """Cost of a unit of each coordinate that is no stroke itself, at x of shape (n,).
 
-    Args:
-        system: System to move.
-        elements: Elements that it is steered by.
-        at: Configuration, shape (n,).
-        strokes: Length of a stroke of each field in the units of its input; 1 for
-            those left out.
-
-    Raises:
-        PlannerError: An element vanishes everywhere, or cannot be followed.
+    `strokes` gives the length of a stroke of each field in the units of its input, 1
+    for those left out. An element costs the strokes of its word over the area that
+    they span. Raises `PlannerError` if an element vanishes or cannot be followed.
     """
     extended = extend(system, elements)
     matrix = extended.columns(np.asarray(at, dtype=float))  # (n, p)
     trees = [parse(name, system) for name in elements]
-    prices = np.array([_price(tree, strokes) for tree in trees])
+    areas = [
+        float(np.prod([strokes.get(leaf, 1.0) for leaf in leaves(tree)]))
+        for tree in trees
+    ]
+    scaled = matrix / [_flows(t) / a for t, a in zip(trees, areas, strict=True)]
     degrees = np.array([len(leaves(tree)) for tree in trees])
     joints = {index for index, _ in extended.shape.recoveries.values()}
     moved = np.flatnonzero(np.abs(matrix).max(axis=1) > 0)
     return tuple(
-        _cost(str(system.state[i]), matrix, prices, degrees, int(i), elements)
+        _cost(str(system.state[i]), int(i), scaled, degrees, elements)
         for i in moved
         if int(i) not in joints
     )
 
 
 def _cost(
-    name: str,
-    matrix: Array,
-    prices: Array,
-    degrees: Array,
-    row: int,
-    elements: Sequence[str],
+    name: str, row: int, scaled: Array, degrees: Array, elements: Sequence[str]
 ) -> DirectionCost:
     """The strokes for a unit of one row, by elements of low degree if they suffice.
 
-    The motion may miss a millionth of a unit, which is not worth further strokes.
+    A column of the matrix, shape (n, p), is one stroke of an element. The motion may
+    miss a millionth of a unit, which is not worth further strokes.
     """
-    unit = np.eye(len(matrix))[row]
-    scaled = matrix / prices  # one stroke of each
+    unit = np.eye(len(scaled))[row]
     for degree in np.unique(degrees):
         usable = np.where(degrees <= degree, scaled, 0.0)
         for amounts in _solutions(usable, unit):
@@ -111,12 +97,6 @@ def _solutions(scaled: Array, unit: Array) -> Iterator[Array]:
         yield amounts
 
 
-def _price(tree: Tree, strokes: Mapping[str, float]) -> float:
-    """Strokes for a unit of an element: those of its word, over the area they span."""
-    area = float(np.prod([strokes.get(leaf, 1.0) for leaf in leaves(tree)]))
-    return _letters(tree) / area
-
-
-def _letters(tree: Tree) -> int:
+def _flows(tree: Tree) -> int:
     """Number of flows in the word of an element."""
-    return 1 if isinstance(tree, str) else 2 * (_letters(tree[0]) + _letters(tree[1]))
+    return 1 if isinstance(tree, str) else 2 * (_flows(tree[0]) + _flows(tree[1]))

@@ -2,15 +2,15 @@
 
 Flows of eq. (12) that lift a foot, move and set it down are interchanged until lifting
 and setting down cancel. Lift fields must therefore commute with the fields used while
-feet are in the air, eq. (13), as Assumption 2 guarantees. What remains is a field that
-is tangent to the bottom stratum: one that leaves it is corrected by the lift fields
-(Sec. 5.1).
+feet are in the air, eq. (13), as Assumption 2 guarantees. A field that leaves the
+bottom stratum is corrected by the lift fields (Sec. 5.1).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 import sympy as sp
@@ -33,27 +33,24 @@ EVEN = 0.5  # least over largest rate of a field that is as good a lift as any
 
 
 def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
-    """Lift fields: fields of a stratum that raise feet off the bottom stratum.
+    """Lift fields of a stratum: fields that raise feet off the bottom stratum.
 
     Fields that raise them everywhere alike are preferred, and simple ones among these:
     a field whose rate vanishes somewhere raises nothing there. The lift fields change
-    the level sets of the bottom stratum independently of one another.
-
-    Args:
-        system: System that has the fields.
-        stratum: Stratum on which they act.
-        bottom: Stratum that they leave; the bottom stratum of the system if empty.
+    the level sets of the bottom stratum, or of another one that is named, independently
+    of one another.
     """
     level_set = system.level_set(bottom or system.bottom)
     if not level_set.functions:
         return ()
-    leaving = [n for n, f in system.strata[stratum].items() if level_set.leaves(f)]
-    found = {name: level_set.rates(system.fields[name]) for name in leaving}
+    fields = system.strata[stratum]
+    leaving = [name for name, field in fields.items() if level_set.leaves(field)]
+    found = {name: level_set.rates(fields[name]) for name in leaving}
 
     def preference(name: str) -> tuple[float, int]:
         """Evenness of the rates, capped, then the number of coordinates moved."""
         sizes = np.linalg.norm(found[name], axis=1)
-        field = system.fields[name]
+        field = fields[name]
         symbolic = not isinstance(field, NumericField)
         moved = sum(entry != 0 for entry in field) if symbolic else 10**6
         return -min(float(sizes.min() / sizes.max()), EVEN), moved
@@ -188,7 +185,7 @@ def on_bottom(
         >>> elements
         ['swing_tangent']
     """
-    used = dict.fromkeys(leaf for tree in trees for leaf in leaves(tree))
+    used = dict.fromkeys(chain(*map(leaves, trees)))
     renamed: dict[str, str] = {}
     strata = {stratum: dict(fields) for stratum, fields in system.strata.items()}
     for name in used:
