@@ -4,13 +4,12 @@ There are two tests at a configuration. The first is the filtration of the paper
 involutive closures of the strata are added when a foot lifts, and intersected with
 tangent spaces when a foot lands. It never brackets fields of different strata, so it is
 sufficient but not necessary. The second is the involutive closure of all fields of the
-gait's strata that are tangent to the first one, as the extended system of Def. 3 uses
-them.
+gait's strata that are tangent to the first one, as the extended system of Def. 3.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -131,16 +130,23 @@ def gait_controllability(
     }
     filtered = _filtration(system, walk, algebras, x)
     union = algebras[walk.strata[0]]
+    tangent = _tangent_fields(system, walk.strata, walk.strata[0])
     if len(algebras) > 1:
-        tangent = _tangent_fields(system, walk.strata)
         union = _closure_to(tangent, system, walk.strata[0], x, max_depth)
     closed = column_space(union.columns)
     if max(filtered.shape[1], closed.shape[1]) < dimension:
-        closed = _exactly(system, walk.strata, union, x, closed)
+        every = [*tangent.values(), *union.fields]
+        if (exact_rank(every, system.state, x) or 0) >= dimension:
+            closed = null_space(home.gradients(x).T)
     reached = max(filtered, closed, key=lambda space: space.shape[1])
     controllable = reached.shape[1] == dimension
-    missing = () if controllable else system.missing(reached, x, walk.strata[0])
-    unjudged = () if controllable else _unjudged(system, walk.strata, union)
+    missing: tuple[str, ...] = ()
+    unjudged: tuple[str, ...] = ()
+    advice: tuple[str, ...] = ()
+    if not controllable:
+        missing = system.missing(reached, x, walk.strata[0])
+        unjudged = _unjudged(system, walk.strata, union)
+        advice = (*unjudged, *_advice(system, walk, x, union, max_depth, missing))
     tests = {"filtration": filtered.shape[1], "closure": closed.shape[1]}
     return Controllability(
         gait=str(walk),
@@ -150,14 +156,10 @@ def gait_controllability(
         rank=reached.shape[1],
         dimension=dimension,
         **tests,
-        decided_by=next(
-            (t for t, rank in tests.items() if rank == dimension), "neither"
-        ),
+        decided_by=next((t for t in tests if tests[t] == dimension), "neither"),
         depth=max(union.depth, *(algebra.depth for algebra in algebras.values())),
         missing=missing,
-        advice=()
-        if controllable
-        else (*unjudged, *_advice(system, walk, x, union, max_depth, missing)),
+        advice=advice,
     )
 
 
@@ -190,13 +192,11 @@ def _closure_to(
 ) -> LieClosure:
     """The involutive closure of fields, until it spans a stratum's tangent space."""
     size = system.dimension - len(system.level_set(stratum).functions)
-    return involutive_closure(
-        fields,
-        system.state,
-        x,
-        max_depth,
-        until=lambda algebra: rank(algebra.columns) == size,
-    )
+
+    def spans(algebra: LieClosure) -> bool:
+        return rank(algebra.columns) == size
+
+    return involutive_closure(fields, system.state, x, max_depth, spans)
 
 
 def _filtration(
@@ -205,38 +205,24 @@ def _filtration(
     """The distribution D_{n+1} of Sec. 4, numbered as eq. (11) is, as columns."""
     space = column_space(algebras[walk.strata[0]].columns)
     for before, here in pairwise(walk.strata):
-        if system.contacts[before] < system.contacts[here]:
-            space = _within_tangent_space(space, system.level_set(here), x)
+        level_set = system.level_set(here)
+        if system.contacts[before] < system.contacts[here] and level_set.functions:
+            slopes = column_space(level_set.gradients(x)).T @ space  # (codim, rank)
+            space = space @ null_space(slopes)  # its part in the tangent space
         space = column_space(np.hstack([space, algebras[here].columns]))
     return space
 
 
 def _tangent_fields(
-    system: StratifiedSystem, strata: Sequence[str]
+    system: StratifiedSystem, strata: Iterable[str], home: str
 ) -> dict[str, VectorField]:
-    """Fields of strata, those that can be made tangent to the first of them."""
+    """Fields of strata that can be made tangent to the home stratum."""
     return {
         name: field
         for stratum in dict.fromkeys(strata)
         for name in system.strata[stratum]
-        if (field := tangent_field(system, name, strata[0])) is not None
+        if (field := tangent_field(system, name, home)) is not None
     }
-
-
-def _exactly(
-    system: StratifiedSystem,
-    strata: Sequence[str],
-    union: LieClosure,
-    x: Array,
-    closed: Array,
-) -> Array:
-    """The closure's span; the whole tangent space where exact arithmetic finds it."""
-    home = system.level_set(strata[0])
-    fields = [*_tangent_fields(system, strata).values(), *union.fields]
-    found = exact_rank(fields, system.state, x)
-    if found is None or found < system.dimension - len(home.functions):
-        return closed
-    return null_space(home.gradients(x).T)
 
 
 def _unjudged(
@@ -248,30 +234,18 @@ def _unjudged(
     if nearly_dependent(union.columns):
         advice.append(f"make fields differ by more than {SPANNED:.0e} of themselves")
     for stratum in others:
-        lifting = lifts(system, stratum, home)
-        fields = {
-            name: tangent_field(system, name, home) for name in system.strata[stratum]
-        }
+        held = _tangent_fields(system, [stratum], home)
+        raised = {name: system.fields[name] for name in lifts(system, stratum, home)}
         advice += [
             f"let a lift of S{stratum} hold {name} on S{home}"
-            for name, field in fields.items()
-            if field is None and name not in lifting
+            for name in system.strata[stratum]
+            if name not in held | raised
         ]
-        held = {name: field for name, field in fields.items() if field is not None}
-        raised = {name: system.fields[name] for name in lifting}
         advice += [
             f"make {name} independent of what {lift} lifts (eq. 13)"
             for lift, name in coupled(system, raised, held | raised)
         ]
     return tuple(advice)
-
-
-def _within_tangent_space(space: Array, level_set: LevelSet, x: Array) -> Array:
-    """The intersection of a space, as orthonormal columns, with a tangent space."""
-    if not level_set.functions:
-        return space
-    slopes = column_space(level_set.gradients(x)).T @ space  # (codimension, rank)
-    return space @ null_space(slopes)
 
 
 def _advice(
@@ -287,7 +261,8 @@ def _advice(
     advice = []
     for stratum in system.strata:
         if stratum not in walk.strata:
-            tangent = _tangent_fields(system, (*walk.strata, stratum))
+            strata = (*walk.strata, stratum)
+            tangent = _tangent_fields(system, strata, walk.strata[0])
             wider = _closure_to(tangent, system, walk.strata[0], x, union.depth)
             if rank(wider.columns) > reached:
                 advice.append(f"visit S{stratum}")

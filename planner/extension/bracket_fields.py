@@ -34,6 +34,14 @@ class HallFields:
         """Numbers of the generators that do not commute with all others, from 1."""
         return _entangled(self.generators, self.clashing)
 
+    @property
+    def only_pair(self) -> tuple[int, int] | None:
+        """Numbers of two generators with the only bracket; None if there are others."""
+        match self.elements[len(self.generators) :]:
+            case (Bracket(left=int() as first, right=int() as second),):
+                return first, second
+        return None
+
     def commute(self, a: str, b: str) -> bool:
         """Whether the flows of two generators may be interchanged."""
         return frozenset((a, b)) not in self.clashing

@@ -61,17 +61,10 @@ class ExtendedSystem:
     def fictitious_inputs(self, x: Array, velocity: Array) -> Array:
         """Inputs v with B(x) v = velocity, eq. (5), of least norm if not unique.
 
-        Args:
-            x: Configurations on the bottom stratum, shape (..., n).
-            velocity: Velocities there, same shape.
-
-        Returns:
-            Shape (..., p).
-
-        Raises:
-            SingularConfigurationError: A field is not finite at one of them.
-            RankError: The elements do not span the tangent space of the bottom stratum.
-            PlannerError: A velocity leaves the bottom stratum.
+        Configurations x on the bottom stratum and velocities have shape (..., n), the
+        inputs (..., p). Raises `SingularConfigurationError` if a field is not finite,
+        `RankError` if the elements do not span the tangent space of the bottom stratum,
+        and `PlannerError` if a velocity leaves it.
         """
         matrix = self.columns(x)  # (..., n, p)
         inverse = _inverse(matrix[..., self._moving, :])
@@ -85,11 +78,7 @@ class ExtendedSystem:
     def to_degree(self, degree: int) -> ExtendedSystem:
         """The same elements with words that are exact to another degree.
 
-        Args:
-            degree: Degree of the nilpotent approximation, at least the elements'.
-
-        Raises:
-            ValueError: It is below an element's degree, or beyond all use.
+        It is at least the elements' own, and not beyond all use (`ValueError`).
         """
         return self if degree == self.steering.degree else _to_degree(self, degree)
 
@@ -135,12 +124,9 @@ class ExtendedSystem:
         """Largest length of each element on a path and near its start, shape (p,)."""
         around = x.reshape(-1, x.shape[-1])[0] + sample_configurations(x.shape[-1])
         near = self.columns.values(around)
-        lengths = [
-            np.linalg.norm(np.where(np.isfinite(columns), columns, 0.0), axis=-2)
-            for columns in (matrix, near)
-        ]
-        flat = [each.reshape(-1, each.shape[-1]) for each in lengths]
-        sizes = np.concatenate(flat).max(axis=0)
+        every = np.concatenate([matrix.reshape(-1, *matrix.shape[-2:]), near])
+        finite = np.where(np.isfinite(every), every, 0.0)
+        sizes = np.linalg.norm(finite, axis=-2).max(axis=0)
         return np.where(sizes > 0.0, sizes, 1.0)
 
     def orientations(self, x: Array) -> Array:
@@ -211,7 +197,13 @@ def _extended(
     trees = [parse(text, system) for text in elements]
     system, trees = on_bottom(system, trees)
     names = tuple(map(name_of, trees))
-    _require_distinct(names)
+    if not names:
+        raise ValueError(
+            "no elements; choose fields that span the bottom stratum (Def. 3)"
+        )
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"element {name} is listed twice; keep one")
     columns = [column(tree, system) for tree in trees]
     zeros = vanishing(columns, system.state)
     for name, tree, zero in zip(names, trees, zeros, strict=True):
@@ -228,16 +220,6 @@ def _to_degree(extended: ExtendedSystem, degree: int) -> ExtendedSystem:
     return replace(extended, steering=steering(extended.system, trees, degree))
 
 
-def _require_distinct(names: Sequence[str]) -> None:
-    if not names:
-        raise ValueError(
-            "no elements; choose fields that span the bottom stratum (Def. 3)"
-        )
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"element {name} is listed twice; keep one")
-
-
 def _inverse(matrix: Array) -> Array | None:
     """Inverses of square matrices; None if one of them is ill-conditioned."""
     if matrix.shape[-1] != matrix.shape[-2]:
@@ -246,10 +228,8 @@ def _inverse(matrix: Array) -> Array | None:
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
         return None
-    size = np.abs(matrix).sum(axis=-1).max(axis=-1) * np.abs(inverse).sum(axis=-1).max(
-        axis=-1
-    )
-    return inverse if bool((size < CONDITION).all()) else None
+    sizes = [np.linalg.norm(each, np.inf, axis=(-2, -1)) for each in (matrix, inverse)]
+    return inverse if bool((sizes[0] * sizes[1] < CONDITION).all()) else None
 
 
 def _decomposed(matrix: Array) -> tuple[Array, Array, Array]:

@@ -35,36 +35,17 @@ Rates = tuple[sp.Expr, sp.Expr]
 
 @dataclass(frozen=True, eq=False)
 class StratifiedPanels:
-    """Height functions of two strokes, one for each coordinate that is no angle.
+    """Height functions of two strokes, one for each coordinate that is no angle."""
 
-    Attributes:
-        strokes: Names of the two fields, the one that is run first in front.
-        strata: Stratum of each.
-        angles: The shape coordinate that each of them moves.
-        speeds: Rate of the angle along each.
-        rates: Of every other coordinate by its name: its change per unit of either
-            angle, as expressions of the two angles.
-        heights: Its height function, the change per unit of area.
-    """
-
-    strokes: tuple[str, str]
-    strata: tuple[str, str]
-    angles: tuple[sp.Symbol, sp.Symbol]
-    speeds: tuple[float, float]
-    rates: Mapping[str, Rates]
-    heights: Mapping[str, sp.Expr]
+    strokes: tuple[str, str]  # the field that is run first in front
+    strata: tuple[str, str]  # of each
+    angles: tuple[sp.Symbol, sp.Symbol]  # the shape coordinate that each moves
+    speeds: tuple[float, float]  # rate of the angle along each
+    rates: Mapping[str, Rates]  # change of each other coordinate per unit of angle
+    heights: Mapping[str, sp.Expr]  # its height function, per unit of area
 
     def at(self, coordinate: str, first: Array, second: Array) -> Array:
-        """Height function of a coordinate at pairs of angles.
-
-        Args:
-            coordinate: Its name.
-            first: Angles of the first stroke.
-            second: Angles of the second stroke, same shape.
-
-        Raises:
-            ValueError: The coordinate is unknown or an angle.
-        """
+        """Height function of a coordinate at pairs of angles of the two strokes."""
         if coordinate not in self.heights:
             raise ValueError(f"panel {coordinate} {unknown(coordinate, self.heights)}")
         values = self._functions[coordinate](first, second)
@@ -75,15 +56,8 @@ class StratifiedPanels:
     ) -> float:
         """Net change of a coordinate around a rectangle: its height, integrated.
 
-        The first stroke goes along its side first; sides may be negative.
-
-        Args:
-            coordinate: Its name.
-            low: Both angles at the corner from which the loop starts.
-            by: Length of both sides.
-
-        Raises:
-            ValueError: The coordinate is unknown or an angle.
+        The loop starts at the corner `low` along the side of the first stroke; the
+        lengths `by` of both sides may be negative.
         """
         nodes, weights = leggauss(SIDE_NODES)
         first, second = (
@@ -94,11 +68,7 @@ class StratifiedPanels:
         return float(weights @ values @ weights) * by[0] * by[1] / 4
 
     def loop(self, by: Sequence[float]) -> tuple[Flow, Flow, Flow, Flow]:
-        """The flows around a rectangle, the word of the bracket.
-
-        Args:
-            by: Length of both sides.
-        """
+        """The flows around a rectangle of given sides, the word of the bracket."""
         (f, g), (on_f, on_g) = self.strokes, self.strata
         a, b = (side / speed for side, speed in zip(by, self.speeds, strict=True))
         return Flow(on_f, f, a), Flow(on_g, g, b), Flow(on_f, f, -a), Flow(on_g, g, -b)
@@ -135,7 +105,7 @@ def stratified_panels(
         >>> stratified_panels(system, ("f", "g")).change("z", low=(0, 0), by=(2, 3))
         6.0
     """
-    start = start or {}
+    begin = {s: sp.nsimplify((start or {}).get(str(s), 0.0)) for s in system.state}
     shape = ShapeCoordinates(system)
     functions = [n for n, f in system.fields.items() if isinstance(f, NumericField)]
     if functions:
@@ -147,20 +117,14 @@ def stratified_panels(
     others = [i for i in range(system.dimension) if i not in shape.coordinates]
     still = [i for i in shape.coordinates if i not in angles]
     turning = [i for i in still if any(shape.rates[name][i] for name in strokes)]
-    rates = {
-        i: tuple(
-            sp.sympify(system.fields[name][i]) / speed
-            for name, speed in zip(strokes, speeds, strict=True)
-        )
-        for i in sorted([*others, *turning])
-    }
+    f, g = (
+        [entry / speed for entry in system.fields[name]]
+        for name, speed in zip(strokes, speeds, strict=True)
+    )
+    rates = {system.state[i]: (f[i], g[i]) for i in sorted([*others, *turning])}
     symbols = (system.state[angles[0]], system.state[angles[1]])
-    known = {
-        system.state[i]: sp.nsimplify(start.get(str(system.state[i]), 0.0))
-        for i in still
-        if i not in turning
-    }
-    solved = _solved(rates, system.state, symbols, known, start)
+    known = {(s := system.state[i]): begin[s] for i in still if i not in turning}
+    solved = _solved(rates, begin, symbols, known)
     return StratifiedPanels(
         strokes=strokes,
         strata=(system.stratum_of[strokes[0]], system.stratum_of[strokes[1]]),
@@ -195,37 +159,33 @@ def _angles(
 
 
 def _solved(
-    rates: Mapping[int, tuple[sp.Expr, ...]],
-    state: Sequence[sp.Symbol],
+    rates: Mapping[sp.Symbol, Rates],
+    begin: Mapping[sp.Symbol, sp.Expr],
     angles: tuple[sp.Symbol, sp.Symbol],
     known: dict[sp.Symbol, sp.Expr],
-    start: Mapping[str, float],
 ) -> dict[str, Rates]:
     """Rates of all coordinates as expressions of the angles, solved one by one."""
-    left = {i: (pair[0], pair[1]) for i, pair in rates.items()}
-    solved: dict[int, Rates] = {}
+    left = dict(rates)
+    solved: dict[sp.Symbol, Rates] = {}
     while left:
+        found = {s: (f.subs(known), g.subs(known)) for s, (f, g) in left.items()}
         ready = {
-            i: (f.subs(known), g.subs(known))
-            for i, (f, g) in left.items()
-            if not (f.subs(known).free_symbols | g.subs(known).free_symbols)
-            - set(angles)
+            s: (f, g)
+            for s, (f, g) in found.items()
+            if (f.free_symbols | g.free_symbols) <= set(angles)
         }
         if not ready:
-            names = ", ".join(str(state[i]) for i in left)
             raise ValueError(
-                f"the rates of {names} depend on more than {angles[0]} and "
-                f"{angles[1]}; a height function needs coordinates that these two "
-                "angles determine"
+                f"the rates of {', '.join(map(str, left))} depend on more than "
+                f"{angles[0]} and {angles[1]}; a height function needs coordinates "
+                "that these two angles determine"
             )
-        for i, pair in ready.items():
-            solved[i] = pair
-            del left[i]
+        for s, pair in ready.items():
+            solved[s] = pair
+            del left[s]
             if _curl(pair, angles) == 0:
-                known[state[i]] = _potential(pair, angles) + sp.nsimplify(
-                    start.get(str(state[i]), 0.0)
-                )
-    return {str(state[i]): solved[i] for i in sorted(solved)}
+                known[s] = _potential(pair, angles) + begin[s]
+    return {str(s): solved[s] for s in rates}
 
 
 def _curl(rates: Rates, angles: tuple[sp.Symbol, sp.Symbol]) -> sp.Expr:

@@ -2,12 +2,11 @@
 
 The word X Y X^-1 Y^-1 may begin at any of its four corners, and rectangles of different
 shapes may have the same area. All of these words realise the bracket [X,Y]. They differ
-in [X,[X,Y]] and [Y,[X,Y]], which cause the error of an open-loop plan. Where a corner
-makes the two cancel, the error falls as 1/n with the number of segments n, otherwise as
-1/sqrt(n). Which corner this is depends on the signs and units of the fields. It is
-therefore determined from the fields and not taken from the order in the paper.
-
-Words of degree 3 and more are judged by where they end: `execution.nearest_words`.
+in [X,[X,Y]] and [Y,[X,Y]], which cause the error of an open-loop plan: where a corner
+makes the two cancel, it falls as 1/n with the number of segments n, otherwise as
+1/sqrt(n). Which corner this is depends on the signs and units of the fields, and is
+therefore determined from the fields and not taken from the order in the paper. Words of
+degree 3 and more are judged by where they end: `execution.nearest_words`.
 
 A choice is described by a scale for each generator: its flows are measured in units of
 the scale, and a negative scale runs the generator backward.
@@ -39,22 +38,16 @@ MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
 
 @dataclass(frozen=True, eq=False)
 class Rectangles:
-    """Corners and shapes of rectangles, compared by the brackets of the next degree.
+    """Corners and shapes of rectangles, compared by the brackets of the next degree."""
 
-    Attributes:
-        hall: The generators and the Hall basis over them, of degree 2.
-        fields: The basis' fields, then the brackets of the next degree.
-    """
-
-    hall: HallFields
-    fields: CompiledFields
+    hall: HallFields  # of degree 2
+    fields: CompiledFields  # those of the basis, then the brackets of the next degree
 
     def scales(self, hall_coordinates: Array, at: Array) -> Array | None:
         """A scale for each generator and segment, shape (segments, m).
 
-        Takes backward coordinates, shape (segments, s), and the configurations that
-        segments start from, shape (segments, n). None where the printed words are as
-        good as any.
+        Takes backward coordinates, shape (segments, s), and the configurations where
+        segments start, (segments, n). None if the printed words are as good as any.
         """
         if not hall_coordinates[:, self._tops].any():
             return None
@@ -86,9 +79,8 @@ class Rectangles:
         terms = np.einsum("wtm,st->wsm", self._leading, powers)
         missed = np.einsum("wsm,snm->wsn", terms, beyond)
         degrees = np.array([degree(e) for e in self.hall.elements])
-        moved = np.abs(own * size.max(axis=1)[:, None, None] ** degrees).max(
-            axis=-1
-        )  # (segments, n)
+        motions = np.abs(own * size.max(axis=1)[:, None, None] ** degrees)
+        moved = motions.max(axis=-1)  # (segments, n)
         errors: Array = np.linalg.norm(missed / np.where(moved, moved, 1.0), axis=-1)
         return errors
 
@@ -122,15 +114,11 @@ class Rectangles:
 
     @cached_property
     def _pair(self) -> list[int] | None:
-        """Places of two generators with the only bracket; None where there are more."""
-        match self.hall.elements[len(self.hall.generators) :]:
-            case (Bracket(left=int() as first, right=int() as second),):
-                return [first - 1, second - 1]
-        return None
+        pair = self.hall.only_pair
+        return pair and [number - 1 for number in pair]
 
     @cached_property
     def _beyond(self) -> tuple[Element, ...]:
-        """Hall elements of the next degree."""
         return tuple(e for e in entangled(self.hall) if degree(e) > DEGREE)
 
     @cached_property
@@ -174,9 +162,9 @@ def _small_basis(hall: HallFields) -> tuple[Element, ...]:
 
 
 def sign_choices(count: int, numbers: Sequence[int]) -> Array:
-    """All signs of some of `count` generators, the printed ones first, (ways, count).
+    """All signs of generators with given numbers, from 1, the printed ones first.
 
-    The generators are given by their numbers, from 1.
+    The other generators run as they are printed; shape (ways, count).
     """
     ways = np.ones((2 ** len(numbers), count))
     ways[:, [i - 1 for i in numbers]] = list(product((1, -1), repeat=len(numbers)))

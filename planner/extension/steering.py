@@ -1,14 +1,14 @@
 """From fictitious inputs to Hall coordinates to words of real inputs, eqs. (9), (20).
 
-The fictitious inputs, eq. (5), are those of `extended.ExtendedSystem`. Brackets outside
-the selected elements have Hall coordinates too, in degree 2 h_ij' = h_i v_j. They are
-realised as well, unless their fields vanish.
+Brackets outside the selected elements have Hall coordinates too, in degree 2 h_ij' =
+h_i v_j. They are realised as well, unless their fields vanish.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from numbers import Integral
 from typing import Literal
 
@@ -18,7 +18,6 @@ from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
-from planner.lie.hall import Bracket
 from planner.lie.input_words import Order, Spelling, joined, spellings
 from planner.lie.mirrored_words import mirrored_spellings
 from planner.lie.short_words import short_durations
@@ -27,15 +26,8 @@ from planner.systems.elements import Tree, leaves, name_of
 from planner.systems.flows import Word
 from planner.systems.strata import StratifiedSystem
 
-Wording = Literal[
-    "backward",
-    "forward",
-    "backward-turned",
-    "forward-turned",
-    "shortest",
-    "alternating",
-]
 Spelled = Literal["backward", "forward", "backward-turned", "forward-turned"]
+Wording = Literal[Spelled, "shortest", "alternating"]
 MOST_SIGNED = 4  # generators whose signs are tried, all combinations of them
 MOST_COORDINATES = 500  # of a segment; its words are far longer still
 
@@ -87,12 +79,8 @@ class Steering:
     def hall_coordinates(self, inputs: Array) -> Array:
         """Backward Hall coordinates that inputs reach in unit time, eq. (9).
 
-        Args:
-            inputs: Fictitious inputs of the selected elements at collocation nodes,
-                shape (segments, nodes, p).
-
-        Returns:
-            Shape (segments, s), in the order of `basis`.
+        Fictitious inputs of the selected elements at collocation nodes have shape
+        (segments, nodes, p), the coordinates (segments, s) in the order of `basis`.
         """
         everywhere = np.zeros((*inputs.shape[:-1], len(self.basis)))
         everywhere[..., list(self.selected)] = inputs
@@ -103,24 +91,20 @@ class Steering:
     ) -> list[Word]:
         """Words of the generators that realise Hall coordinates, one for each segment.
 
-        Args:
-            hall_coordinates: Backward coordinates, shape (segments, s).
-            order: `backward` runs brackets first, `forward` generators first; turned,
-                the generators themselves run in the other order. `shortest` takes short
-                words where two fields have the only bracket, and the shorter of the
-                other two elsewhere. `alternating` mirrors every second of the backward
-                words.
-            at: Configurations that the segments start from, shape (segments, n), for
-                rectangles that leave the smallest error there; None takes those that
-                are printed.
+        `backward` runs brackets first, `forward` generators first; turned, the
+        generators themselves run in the other order. `shortest` takes short words
+        where two fields have the only bracket, and the shorter of the first two
+        elsewhere. `alternating` mirrors every second of the backward words. The
+        coordinates are backward ones, shape (segments, s). Configurations that the
+        segments start from, shape (segments, n), choose the rectangles that leave the
+        smallest error there; without them rectangles are those that are printed.
         """
         if order == "shortest":
             return self._short_words(hall_coordinates)
         if order == "alternating":
             return self._alternating_words(hall_coordinates)
         scales = None
-        turned = order.endswith("-turned")
-        if self.rectangles is not None and at is not None and not turned:
+        if self.rectangles and at is not None and not order.endswith("-turned"):
             scales = self.rectangles.scales(hall_coordinates, at)
         return self.scaled_words(hall_coordinates, order, scales)
 
@@ -132,9 +116,8 @@ class Steering:
     ) -> list[Word]:
         """Words whose flows are measured in other units, or run backward.
 
-        All of them realise the same coordinates; they differ in brackets beyond. The
-        scales have shape (segments, m) or (m,); None takes the words as they are
-        printed.
+        All of them realise the same coordinates; they differ in brackets beyond. Scales
+        have shape (segments, m) or (m,); None takes the words that are printed.
         """
         if scales is not None:
             scales = np.broadcast_to(scales, (len(hall_coordinates), scales.shape[-1]))
@@ -183,49 +166,33 @@ class Steering:
         return self._named(spelled)
 
     def _short_words(self, hall_coordinates: Array) -> list[Word]:
-        count = len(self.hall.generators)
-        match self.hall.elements[count:]:
-            case (Bracket(left=int() as first, right=int() as second),):
-                return self._named(_single_pair(hall_coordinates, count, first, second))
-        both = (
-            self.words(hall_coordinates, order) for order in ("backward", "forward")
-        )
-        return [min(pair, key=_travel) for pair in zip(*both, strict=True)]
+        if self.hall.only_pair is None:
+            backward = self.words(hall_coordinates, "backward")
+            forward = self.words(hall_coordinates, "forward")
 
+            def travel(word: Word) -> float:
+                return sum(map(abs, word.durations))
 
-def _single_pair(
-    hall_coordinates: Array, count: int, first: int, second: int
-) -> list[Spelling]:
-    """Shortest words if the only bracket is that of two of the generators."""
-    h = hall_coordinates.T
-    pair = short_durations(h[first - 1], h[second - 1], h[count])
-    apart = [i for i in range(1, count + 1) if i not in (first, second)]
-    generators = (first, second, first, second, first, *apart)
-    durations = np.hstack([pair, h[[i - 1 for i in apart]].T])
-    return [joined(generators, row) for row in durations.tolist()]
-
-
-def _travel(word: Word) -> float:
-    return sum(map(abs, word.durations))
+            return [
+                min(pair, key=travel) for pair in zip(backward, forward, strict=True)
+            ]
+        first, second = self.hall.only_pair
+        count, h = len(self.hall.generators), hall_coordinates.T
+        pair = short_durations(h[first - 1], h[second - 1], h[count])
+        apart = [i for i in range(1, count + 1) if i not in (first, second)]
+        generators = (first, second, first, second, first, *apart)
+        durations = np.hstack([pair, h[[i - 1 for i in apart]].T])
+        return self._named([joined(generators, row) for row in durations.tolist()])
 
 
 def steering(
     system: StratifiedSystem, trees: Sequence[Tree], degree: int | None = None
 ) -> Steering:
-    """Prepare the Hall coordinates of selected elements.
+    """Prepare the Hall coordinates of selected elements over field names.
 
-    Args:
-        system: System whose fields the elements are made of.
-        trees: Elements over field names.
-        degree: Degree of the nilpotent approximation; the elements' highest degree if
-            not given.
-
-    Raises:
-        ValueError: An element is not in the Hall basis over its generators, or the
-            degree is no whole number, below an element's, or asks for too many Hall
-            coordinates.
+    The nilpotent approximation has the elements' highest degree if none is given.
     """
-    generators = tuple(dict.fromkeys(leaf for tree in trees for leaf in leaves(tree)))
+    generators = tuple(dict.fromkeys(chain(*map(leaves, trees))))
     highest = max(len(leaves(tree)) for tree in trees)
     degree = highest if degree is None else degree
     if not isinstance(degree, Integral) or isinstance(degree, bool):
