@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import product
+from functools import cached_property
+from itertools import accumulate, groupby, product
 
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow
@@ -22,7 +23,7 @@ from planner.systems.strata import StratifiedSystem
 SHORTEST_RECOVERY = 1e-12  # a recovery shorter than this is a rounding error
 
 
-@dataclass(slots=True)
+@dataclass
 class _Visit:
     """A stay on one stratum: recoveries first, then strokes."""
 
@@ -30,14 +31,17 @@ class _Visit:
     segment: int  # to which its recoveries belong
     recoveries: dict[str, float] = field(default_factory=dict)  # duration by field
     strokes: list[tuple[int, Flow]] = field(default_factory=list)  # with their segment
-    runs: list[tuple[str, float]] = field(default_factory=list)  # strokes, joined
 
-    def add(self, segment: int, flow: Flow) -> None:
-        self.strokes.append((segment, flow))
-        before = 0.0
-        if self.runs and self.runs[-1][0] == flow.field:
-            _, before = self.runs.pop()
-        self.runs.append((flow.field, before + flow.duration))
+    @cached_property
+    def runs(self) -> list[tuple[str, float]]:
+        """Fields of the strokes in turn, each with its whole duration."""
+        joined = groupby(
+            (flow for _, flow in self.strokes), key=lambda flow: flow.field
+        )
+        durations = (
+            (name, accumulate(f.duration for f in run)) for name, run in joined
+        )
+        return [(name, list(sums)[-1]) for name, sums in durations]
 
     def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
         """Middle and end of a coordinate's strokes, from their start; None if none."""
@@ -70,7 +74,7 @@ def centred(
             if not visits or visits[-1].stratum != flow.stratum:
                 visits.append(_Visit(flow.stratum, k))
             if flow.field not in shape.recoveries:
-                visits[-1].add(k, flow)
+                visits[-1].strokes.append((k, flow))
     if visits or goal is not None:
         for coordinate in sorted({i for i, _ in shape.recoveries.values()}):
             last = None if goal is None else float(goal[coordinate])

@@ -139,7 +139,8 @@ class Optimiser:
         sizes = self.task.sizes(self.path(0.0))
         for left in reversed(range(REFINEMENTS)):
             flows = self.flows(solutions)
-            miss, violations = goal - self._end(flows), self._violations(flows)
+            end, violations = self._played(flows)
+            miss = goal - end
             off = float(np.abs(miss[self.task.moved] / sizes).max())
             if violations.none and (best is None or off < best[0]):
                 best = off, flows
@@ -199,18 +200,14 @@ class Optimiser:
         again = self._search.again(whole, aim, asked)
         return None if again is None else ([again], [asked])
 
-    def _violations(self, flows: Sequence[Sequence[Flow]]) -> Violations:
-        """Violations of tolerances and inequalities along the exact motion of flows."""
-        joined = merged(chain(*flows))
-        states = play(self.task.system, joined, self.path(0.0), FLOW_SAMPLES)
+    def _played(self, flows: Sequence[Sequence[Flow]]) -> tuple[Array, Violations]:
+        """Where the exact motion of flows ends, and which constraints it violates."""
+        system, start, joined = self.task.system, self.path(0.0), merged(chain(*flows))
+        predict = self.criterion.predict
+        end = predict(joined) if predict else play(system, joined, start)[-1]
+        states = play(system, joined, start, FLOW_SAMPLES)
         points = self.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
         tolerances, inequalities = self.task.tolerances, self.task.inequalities
         found = deviation(states, points, [t.coordinates for t in tolerances])
         excess = max(f / t.most for f, t in zip(found, tolerances, strict=True))
-        return Violations(excess, np.array([i.lack(flows) for i in inequalities]))
-
-    def _end(self, flows: Sequence[Sequence[Flow]]) -> Array:
-        joined = merged(chain(*flows))
-        if self.criterion.predict is not None:
-            return self.criterion.predict(joined)
-        return play(self.task.system, joined, self.path(0.0))[-1]
+        return end, Violations(excess, np.array([i.lack(flows) for i in inequalities]))

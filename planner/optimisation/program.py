@@ -57,8 +57,7 @@ class Program:
         strokes, recoveries = self.unknowns.centred(strokes, start)
         states = [start[moved]]
         for stage, stroke, amounts in zip(stages, strokes, recoveries, strict=True):
-            padded = np.pad(amounts, (0, self.task.most_recoveries - len(amounts)))
-            steps = self._stages[stage](states[-1], stroke, padded)
+            steps = self._stages[stage](states[-1], stroke, amounts)
             states.append(np.array(steps)[:, -1])
         whole = np.tile(start, (len(states), 1))
         whole[:, moved] = np.array(states)

@@ -126,11 +126,9 @@ class Refinement:
         stage = self.task.stage(solution.first + number)
         if stage not in self._functions:
             self._functions[stage] = self._function(stage, solution.states[0])
-        amounts = solution.recoveries[number]
-        padded = np.pad(amounts, (0, self.task.most_recoveries - len(amounts)))
         begin = solution.states[number][self.task.moved]
         states, *lacks = self._functions[stage].call(
-            [begin, solution.strokes[number], padded]
+            [begin, solution.strokes[number], solution.recoveries[number]]
         )
         return np.array(states).T, np.array([np.array(lack).max() for lack in lacks])
 

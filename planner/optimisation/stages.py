@@ -49,7 +49,7 @@ class Stage:
     def flows(self, stroke: float, recoveries: Sequence[float]) -> list[Flow]:
         """Its flows in time order, without negligible ones."""
         named = [r.field for r in self.recoveries] + [self.stroke] * bool(self.stroke)
-        amounts = [*recoveries, stroke]
+        amounts = [*recoveries[: len(self.recoveries)], stroke]
         return [
             Flow(self.stratum, name, float(amount))
             for name, amount in zip(named, amounts, strict=False)
@@ -142,16 +142,11 @@ def guesses(
             if found is not None:
                 yield found
     rng = np.random.default_rng(0)
-    for _ in range(RANDOM_GUESSES):
-        yield _alternating(count, rng)
-
-
-def _alternating(count: int, rng: np.random.Generator) -> Array:
-    """Strokes forward for some stages, then backward for as many, with noise."""
-    size, half = rng.uniform(0.2, 0.6), int(rng.choice([2, 2, 4, 4, 6]))
-    pattern = np.resize(np.repeat([1.0, -1.0], half), count + half)
-    turned = np.roll(pattern, int(rng.integers(4 * half)))[:count]
-    return turned * size + 0.05 * rng.normal(size=count)
+    for _ in range(RANDOM_GUESSES):  # as many backward as forward in turn, with noise
+        size, half = rng.uniform(0.2, 0.6), int(rng.choice([2, 2, 4, 4, 6]))
+        pattern = np.resize(np.repeat([1.0, -1.0], half), count + half)
+        turned = np.roll(pattern, int(rng.integers(4 * half)))[:count]
+        yield turned * size + 0.05 * rng.normal(size=count)
 
 
 def amounts_of(

@@ -107,7 +107,7 @@ class Solution:
 
     first: int  # number in the cycle of the first stage
     strokes: Array  # shape (N,)
-    recoveries: tuple[Array, ...]  # amounts of each stage's
+    recoveries: Array  # amounts, as many as any stage has, shape (N, R)
     states: Array  # at both ends of every stage, shape (N + 1, n)
     places: Array  # on the path, from 0 to 1, that belong to them, shape (N + 1,)
     cost: float
@@ -120,7 +120,7 @@ class Solution:
         return cls(
             first=begin.first,
             strokes=np.concatenate([part.strokes for part in parts]),
-            recoveries=tuple(amounts for part in parts for amounts in part.recoveries),
+            recoveries=np.vstack([part.recoveries for part in parts]),
             states=np.vstack([begin.states, *(part.states[1:] for part in rest)]),
             places=np.concatenate([begin.places, *(part.places[1:] for part in rest)]),
             cost=sum(part.cost for part in parts),

@@ -63,11 +63,8 @@ class Unknowns:
 
     def packed(self, solution: Solution) -> Array:
         """The vector of a solution; a guess has a wide corridor."""
-        recoveries = np.zeros((self.count, self.task.most_recoveries))
-        for row, amounts in zip(recoveries, solution.recoveries, strict=True):
-            row[: len(amounts)] = amounts
         parts = [solution.states[:, self.task.moved].ravel(), solution.places]
-        for amounts in (solution.strokes, recoveries.ravel()):
+        for amounts in (solution.strokes, solution.recoveries.ravel()):
             parts += [np.maximum(amounts, 0.0), np.maximum(-amounts, 0.0)]
         if self.task.overlapped:
             parts.append(np.abs(solution.strokes))
@@ -82,9 +79,8 @@ class Unknowns:
         whole = np.tile(start, (count + 1, 1))
         whole[:, self.task.moved] = states.reshape(count + 1, n)
         recoveries = (signed[2] - signed[3]).reshape(count, wide)
-        strokes = signed[0] - signed[1]
-        width, amounts = float(values[-1]), self._each(recoveries)
-        return Solution(self.first, strokes, amounts, whole, places, cost, width)
+        strokes, width = signed[0] - signed[1], float(values[-1])
+        return Solution(self.first, strokes, recoveries, whole, places, cost, width)
 
     def bounds(
         self,
@@ -116,7 +112,7 @@ class Unknowns:
         low = [states[..., 0].ravel(), along[:, 0], np.zeros(len(amounts)), width]
         return np.concatenate(low), np.concatenate(high)
 
-    def centred(self, strokes: Array, start: Array) -> tuple[Array, tuple[Array, ...]]:
+    def centred(self, strokes: Array, start: Array) -> tuple[Array, Array]:
         """Strokes clipped to their range, and recoveries that centre each on zero."""
         strokes = np.clip(strokes, -self.longest, self.longest)
         amounts = np.zeros((self.count, self.task.most_recoveries))
@@ -132,7 +128,7 @@ class Unknowns:
                 now[i] = target
             for i, rate in rates[k].items():
                 now[i] += rate * strokes[k]
-        return strokes, self._each(amounts)
+        return strokes, amounts
 
     @cached_property
     def longest(self) -> Array:
@@ -146,9 +142,3 @@ class Unknowns:
                 span = 2 * min(high, -low) if self.task.centred else high - low
                 known[stage] = min(known[stage], span / abs(rate))
         return np.array([known[stage] for stage in self.stages])
-
-    def _each(self, recoveries: Array) -> tuple[Array, ...]:
-        return tuple(
-            row[: len(stage.recoveries)]
-            for row, stage in zip(recoveries, self.stages, strict=True)
-        )

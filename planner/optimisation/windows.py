@@ -105,7 +105,7 @@ class WindowSearch:
         try:
             self._explore(window, count)
         except (KeyboardInterrupt, BudgetError) as stop:
-            if self.without_soft or self._width_of(self._best) > KEPT_WIDTH:
+            if self.without_soft or not self._kept:
                 raise  # nothing is found
             if isinstance(stop, BudgetError) and window.ends[1] < 1.0:
                 raise
@@ -122,12 +122,12 @@ class WindowSearch:
         self._tried.clear()
         count = self._fewest(window, few, count)
         if self.without_soft:
-            if self._width_of(self._best) > KEPT_WIDTH:
+            if not self._kept:
                 return
             self._best, self.without_soft = None, False
             self._tried.clear()
             count = self._fewest(window, count - 1, count)
-        if self._width_of(self._best) <= KEPT_WIDTH:
+        if self._kept:
             self._improve(window, count)
 
     def _fewest(self, window: Window, few: int, count: int) -> int:
@@ -179,7 +179,7 @@ class WindowSearch:
                 self._left *= WORKED  # the amount of work is not known beforehand
                 begin, end = window.ends
                 self.report(begin + (end - begin) / 2 * (1.0 - self._left))
-                least = min(least, self._width_of(here))
+                least = min(least, here.width if here else np.inf)
                 if least <= KEPT_WIDTH and self.hurried:
                     return least
         return float(least)
@@ -194,18 +194,15 @@ class WindowSearch:
         relaxed = self._guesses[trial]
         if self.without_soft or not self._relaxes:
             return relaxed
-        if relaxed is None or relaxed.width > KEPT_WIDTH or self._hopeless(relaxed):
+        if relaxed is None or relaxed.width > KEPT_WIDTH:
             return None
+        if self._kept and self.score(relaxed) >= self._least():
+            return None  # no better even without soft constraints
         tick()
         guess = replace(relaxed, width=np.inf)  # far inside of a wide corridor
         found = self.programs(*trial[:2]).solve(guess, window.ends, window.goal)
         # soft constraints hold only where the corridor has its smallest width
         return found and replace(found, width=found.width / CHECKED_SHARE)
-
-    def _hopeless(self, relaxed: Solution) -> bool:
-        """Whether a score is no better even without soft constraints."""
-        good = self._width_of(self._best) <= KEPT_WIDTH
-        return good and self.score(relaxed) >= self._least()
 
     def _keep(self, found: Solution | None) -> None:
         """Keep a better solution, or a narrower one while none keeps the tolerances."""
@@ -227,9 +224,10 @@ class WindowSearch:
         """Whether there are soft constraints."""
         return self.task.relaxed is not self.task
 
-    @staticmethod
-    def _width_of(found: Solution | None) -> float:
-        return found.width if found else np.inf
+    @property
+    def _kept(self) -> bool:
+        """Whether a solution keeps the tolerances."""
+        return self._best is not None and self._best.width <= KEPT_WIDTH
 
     def _least(self) -> float:
         return self.score(self._best) if self._best else np.inf

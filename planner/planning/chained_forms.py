@@ -152,20 +152,16 @@ def _formed(
     rate = _equal(rates[still.index(False)], outputs.rate, state)
     ahead = drive / rate
     slope = _equal(_rate(outputs.across, ahead, state), outputs.slope, state)
+    both = f"{outputs.along} and {outputs.across}"
+    refusal = f"{both} are not flat outputs of a chained form"
     chain = [outputs.across, slope]
     while len(chain) < len(state) - 1:
         if not _vanishes(_rate(chain[-1], turn, state), state):
-            raise PlannerError(
-                f"{outputs.along} and {outputs.across} are not flat outputs of a "
-                "chained form: a slope is turned too early"
-            )
+            raise PlannerError(f"{refusal}: a slope is turned too early")
         chain.append(_rate(chain[-1], ahead, state))
     turned = _rate(chain[-1], turn, state)
     if _vanishes(turned, state):
-        raise PlannerError(
-            f"{outputs.along} and {outputs.across} are not flat outputs of a chained "
-            "form: the last slope is never turned"
-        )
+        raise PlannerError(f"{refusal}: the last slope is never turned")
     fields = {
         AHEAD: ahead - turn * (_rate(chain[-1], ahead, state) / turned),
         TURN: turn / turned,

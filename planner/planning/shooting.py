@@ -9,7 +9,7 @@ range.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -196,7 +196,9 @@ def steer(
     part, critical, hopeful = 1.0, np.inf, True
     while distances[-1] > tolerance:
         tick(f"{len(shots)} shots, which end {distances[-1]:.3g} off the goal")
-        if hopeful and (_stalled(distances) or part < FINEST):
+        earlier = distances[-1 - STALLED] if len(distances) > STALLED else np.inf
+        stalled = distances[-1] > earlier / 2
+        if hopeful and (stalled or part < FINEST):
             if aimed := _aimed_pieces(extended, way, execution, tolerance):
                 shots, ends = aimed, [shot.end for shot in aimed]
                 distances[1:] = [float(np.linalg.norm(end - x)) for x in ends]
@@ -219,11 +221,6 @@ def steer(
     nominal = np.array([*([shot.start for shot in shots] or [here]), end])
     planned = _assembled(extended, shots, nominal, execution)
     return Steered(planned, tuple(distances), float(critical))
-
-
-def _stalled(distances: Sequence[float]) -> bool:
-    """Whether the last shots together have not halved the distance."""
-    return len(distances) > STALLED and distances[-1] > distances[-1 - STALLED] / 2
 
 
 def _aimed_pieces(

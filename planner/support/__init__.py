@@ -5,38 +5,24 @@ which a message names a place or a name that is unknown. `models` and `sim` impo
 from here.
 """
 
-from planner.errors import did_you_mean, point, unknown
+from planner.errors import (
+    did_you_mean as did_you_mean,
+    point as point,
+    unknown as unknown,
+)
 from planner.support.files import (
-    open_file,
-    read_file,
-    remove_unfinished,
-    require_space,
-    whole_file,
+    open_file as open_file,
+    read_file as read_file,
+    remove_unfinished as remove_unfinished,
+    require_space as require_space,
+    whole_file as whole_file,
 )
 from planner.support.stopping import (
-    best_so_far,
-    forget_interruption,
-    limited,
-    note_interruption,
-    tick,
-    unanswered_interruption,
-    unlimited,
+    best_so_far as best_so_far,
+    forget_interruption as forget_interruption,
+    limited as limited,
+    note_interruption as note_interruption,
+    tick as tick,
+    unanswered_interruption as unanswered_interruption,
+    unlimited as unlimited,
 )
-
-__all__ = [
-    "best_so_far",
-    "did_you_mean",
-    "forget_interruption",
-    "limited",
-    "note_interruption",
-    "open_file",
-    "point",
-    "read_file",
-    "remove_unfinished",
-    "require_space",
-    "tick",
-    "unanswered_interruption",
-    "unknown",
-    "unlimited",
-    "whole_file",
-]
