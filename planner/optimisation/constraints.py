@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner.numerics.arrays import Array
-from planner.optimisation.dynamics import PathDistance, whole_state
+from planner.optimisation.dynamics import whole_state
 from planner.optimisation.solver import Expression, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Task
@@ -52,8 +52,7 @@ class Constraints:
 
     def __init__(self) -> None:
         self.rows: list[Expression] = []
-        self._bounds: list[Array] = []
-        self._tightened: list[tuple[slice, Tightening]] = []
+        self._bounds: list[tuple[Array, Tightening | None]] = []
 
     def add(
         self,
@@ -68,25 +67,22 @@ class Constraints:
         """
         flat = solver().vec(rows)
         self.rows.append(flat)
-        first = sum(bounds.shape[1] for bounds in self._bounds)
-        self._bounds.append(np.tile([[low], [high]], flat.numel()))
-        if tightening is not None:
-            self._tightened.append((slice(first, first + flat.numel()), tightening))
+        self._bounds.append((np.tile([[low], [high]], flat.numel()), tightening))
 
     def bounds(self, margins: Margins | None = None) -> tuple[Array, Array]:
         """Lower and upper bounds of all rows, tightened by margins."""
-        low, high = np.concatenate(self._bounds, axis=1)
-        if margins is None:
-            return low, high
-        for rows, tightening in self._tightened:
-            amount = tightening(margins).ravel(order="F")
-            low[rows] += amount
-            high[rows] -= amount
+        parts = []
+        for bounds, tightening in self._bounds:
+            if margins and tightening:
+                amount = tightening(margins).ravel(order="F")
+                bounds = bounds + [amount, -amount]
+            parts.append(bounds)
+        low, high = np.concatenate(parts, axis=1)
         return low, high
 
     def corridor(
         self,
-        distance: PathDistance,
+        distance: tuple[Expression, Sequence[int]],
         states: Sequence[Expression],
         places: Sequence[Expression],
         widths: Sequence[Expression],
@@ -96,13 +92,13 @@ class Constraints:
 
         A place on the path, a width of the corridor in tolerances and the number of a
         stage belong to each state; the number is -1 for a state that is fixed, to which
-        margins do not apply.
+        margins do not apply. The distance is as `path_distance` gives it.
         """
-        if not distance.powers:
+        within, powers = distance[0], np.array(distance[1])[:, None]
+        if not powers.size:
             return
         columns = [solver().horzcat(*parts) for parts in (states, places, widths)]
-        rows = distance.function.map(columns[1].numel())(*columns)
-        powers = np.array(distance.powers)[:, None]
+        rows = within.map(columns[1].numel())(*columns)
 
         def tightening(margins: Margins) -> Array:
             shares = np.where(stages < 0, 1.0, margins.shares[stages])
@@ -154,13 +150,10 @@ class Constraints:
 
         def tightening(margins: Margins) -> Array:
             last = len(margins.shares) - 1
-            amounts = margins.inequalities[
-                np.ix_(stages, [number for _, number in kinds])
-            ].T
-            fixed = [
-                [(place, k) in ((0, 0), (2, last)) for k in stages]
-                for place, _ in kinds
-            ]
+            places, numbers = zip(*kinds, strict=True)
+            amounts = margins.inequalities[np.ix_(stages, numbers)].T
+            ends = (0, 0), (2, last)  # of which state, in which stage
+            fixed = [[(place, k) in ends for k in stages] for place in places]
             return np.asarray(np.where(fixed, 0.0, amounts) / unit)
 
         self.add(mapped, 0.0, np.inf, tightening)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,23 +18,13 @@ STRAIGHT = 1e-9  # deviation from a straight line, relative to the size of the p
 TINY = 1e-12  # added to denominators that may be zero
 
 
-@dataclass(frozen=True)
-class PathDistance:
-    """Distance of a state from a point of the path, relative to a corridor's width.
-
-    The function maps the unknown coordinates, the place on the path and the width of
-    the corridor in tolerances to values that are at most zero inside.
-    """
-
-    function: Expression
-    powers: tuple[int, ...]  # of the width in each value; empty without tolerances
-
-
-def path_distance(task: Task, path: Path) -> PathDistance:
+def path_distance(task: Task, path: Path) -> tuple[Expression, list[int]]:
     """The distance from a path, in the groups of coordinates that have tolerances.
 
-    The first group is the position, compared at a given point of the path. The others
-    are compared where the tangent at this point is nearest to the position.
+    The function maps the unknown coordinates, the place on the path and the width of
+    the corridor in tolerances to values that are at most zero inside; each value has
+    the width to a power. The first group is the position, compared at the place; the
+    others are compared where the tangent there is nearest to the position.
     """
     ca = solver()
     x, s = ca.MX.sym("x", len(task.moved)), ca.MX.sym("s")
@@ -56,8 +45,7 @@ def path_distance(task: Task, path: Path) -> PathDistance:
             along = ca.jacobian(curve(s)[index], s)
             ahead = ca.dot((x - curve(s))[index], along)
             nearest = s + ahead / (ca.sumsqr(along) + TINY)
-    function = ca.Function("within", [x, s, wide], [ca.vertcat(*parts)])
-    return PathDistance(function, tuple(powers))
+    return ca.Function("within", [x, s, wide], [ca.vertcat(*parts)]), powers
 
 
 def whole_state(task: Task, start: Array, moved: Expression) -> list[Expression]:

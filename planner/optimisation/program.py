@@ -3,11 +3,9 @@
 The unknowns are the strokes and recoveries of every stage, the states between stages,
 and the places on the path that belong to the ends of the stages. Within a stage the
 state is integrated in a few steps; after each step it must lie in the corridor, within
-the tolerances of the place on the path that belongs to this moment.
-
-The width of the corridor is an unknown with a high cost. The program is therefore
-feasible from any guess, and where no plan keeps the tolerances, its solution says which
-width of the corridor would be needed.
+the tolerances of the place on the path that belongs to this moment. The width of the
+corridor is an unknown with a high cost. The program is therefore feasible from any
+guess, and where no plan keeps the tolerances, its solution says which width is needed.
 """
 
 from __future__ import annotations
@@ -142,9 +140,7 @@ class Program:
         prices = [task.cost(s.stroke) if s.stroke else 0.0 for s in stages]
         cost = ca.dot(D, ca.DM(prices).T)
         for j in range(task.most_recoveries):
-            each = [
-                task.cost(s.recoveries[j].field) if j < len(s.recoveries) else 0.0
-                for s in stages
-            ]
-            cost += ca.dot(A[j, :], ca.DM(each).T)
+            fields = [s.recoveries[j].field if s.recoveries[j:] else "" for s in stages]
+            prices = [task.cost(name) if name else 0.0 for name in fields]
+            cost += ca.dot(A[j, :], ca.DM(prices).T)
         return cost

@@ -23,7 +23,6 @@ from planner.systems.strata import StratifiedSystem
 
 Coarse = Callable[[float, float, int], Sequence[Flow]]
 """Flows of a stratified plan from one place on the path to another, in segments."""
-
 ZERO_FLOW = 1e-5  # duration; an interior-point method leaves this much of no flow
 RANDOM_GUESSES = 3  # alternating strokes of random size and phase
 COARSE_SHARES = (1.0, 0.5)  # shares of the stages that coarse plans take

@@ -3,12 +3,10 @@
 A program has a fixed number of stages. With fewer stages a plan switches contacts less
 often and makes longer strokes, until the tolerances of the path can no longer be kept.
 The search finds the smallest number of stages that keeps them, and looks for the best
-plan from there upward.
-
-Soft constraints, such as clearances, make a solution several times as expensive, and
-most programs with them fail from a poor first guess. The search therefore leaves them
-out at first. Its solutions are the first guesses of a second search with them, which
-begins with the smallest number of stages that the first search has found.
+plan from there upward. Soft constraints, such as clearances, make a solution several
+times as expensive, and most programs with them fail from a poor first guess, so they
+are left out at first. A second search with them begins with the smallest number of
+stages that the first has found, and from its solutions.
 """
 
 from __future__ import annotations

@@ -242,7 +242,7 @@ def assemble(
         elements=extended.elements,
         basis=extended.steering.basis,
         flows=flows,
-        segment_ends=tuple(np.cumsum([len(flows) for flows in ordered]).tolist()),
+        segment_ends=tuple(np.cumsum(list(map(len, ordered))).tolist()),
         inputs=inputs,
         hall_coordinates=hall_coordinates,
         nominal=nominal,

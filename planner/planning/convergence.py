@@ -74,7 +74,7 @@ def faster(
 ) -> dict[str, ConvergenceOrder]:
     """What would make plans converge faster, and the order that each has then."""
     now = convergence_order(extended, path, coordinates)
-    offers: dict[str, ConvergenceOrder] = {}
+    offers = dict[str, ConvergenceOrder]()
     if np.isinf(now.order):
         return offers
     if coordinates != "symmetric":

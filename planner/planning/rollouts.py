@@ -78,11 +78,10 @@ def play(
             for stratum, field, duration in flows
             for _ in range(samples)
         ]
-    together = (
-        batched(system, parts, states[0]) if len(parts) >= WORTH_BATCHING else None
-    )
-    if together is not None:
-        return np.concatenate([states, together])
+    if len(parts) >= WORTH_BATCHING:
+        together = batched(system, parts, states[0])
+        if together is not None:
+            return np.concatenate([states, together])
     for flow in parts:
         states.append(flow_map(system, flow.field, states[-1], flow.duration))
     return np.array(states)
