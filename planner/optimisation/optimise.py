@@ -185,10 +185,9 @@ class Optimiser:
         """
         goals = [*(s.states[-1] for s in solutions[:-1]), aim]
         found = list[Solution]()
-        for solution, goal, asked, anew in zip(
-            solutions, goals, margins, changed, strict=True
-        ):
-            again = self._search.again(solution, goal, asked) if anew else solution
+        for number, solution in enumerate(solutions):
+            given = solution, goals[number], margins[number]
+            again = self._search.again(*given) if changed[number] else solution
             if again is None:
                 break
             found.append(again)
@@ -196,9 +195,9 @@ class Optimiser:
             return found, list(margins)
         if len(solutions) == 1:
             return None
-        whole, asked = Solution.joined(solutions), Margins.joined(margins)
-        again = self._search.again(whole, aim, asked)
-        return None if again is None else ([again], [asked])
+        asked = Margins.joined(margins)
+        again = self._search.again(Solution.joined(solutions), aim, asked)
+        return ([again], [asked]) if again else None
 
     def _played(self, flows: Sequence[Sequence[Flow]]) -> tuple[Array, Violations]:
         """Where the exact motion of flows ends, and which constraints it violates."""

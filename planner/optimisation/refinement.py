@@ -55,8 +55,7 @@ class Violations:
 
 def _violating(excess: Array) -> Array:
     """Stages with a positive excess, or all if there are none, along the first axis."""
-    violating: Array = (excess > 0.0) | ~(excess > 0.0).any(axis=0)
-    return violating
+    return np.asarray((excess > 0.0) | ~(excess > 0.0).any(axis=0))
 
 
 @dataclass
@@ -79,14 +78,13 @@ class Refinement:
         """
         if violations.none:
             return list(before)
-        starts = np.cumsum([len(solution.strokes) for solution in solutions])
+        starts = np.cumsum([len(solution.strokes) for solution in solutions])[:-1]
         checked = [
             self._checked(solution, k)
             for solution in solutions
             for k in range(len(solution.strokes))
         ]
-        widths = self._widths(solutions, [states for states, _ in checked])
-        over = np.maximum(1.0, widths)
+        over = np.maximum(1.0, self._widths(solutions, [part for part, _ in checked]))
         shares = np.ones(len(checked))
         if violations.excess > 1.0:
             more = max(1.0, violations.excess / over.max())
@@ -95,11 +93,8 @@ class Refinement:
         more = np.maximum(violations.lacks - own.max(axis=0), 0.0)
         asked = _violating(own) & (violations.lacks > 0.0)
         lacks = np.where(asked, own + more, 0.0)
-        parts = np.split(shares, starts[:-1]), np.split(lacks, starts[:-1])
-        return [
-            margins.enlarged(share, lack)
-            for margins, share, lack in zip(before, *parts, strict=True)
-        ]
+        parts = np.split(shares, starts), np.split(lacks, starts)
+        return list(map(Margins.enlarged, before, *parts))
 
     def _widths(self, solutions: Sequence[Solution], parts: Sequence[Array]) -> Array:
         """Largest deviation of the states of each stage, in tolerances.

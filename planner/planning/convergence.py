@@ -20,6 +20,7 @@ reference [3]). The critical step is how long such a plan may be.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import chain
 from math import inf
 
 import numpy as np
@@ -129,10 +130,9 @@ def convergence_order(
     if coordinates == "symmetric":
         cancelled = (k - d) % 2 == 0
     else:
-        wordings = {wording for choice in CHOICES[coordinates] for wording in choice}
         cancelled = not any(
             _misses(extended, longer, samples[places], leading, wording)
-            for wording in wordings
+            for wording in set(chain(*CHOICES[coordinates]))
         )
     return ConvergenceOrder(k, d, (k + 1 + cancelled - d) / d, bool(cancelled))
 
@@ -240,18 +240,16 @@ def _longest(
             return False
         return bool(np.linalg.norm(target - end) <= np.linalg.norm(factor * step) / 2)
 
-    low, high = (1.0, 2.0) if serves(1.0) else (0.5, 1.0)
-    if low == 1.0:
-        unit = 1.0 / float(np.linalg.norm(step))
-        while serves(high):
-            low, high = high, 2 * high
-            if low >= within or high > 2.0**DOUBLINGS * max(1.0, unit):
-                return inf
-    else:
-        while not serves(low):
-            low, high = low / 2, low
-            if low < 2.0**-HALVINGS:
-                return 0.0
+    low, unit = 1.0, 1.0 / float(np.linalg.norm(step))
+    while not serves(low):
+        low /= 2
+        if low < 2.0**-HALVINGS:
+            return 0.0
+    high = 2 * low
+    while low >= 1.0 and serves(high):
+        low, high = high, 2 * high
+        if low >= within or high > 2.0**DOUBLINGS * max(1.0, unit):
+            return inf
     while high - low > ACCURACY * high:
         middle = (low + high) / 2
         low, high = (middle, high) if serves(middle) else (low, middle)
