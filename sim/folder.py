@@ -59,30 +59,29 @@ class RunFolder:
         self, name: str, arrays: Iterable[tuple[str, np.ndarray | Pieces]]
     ) -> None:
         """Write named arrays as compressed .npz; equal arrays give equal bytes."""
-        sizes: list[int] = []
-        arrays = _measured(arrays, sizes)
+        arrays, size = iter(arrays), 0
 
         def at_most() -> int:
-            return sum(sizes) + sum(_size(array) for _, array in arrays)
+            return size + sum(_size(array) for _, array in arrays)
 
         with (
             whole(self.path / name, at_most=at_most) as part,
-            zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as archive,
+            zipfile.ZipFile(part, "w") as archive,
         ):
             for key, array in arrays:
-                member = zipfile.ZipInfo(
-                    f"{key}.npy"
-                )  # without a date, so that bytes are equal
+                size += _size(array)
+                member = zipfile.ZipInfo(f"{key}.npy")  # dated alike at all times
                 member.compress_type = zipfile.ZIP_DEFLATED
                 with archive.open(member, "w", force_zip64=True) as file:
                     _write_array(file, array)
 
     def inner(self, name: str) -> RunFolder:
         """A new folder within this one."""
+        path = self.path / name
         try:
-            return RunFolder(_make(self.path / name))
+            return RunFolder(_make(path))
         except OSError as error:
-            raise _failure(error, self.path / name, None) from error
+            raise _failure(error, path) from error
 
     def discard_if_empty(self) -> None:
         """Remove the folder if nothing was written to it."""
@@ -96,15 +95,6 @@ class Pieces:
 
     shape: tuple[int, ...]
     pieces: Iterable[np.ndarray]
-
-
-def _measured(
-    arrays: Iterable[tuple[str, np.ndarray | Pieces]], sizes: list[int]
-) -> Iterator[tuple[str, np.ndarray | Pieces]]:
-    """The arrays as they come, their sizes noted."""
-    for key, array in arrays:
-        sizes.append(_size(array))
-        yield key, array
 
 
 def _size(array: np.ndarray | Pieces) -> int:
@@ -133,12 +123,15 @@ def claim(folder: Path | None, scenario: str) -> RunFolder:
         if folder and os.path.lexists(folder):
             where, remedy = str(folder), "give --out a folder that does not exist yet"
             raise UsageError("already exists", where, remedy) from error
-        reason = f"cannot make the run folder, {error.strerror}"
-        raise FilesError(
-            reason, str(error.filename), "choose another with --out"
-        ) from error
+        reason, where = f"cannot make the run folder, {error.strerror}", error.filename
+        raise FilesError(reason, str(where), "choose another with --out") from error
     claimed = RunFolder(made)
-    _check_writable(claimed)
+    try:
+        claimed.write_text(".writable", "\n")
+        (made / ".writable").unlink()
+    except FilesError:
+        claimed.discard_if_empty()
+        raise
     return claimed
 
 
@@ -168,15 +161,6 @@ def _next_free(parent: Path, name: str) -> Path:
         with suppress(FileExistsError):
             return _make(parent / f"{name}-{number:03d}")
         number += 1
-
-
-def _check_writable(folder: RunFolder) -> None:
-    try:
-        folder.write_text(".writable", "\n")
-        (folder.path / ".writable").unlink()
-    except FilesError:
-        folder.discard_if_empty()
-        raise
 
 
 @contextmanager
@@ -213,7 +197,7 @@ def whole(
 
 
 def _failure(
-    error: OSError, path: Path, size: int | None, about: str = ""
+    error: OSError, path: Path, size: int | None = None, about: str = ""
 ) -> FilesError:
     if error.errno not in (errno.ENOSPC, errno.EDQUOT):
         reason = f"cannot be written, {error.strerror}"

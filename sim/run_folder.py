@@ -79,26 +79,22 @@ class Writer:
         run = run_of(evaluation, summary, self.settings, self.folder.path)
         self.folder.write_arrays("trajectory.npz", run.arrays.items())
         self.folder.write_text("flows.csv", flows.written(run.phases))
-        self.summarised(summary)
+        self.folder.write_json("summary.json", summary.to_json())
         return run
 
-    def summarised(self, summary: Summary) -> None:
-        """The numbers."""
-        self.folder.write_json("summary.json", summary.to_json())
 
-    def reported(
-        self,
-        run: Run,
-        warn: Callable[[str], object] = warnings.warn,
-        progress: Progress = silent,
-    ) -> None:
-        """The page that explains the run; what fails here is a warning alone."""
-        try:
-            from sim.reports.page import write_report
+def _report(
+    run: Run,
+    warn: Callable[[str], object] = warnings.warn,
+    progress: Progress = silent,
+) -> None:
+    """The page that explains a run; what fails here is a warning alone."""
+    try:
+        from sim.reports.page import write_report
 
-            write_report(run, progress)
-        except Exception as error:  # a drawing library may raise anything
-            warn(f"no report: {one_line(error)}")
+        write_report(run, progress)
+    except Exception as error:  # a drawing library may raise anything
+        warn(f"no report: {one_line(error)}")
 
 
 def run(
@@ -122,33 +118,25 @@ def run(
             scenario, robot=robot, progress=progress, witness=writer, without=without
         )
     except SimulationError as error:
-        raise _replayable(error, folder) from error
+        again = folder.path / "scenario.toml"
+        if not again.exists():
+            raise
+        remedy = f"{error.remedy}; again by: stratawalk run {again} --no-video"
+        raise SimulationError(error.what, error.where, remedy) from error
+    timing = simulation.timing | {"render": 0.0}
+    summary = replace(simulation.summary, timing=timing)
     with stage(progress, "writing"):
-        summary = _rendered(simulation, 0.0)
         finished = writer.finished(simulation.evaluation, summary)
-    writer.reported(finished, warn, progress)
+    _report(finished, warn, progress)
     if look is not None:
         from sim.pictures.run_film import film_folder
 
         began = time.perf_counter()
         film_folder(folder.path, look=look, progress=lambda f: progress("filming", f))
-        summary = _rendered(simulation, time.perf_counter() - began)
-        writer.summarised(summary)
+        render = {"render": time.perf_counter() - began}
+        summary = replace(summary, timing=simulation.timing | render)
+        folder.write_json("summary.json", summary.to_json())
     return summary
-
-
-def _rendered(simulation: Simulation, seconds: float) -> Summary:
-    """The summary with the time that the film took."""
-    return replace(simulation.summary, timing=simulation.timing | {"render": seconds})
-
-
-def _replayable(error: SimulationError, folder: RunFolder) -> SimulationError:
-    """The error, and the command that makes it happen again."""
-    again = folder.path / "scenario.toml"
-    if not again.exists():
-        return error
-    remedy = f"{error.remedy}; again by: stratawalk run {again} --no-video"
-    return SimulationError(error.what, error.where, remedy)
 
 
 def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Path:
@@ -172,8 +160,8 @@ def write(done: Simulation | Evaluation, folder: str | Path | None = None) -> Pa
         >>> (folder / "report.html").is_file()
         True
     """
-    writer, finished = _written(done, folder)
-    writer.reported(finished)
+    writer, run = _written(done, folder)
+    _report(run)
     return writer.folder.path
 
 

@@ -131,13 +131,12 @@ def simulate(
         >>> done.summary["verdict"]
         'arrived'
     """
-    timing: dict[str, float] = {}
+    timing = dict.fromkeys(("compile", "plan", "simulate", "evaluate"), 0.0)
     with _timed(timing, "compile"), stage(progress, "compiling"):
         setup = prepare(scenario, robot, shared)
     with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
         problem = ScenarioProblem.ready(setup, progress, shared)
     scenario = problem.scenario
-    timing["simulate"] = 0.0
     missed: list[float] = []
     for attempt in range(scenario.correct):
         with _timed(timing, "plan"), limited(scenario.plan_time):
@@ -185,4 +184,4 @@ def _further(setup: Setup, reached: Array) -> GoalOffset:
 def _timed(timing: dict[str, float], stage: str) -> Iterator[None]:
     began = time.perf_counter()
     yield
-    timing[stage] = timing.get(stage, 0.0) + time.perf_counter() - began
+    timing[stage] += time.perf_counter() - began

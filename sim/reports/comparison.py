@@ -9,7 +9,7 @@ from itertools import chain
 from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, POSITION, YAW
 from sim.progress import Progress, silent
 from sim.reports.maps import magnified, plan_view
-from sim.reports.tables import Table, flat, sentences, word
+from sim.reports.tables import Table, flat, sentences
 from sim.reports.templates import render
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
@@ -55,7 +55,7 @@ def page(compared: Comparison, progress: Progress = silent) -> str:
         "compare.html",
         title=f"{len(runs)} runs compared",
         compared=compared,
-        runs=[(name, word(run), sentences(run)) for name, run in runs],
+        runs=[(name, run.summary.verdict, sentences(run)) for name, run in runs],
         maps=maps,
     )
 

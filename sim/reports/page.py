@@ -53,10 +53,10 @@ def page(run: Run, progress: Progress = silent) -> str:
     plan, beside, *over_time = _drawn(run, progress)
     return render(
         "report.html",
-        title=f"{run.title}: {tables.word(run)}",
+        title=f"{run.title}: {run.summary.verdict}",
         run=run,
         summary=run.summary,
-        word=tables.word(run),
+        word=run.summary.verdict,
         sentences=tables.sentences(run),
         ends=tables.ends(run),
         maps=[plan, beside],

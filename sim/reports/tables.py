@@ -30,11 +30,6 @@ class Table:
     rows: Sequence[Sequence[str]]
 
 
-def word(run: Run) -> str:
-    """The verdict in one word; a run of an older version was not judged."""
-    return run.summary.verdict
-
-
 def sentences(run: Run) -> list[str]:
     """What became of the walk, the most important first."""
     text, achieved = run.summary.verdict_text, run.summary.achieved
