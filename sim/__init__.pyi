@@ -9,7 +9,7 @@ from .evaluation.assessment import (
     Evaluation as Evaluation,
     evaluate as evaluate,
 )
-from .evaluation.attribution import error_sources as error_sources
+from .evaluation.deviations import error_sources as error_sources
 from .optimisation.judging import (
     Judge as Judge,
     least_time as least_time,

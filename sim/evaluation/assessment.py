@@ -13,9 +13,14 @@ import numpy as np
 
 from models import MeasurementError
 from planner import Array
-from sim.evaluation.attribution import error_sources
 from sim.evaluation.comparison import describe
-from sim.evaluation.deviations import departure, deviation_from, off, per_metre
+from sim.evaluation.deviations import (
+    departure,
+    deviation_from,
+    error_sources,
+    off,
+    per_metre,
+)
 from sim.evaluation.motions import (
     Achieved,
     achieved_motion,

@@ -1,4 +1,9 @@
-"""Distances of poses from others and from the nominal path, and per metre of it."""
+"""Distances of poses from others and from the nominal path, and sources of the error.
+
+Let the first k phases move the body as achieved and the remaining ones as predicted.
+From k to k + 1 the end moves by the contribution of phase k, so that all contributions
+add up to the error exactly. They are summed by stratum and kind of phase.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +12,9 @@ import numpy as np
 from planner import Array, Path
 from sim.evaluation.summary import Departure, PerMetre, PredictionError
 from sim.motion.path_deviation import path_deviation
-from sim.motion.poses import wrap
+from sim.motion.poses import compose, relative, wrap
+from sim.motion.prediction import Prediction
+from sim.walking.finished import Walk
 
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
@@ -47,3 +54,46 @@ def off(poses: Array, others: Array, length: float, walked: float) -> Prediction
         position_per_walked=at_end.position / walked if walked else None,
         farthest=float(np.hypot(*(poses - others)[:, :2].T).max()),
     )
+
+
+def contributions(achieved: Array, predicted: Array) -> Array:
+    """What each phase contributes to the final pose error, shape (P, 3).
+
+    Given are poses at the start and at the end of each phase, shape (P + 1, 3), from
+    the same start; the sum is achieved[-1] - predicted[-1].
+    """
+    to_the_end = relative(predicted, predicted[-1])  # predicted, from each pose on
+    return np.diff(compose(achieved, to_the_end), axis=0)
+
+
+def error_sources(
+    walk: Walk, achieved: Array, prediction: Prediction
+) -> dict[str, list[float]]:
+    """Contributions to the final error by kind and stratum, as `swing S1`.
+
+    Args:
+        walk: An open-loop walk.
+        achieved: Achieved pose at every moment recorded, shape (T, 3).
+        prediction: Prediction at the same moments.
+
+    Returns:
+        For each source its part in x, y [m] and yaw [rad].
+
+    Example:
+        >>> from sim import error_sources, load_scenario, simulate
+        >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
+        >>> found = simulate(load_scenario("line", short)).evaluation
+        >>> ideal = found.predicted["ideal"]
+        >>> sources = error_sources(found.walk, found.achieved.pose, ideal)
+        >>> "swing S1" in sources
+        True
+    """
+    phases = [phase for phase in walk.phases if phase.start >= walk.starts]
+    edges = np.array([phases[0].start, *(phase.stop for phase in phases)])
+    at = walk.recording.moments.step.searchsorted(edges)  # ends of phases are recorded
+    parts = contributions(achieved[at], prediction.pose[at])
+    sources: dict[str, Array] = {}
+    for phase, part in zip(phases, parts, strict=True):
+        name = f"{phase.kind} S{phase.stratum}"
+        sources[name] = sources.get(name, np.zeros(3)) + part
+    return {name: part.tolist() for name, part in sources.items()}

@@ -1,23 +1,26 @@
-"""Files of commands in every format: written, and read back."""
+"""Files of commands in every format: written, and read back.
+
+Formats are angles or ticks in CSV, a C header of pulses, and the YAML of ROS 2. Each
+reader takes what its writer wrote, and any other text is a ValueError. A joint that
+leaves its servo's range is a UsageError.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import csv
+import io
+import json
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+import numpy as np
+import yaml
+
 from models import JointServo
+from planner import Array
 from planner.support import read_file
 from sim.errors import UsageError
-from sim.export.formats import (
-    read_angles,
-    read_header,
-    read_ticks,
-    read_trajectory,
-    write_angles,
-    write_header,
-    write_ticks,
-    write_trajectory,
-)
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import ServoTable, servo_table
 from sim.export.source import Source
@@ -25,6 +28,66 @@ from sim.folder import whole
 
 LARGEST = 10**9  # bytes
 PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}  # None: angles
+SECOND = 1_000_000_000  # [ns]
+LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C it is 10 times faster
+PLAYER = """\
+/* A player for Arduino, with the Adafruit PWM Servo Driver Library:
+
+#include <Adafruit_PWMServoDriver.h>
+#include "{file}"
+
+Adafruit_PWMServoDriver board;
+uint32_t row = 0, begun;
+
+void setup() {{
+  board.begin();
+  board.setPWMFreq({NAME}_FRAME_RATE);
+  begun = micros();
+}}
+
+void loop() {{
+  if (row == {NAME}_COMMANDS || micros() - begun < row * (1e6 / {NAME}_RATE)) return;
+  for (uint8_t i = 0; i < {NAME}_JOINTS; i++)
+    board.{call};
+  row++;
+}}
+*/
+"""
+COUNTS = "setPWM({name}_channel[i], 0, pgm_read_word(&{name}[row][i]))"
+MICROSECONDS = "writeMicroseconds({name}_channel[i], pgm_read_word(&{name}[row][i]))"
+HEADER = """\
+// {title}
+// {commands} commands of {joints} servos, {rate!r} a second; {size} bytes.
+// Pulses {unit} at {frame_rate!r} frames a second, in the order of the channels:
+{listed}
+{player}
+#ifndef {NAME}_H
+#define {NAME}_H
+
+#include <stdint.h>
+#ifdef ARDUINO
+#include <Arduino.h>
+#endif
+#ifndef PROGMEM
+#define PROGMEM
+#endif
+
+#define {NAME}_RATE {rate!r}
+#define {NAME}_FRAME_RATE {frame_rate!r}
+#define {NAME}_COMMANDS {commands}
+#define {NAME}_JOINTS {joints}
+
+static const uint8_t {name}_channel[{joints}] = {{{channels}}};
+
+static const uint16_t PROGMEM {name}[{commands}][{joints}] = {{
+{rows}
+}};
+
+#endif
+"""
+SIZES = re.compile(r"#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)")
+ROWS = re.compile(r"uint16_t PROGMEM \w+\[\d+\]\[\d+\] = \{\n(.*?)\n\};", re.DOTALL)
+CHANNELS = re.compile(r"uint8_t \w+_channel\[\d+\] = \{(.*?)\};")
 
 
 def servos(
@@ -55,7 +118,7 @@ def servos(
 def write(
     path: Path, form: str, source: Source, commands: ServoCommands, table: ServoTable
 ) -> None:
-    """Write commands; a joint that leaves its servo's range is a UsageError."""
+    """Write commands in a format."""
     table.require_range(commands)
     if form == "csv":
         text = write_angles(commands)
@@ -80,3 +143,121 @@ def read(path: Path, form: str, table: ServoTable) -> ServoCommands:
     if form == "ros2":
         return read_trajectory(text)
     return (read_ticks if form == "dynamixel" else read_header)(text, table)
+
+
+def write_angles(commands: ServoCommands) -> str:
+    """A column `time` [s] and a column a joint [rad], every digit of every angle."""
+    return _table(commands.joints, commands.time, commands.angles)
+
+
+def read_angles(text: str) -> ServoCommands:
+    """The commands of such a table."""
+    joints, rate, values = _read(text)
+    return ServoCommands(joints, rate, values)
+
+
+def write_ticks(commands: ServoCommands, table: ServoTable) -> str:
+    """A column `time` [s] and a column a joint, in the order of the channels."""
+    return _table(table.joints, commands.time, table.counts(commands))
+
+
+def read_ticks(text: str, table: ServoTable) -> ServoCommands:
+    """The commands of such a table for the same servos."""
+    joints, rate, counts = _read(text)
+    if joints != table.joints:
+        raise ValueError(f"columns {joints} for joints {table.joints}")
+    return table.commands(counts, rate)
+
+
+def _table(joints: Iterable[str], time: Array, values: Array) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("time", *joints))
+    rows = zip(time.tolist(), values.tolist(), strict=True)
+    writer.writerows((moment, *row) for moment, row in rows)
+    return text.getvalue()
+
+
+def _read(text: str) -> tuple[tuple[str, ...], float, Array]:
+    """Joints, rate and values of a table."""
+    (first, *joints), *rows = csv.reader(text.splitlines())
+    if first != "time" or len(rows) < 2:
+        raise ValueError("needs a column time, and two commands at least")
+    values = np.array(rows, dtype=float)
+    rate = (len(values) - 1) / (values[-1, 0] - values[0, 0])
+    return tuple(joints), float(rate), values[:, 1:]
+
+
+def write_trajectory(commands: ServoCommands) -> str:
+    """A `JointTrajectory`, one line a point; angles to a billionth of a radian."""
+    lines = [f"joint_names: {json.dumps(commands.joints)}", "points:"]
+    for number, row in enumerate(commands.angles.tolist()):
+        sec, nanosec = divmod(round(number * SECOND / commands.rate), SECOND)
+        positions = ", ".join(f"{angle:z.9f}" for angle in row)
+        lines.append(
+            f"- {{positions: [{positions}], "
+            f"time_from_start: {{sec: {sec}, nanosec: {nanosec}}}}}"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def read_trajectory(text: str) -> ServoCommands:
+    """The commands of such a trajectory."""
+    try:
+        read = yaml.load(text, Loader=LOADER)  # noqa: S506
+        points = read["points"]
+        last = points[-1]["time_from_start"]
+        duration = last["sec"] + last["nanosec"] / SECOND
+        angles = np.array([point["positions"] for point in points], dtype=float)
+    except (yaml.YAMLError, KeyError, IndexError, TypeError) as error:
+        raise ValueError(f"no trajectory, {error}") from error
+    if len(points) < 2:
+        raise ValueError("needs two points at least")
+    rate = (len(points) - 1) / duration
+    return ServoCommands(tuple(read["joint_names"]), rate, angles)
+
+
+def write_header(
+    commands: ServoCommands, table: ServoTable, *, title: str, name: str, file: str
+) -> str:
+    """A header for PCA9685 boards with a player sketch, its table named after `name`.
+
+    A row is a command and a column a channel; pulses lie in PROGMEM.
+    """
+    counts, name = table.counts(commands), identifier(name)
+    names = {"name": name, "NAME": name.upper()}
+    call = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
+    numbers = [str(servo.channel) for servo in table.channels]
+    return HEADER.format(
+        **names,
+        title=" ".join(title.replace("\\", "/").split()),
+        commands=len(counts),
+        joints=len(numbers),
+        rate=float(commands.rate),
+        frame_rate=float(table.frame_rate),
+        size=2 * counts.size,
+        unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
+        listed="\n".join(f"//   {s.channel:2}  {s.joint}" for s in table.channels),
+        player=PLAYER.format(**names, file=file, call=call),
+        channels=", ".join(numbers),
+        rows=",\n".join(f"  {{{', '.join(map(str, r))}}}" for r in counts.tolist()),
+    )
+
+
+def read_header(text: str, table: ServoTable) -> ServoCommands:
+    """The commands of such a header for the same servos."""
+    rows, channels = ROWS.search(text), CHANNELS.search(text)
+    sizes = dict(SIZES.findall(text))
+    if rows is None or channels is None or "RATE" not in sizes:
+        raise ValueError("no table of pulses in PROGMEM")
+    found = [int(number) for number in channels[1].split(",")]
+    if found != [servo.channel for servo in table.channels]:
+        raise ValueError(f"channels {found} are not those of the servo table")
+    shape = int(sizes["COMMANDS"]), int(sizes["JOINTS"])
+    counts: Array = np.array(re.findall(r"\d+", rows[1]), dtype=int).reshape(shape)
+    return table.commands(counts, float(sizes["RATE"]))
+
+
+def identifier(name: str) -> str:
+    """A name in C, of the letters and digits of a name."""
+    return "walk_" + re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_").lower()

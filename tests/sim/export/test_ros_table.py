@@ -8,7 +8,7 @@ import pytest
 from sim.errors import UsageError
 from sim.export.ros_table import read_ros_table
 from sim.export.servo_table import servo_table
-from tests.sim.export.test_formats import CARD, JOINTS
+from tests.sim.export.test_files import CARD, JOINTS
 
 SERVO = (
     "name: {}, id: {}, ticks: 1024, center: 512, max_radians: !degrees 300, "

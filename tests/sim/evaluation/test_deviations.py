@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.evaluation.attribution import contributions
+from sim.evaluation.deviations import contributions
 from sim.motion.poses import compose
 
 

@@ -11,7 +11,7 @@ import yaml
 from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
-from sim.export.formats import (
+from sim.export.files import (
     identifier,
     read_angles,
     read_header,
