@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from math import cos, pi, sin
 from pathlib import Path
 
+Point = tuple[float, float, float]
 Hip = tuple[float, float, float]  # x, y [m] and bearing [rad] in units of the size
 
 
@@ -35,29 +36,17 @@ UNEVEN: tuple[Hip, ...] = (
 
 @dataclass(frozen=True)
 class Adoptee:
-    """One robot.
+    """One robot."""
 
-    Attributes:
-        name: Name of its file.
-        hips: Where its legs begin.
-        joints: Number of joints of a leg, 2 or 3.
-        straight: Whether its knees are stretched out as it is drawn.
-        drive: What moves its joints: motor, position or nothing.
-        urdf: Whether it is written as URDF.
-        size: Factor of all lengths.
-        down: Whether the axes of its swing joints point down.
-        bare: Whether its geoms have no names.
-    """
-
-    name: str
-    hips: Sequence[Hip]
-    joints: int = 3
-    straight: bool = False
-    drive: str = ""
-    urdf: bool = False
-    size: float = 1.0
-    down: bool = False
-    bare: bool = False
+    name: str  # of its file
+    hips: Sequence[Hip]  # where its legs begin
+    joints: int = 3  # of a leg, or 2
+    straight: bool = False  # whether its knees are stretched out as it is drawn
+    drive: str = ""  # what moves its joints: motor, position or nothing
+    urdf: bool = False  # whether it is written as URDF
+    size: float = 1.0  # factor of all lengths
+    down: bool = False  # whether the axes of its swing joints point down
+    bare: bool = False  # whether its geoms have no names
 
     def write(self, folder: Path) -> Path:
         """Write its file, and nothing else."""
@@ -80,19 +69,19 @@ ADOPTEES = (
 )
 COXA, FEMUR, TIBIA, RADIUS = 0.03, 0.06, 0.09, 0.009  # [m] in units of the size
 STEEP = 0.35  # [rad], of the femur of two-jointed legs
+DRIVES = {
+    "motor": '<motor joint="{}" gear="20" ctrlrange="-1 1"/>',
+    "position": '<position joint="{}" kp="600" kv="3"/>',
+    "": "",
+}
 
 
 def _mjcf(robot: Adoptee) -> str:
     s = robot.size
     legs = "".join(_mjcf_leg(robot, k, hip) for k, hip in enumerate(robot.hips, 1))
-    parts, count = ("yaw", "pitch", "knee")[: robot.joints], len(robot.hips)
-    names = [f"{part}{k}" for k in range(1, count + 1) for part in parts]
-    actuators = {
-        "motor": '<motor joint="{}" gear="20" ctrlrange="-1 1"/>',
-        "position": '<position joint="{}" kp="600" kv="3"/>',
-        "": "",
-    }[robot.drive]
-    drives = "".join(actuators.format(name) for name in names) if actuators else ""
+    parts = ("yaw", "pitch", "knee")[: robot.joints]
+    names = [f"{part}{k + 1}" for k in range(len(robot.hips)) for part in parts]
+    drives = "".join(DRIVES[robot.drive].format(name) for name in names)
     length = max(abs(x) for x, *_ in robot.hips) * s
     width = max(abs(y) for _, y, _ in robot.hips) * s
     return f"""<mujoco model="{robot.name}">
@@ -148,58 +137,49 @@ def _mjcf_leg(robot: Adoptee, number: int, hip: Hip) -> str:
 
 
 def _urdf(robot: Adoptee) -> str:
-    parts = [_link("trunk", 1.0, (0, 0, 0))]
-    for number, (x, y, bearing) in enumerate(robot.hips, 1):
+    if robot.joints == 2:
+        out, up = FEMUR * cos(STEEP), FEMUR * sin(STEEP)
+        toe = (out, 0.0, up - TIBIA)
+        rest = [("pitch", COXA, 1.4, "thigh", 0.03, (out / 2, 0.0, 0.0))]
+    else:
+        toe = (TIBIA, 0.0, 0.0) if robot.straight else (0.0, 0.0, -TIBIA)
+        rest = [
+            ("pitch", COXA, 1.4, "thigh", 0.02, (FEMUR / 2, 0.0, 0.0)),
+            ("knee", FEMUR, 2.2, "shin", 0.02, (toe[0] / 2, 0.0, toe[2] / 2)),
+        ]
+    body = _link("trunk", 1.0, (0.0, 0.0, 0.0))
+    for leg, (x, y, bearing) in enumerate(robot.hips, 1):
         place = f'xyz="{x:.9f} {y:.9f} 0" rpy="0 0 {bearing:.9f}"'
-        parts += [
-            _joint(f"yaw{number}", "trunk", f"hip{number}", place, "0 0 1", 1.2),
-            _link(f"hip{number}", 0.02, (COXA / 2, 0, 0)),
-            _joint(
-                f"pitch{number}", f"hip{number}", f"thigh{number}",
-                f'xyz="{COXA} 0 0"', "0 1 0", 1.4,
-            ),
-        ]  # fmt: skip
-        if robot.joints == 2:
-            out, up = FEMUR * cos(STEEP), FEMUR * sin(STEEP)
-            toe = (out, 0, up - TIBIA)
-            parts.append(_link(f"thigh{number}", 0.03, (out / 2, 0, 0), toe))
-        else:
-            toe = (TIBIA, 0, 0) if robot.straight else (0, 0, -TIBIA)
-            parts += [
-                _link(f"thigh{number}", 0.02, (FEMUR / 2, 0, 0)),
-                _joint(
-                    f"knee{number}", f"thigh{number}", f"shin{number}",
-                    f'xyz="{FEMUR} 0 0"', "0 1 0", 2.2,
-                ),
-                _link(f"shin{number}", 0.02, (toe[0] / 2, 0, toe[2] / 2), toe),
-            ]  # fmt: skip
-    body = "".join(parts)
+        body += _joint(f"yaw{leg}", "trunk", f"hip{leg}", place, "0 0 1", 1.2)
+        body += _link(f"hip{leg}", 0.02, (COXA / 2, 0.0, 0.0))
+        parent = f"hip{leg}"
+        for joint, far, most, link, mass, middle in rest:
+            child, place = f"{link}{leg}", f'xyz="{far} 0 0"'
+            body += _joint(f"{joint}{leg}", parent, child, place, "0 1 0", most)
+            body += _link(child, mass, middle, toe if joint == rest[-1][0] else None)
+            parent = child
     return f'<?xml version="1.0"?>\n<robot name="{robot.name}">{body}\n</robot>\n'
 
 
-def _link(
-    name: str,
-    mass: float,
-    middle: Sequence[float],
-    toe: Sequence[float] | None = None,
-) -> str:
-    x, y, z = middle
-    inertia = mass * 1e-3
-    touch = ""
+def _link(name: str, mass: float, middle: Point, toe: Point | None = None) -> str:
+    inertia, touch = mass * 1e-3, ""
     if toe is not None:
-        a, b, c = toe
         touch = f"""
     <collision>
-      <origin xyz="{a:.9f} {b:.9f} {c:.9f}"/>
+      <origin xyz="{_spaced(toe)}"/>
       <geometry><sphere radius="{RADIUS}"/></geometry>
     </collision>"""
     return f"""
   <link name="{name}">
     <inertial>
-      <origin xyz="{x:.9f} {y:.9f} {z:.9f}"/><mass value="{mass}"/>
+      <origin xyz="{_spaced(middle)}"/><mass value="{mass}"/>
       <inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/>
     </inertial>{touch}
   </link>"""
+
+
+def _spaced(point: Point) -> str:
+    return " ".join(f"{value:.9f}" for value in point)
 
 
 def _joint(

@@ -17,7 +17,6 @@ each with its files.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import functools
 import io
@@ -67,8 +66,7 @@ class Worker:
 
     def fault(self, words: list[str], folder: str) -> str | None:
         """What is wrong with how the command ends in a folder, or None."""
-        seems = self.answer(words, folder)
-        if seems is None:
+        if (seems := self.answer(words, folder)) is None:
             return None
         wrong = decided(words, folder, self._limit, self._patience)
         return wrong and f"{wrong} (first: {seems})"
@@ -93,9 +91,8 @@ class Worker:
         self.end()
         spawn = multiprocessing.get_context("spawn")
         self._cases, theirs = spawn.Pipe()
-        self._process = spawn.Process(
-            target=serve, args=(theirs, self._limit), daemon=True
-        )
+        given = (theirs, self._limit)
+        self._process = spawn.Process(target=serve, args=given, daemon=True)
         self._process.start()
         theirs.close()
         if not self._comes(START + self._patience) or not self._cases.recv():
@@ -205,29 +202,26 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=LIMIT, help="[s] for a case")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
-    with Worker(patience=asked.patience) as worker:
-        return _run(asked, worker)
-
-
-def _run(asked: argparse.Namespace, worker: Worker) -> int:
     keep, done = Path(asked.keep).resolve(), Counter[str]()
     faults, longest = 0, dict[str, tuple[float, int]]()
     rng, end = random.Random(asked.seed), time.monotonic() + asked.seconds
-    while time.monotonic() <= end and done.total() < asked.cases:
-        kind, seed = rng.choice(asked.kinds), rng.randrange(2**32)
-        with tempfile.TemporaryDirectory() as folder:
-            words = KINDS[kind](Path(folder), random.Random(seed))
-            began = time.monotonic()
-            wrong = worker.fault(words, folder)
-            took = time.monotonic() - began
+    with Worker(patience=asked.patience) as worker:
+        while time.monotonic() <= end and done.total() < asked.cases:
+            kind, seed = rng.choice(asked.kinds), rng.randrange(2**32)
+            with tempfile.TemporaryDirectory() as folder:
+                words = KINDS[kind](Path(folder), random.Random(seed))
+                began = time.monotonic()
+                wrong = worker.fault(words, folder)
+                took = round(time.monotonic() - began, 1)
+                if wrong is not None:
+                    faults += 1
+                    shown = json.dumps(words)[:200]
+                    print(f"{kind} {seed}: {shown}: {wrong}", flush=True)
+                    shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
             done[kind] += 1
-            longest[kind] = max(longest.get(kind, (0.0, 0)), (round(took, 1), seed))
+            longest[kind] = max(longest.get(kind, (0.0, 0)), (took, seed))
             if done.total() % 1000 == 0:
                 print(f"{done.total()} cases so far", flush=True)
-            if wrong is not None:
-                faults += 1
-                print(f"{kind} {seed}: {json.dumps(words)[:200]}: {wrong}", flush=True)
-                shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
     print(f"{done.total()} cases, {faults} faults: {dict(done)}")
     print(f"longest, in seconds, and their seeds: {longest}")
     return int(faults > 0)

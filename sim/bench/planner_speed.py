@@ -104,12 +104,7 @@ def plans(setup: Setup) -> Iterator[Row]:
 
 
 def segments(name: str, most: int = LONGEST) -> Iterator[Row]:
-    """Time of a segment of a shipped system, and of a rollout over that of its plan.
-
-    Args:
-        name: Name of the system.
-        most: Segments of the longest plan.
-    """
+    """Time of a segment of a shipped system, and of a rollout over that of its plan."""
     problem = shipped_system(name)
     extended = extend(problem.system, problem.elements)
 

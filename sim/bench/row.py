@@ -10,10 +10,8 @@ import statistics
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeVar
 
 REPEATS = 5
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,19 +40,11 @@ def paired(
 def median(work: Callable[[], object], repeats: int = REPEATS) -> float:
     """Median time of some work after one warm-up [s]."""
     work()
-    return timed(work, repeats)[1]
+    return statistics.median(seconds(work) for _ in range(repeats))
 
 
 def seconds(work: Callable[[], object]) -> float:
     """Time that some work takes [s]."""
-    return timed(work, 1)[1]
-
-
-def timed(work: Callable[[], T], repeats: int = REPEATS) -> tuple[T, float]:
-    """Result of some work, and the median of its time [s]."""
-    times = []
-    for _ in range(repeats):
-        began = time.perf_counter()
-        given = work()
-        times.append(time.perf_counter() - began)
-    return given, statistics.median(times)
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began

@@ -12,6 +12,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -35,10 +36,9 @@ from sim.scenarios.file import load_scenario
 
 STEPS = 20_000  # of physics in each measurement: a third of a second
 FIRST_PLAN_LIMIT = 600.0  # [s]
-PRINTED = "as near as printed"
 Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
 WALKS: Mapping[str, Wanted] = {
-    PRINTED: ({}, 82.0),
+    "as near as printed": ({}, 82.0),
     "overlapped recovery": ({"overlap_recovery": True}, 57.0),
     "10 mm, yaw free, overlapped recovery": (
         {"overlap_recovery": True, "path_tolerance": 0.01, "yaw_tolerance": 3.2},
@@ -100,11 +100,9 @@ def simulation(setup: Setup) -> Iterator[Row]:
     ctrl = np.concatenate(list(setup.commands(scheduler.finish(), STEPS)))
 
     def staged() -> None:
-        recorder = Recorder(
-            Engine(setup.model),
-            Sensors(setup.model, setup.robot),
-            setup.scenario.sample_every,
-        )
+        sensors = Sensors(setup.model, setup.robot)
+        every = setup.scenario.sample_every
+        recorder = Recorder(Engine(setup.model), sensors, every)
         recorder.walk_starts = 0
         for _ in recorder.play(np.split(ctrl, range(STRETCH, STEPS, STRETCH))):
             pass
@@ -118,9 +116,8 @@ def simulation(setup: Setup) -> Iterator[Row]:
             mujoco.mj_step(setup.model, data)
 
     ratio, took = paired(bare, staged)
-    yield Row(
-        "speed of the simulate stage over a bare mj_step loop", ratio, "", ">= 0.9"
-    )
+    what = "speed of the simulate stage over a bare mj_step loop"
+    yield Row(what, ratio, "", ">= 0.9")
     yield Row("physics steps in a second", len(ctrl) / took, "1/s")
 
 
@@ -128,20 +125,16 @@ def command() -> Iterator[Row]:
     """The command as a process: its response time, and the memory of a run."""
     start = [sys.executable, "-m", "sim.cli"]
 
-    def answer() -> None:
-        subprocess.run([*start, "--help"], check=True, stdout=subprocess.DEVNULL)
-
-    def nothing() -> None:
-        subprocess.run([sys.executable, "-c", "pass"], check=True)
-
-    yield Row("stratawalk --help answers in", median(answer), "s", "< 0.3")
-    yield Row("python alone starts in", median(nothing), "s")
+    quiet = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL)
+    answer, nothing = [*start, "--help"], [sys.executable, "-c", "pass"]
+    yield Row(
+        "stratawalk --help answers in", median(partial(quiet, answer)), "s", "< 0.3"
+    )
+    yield Row("python alone starts in", median(partial(quiet, nothing)), "s")
     with tempfile.TemporaryDirectory() as folder:
         out = str(Path(folder) / "run")
         run = [*start, "run", "ellipse", "--no-video", "--out", out]
-        took = seconds(
-            lambda: subprocess.run(run, check=True, stdout=subprocess.DEVNULL)
-        )
+        took = seconds(partial(quiet, run))
         yield Row("run ellipse --no-video takes", took, "s")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     yield Row("and at most this much memory", peak, "MB", "< 600")

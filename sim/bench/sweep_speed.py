@@ -45,18 +45,12 @@ def measure() -> Iterator[Row]:
 
 
 def throughput(scenario: Scenario) -> Iterator[Row]:
-    """Points with their evaluation against the same commands on the same models.
-
-    Args:
-        scenario: What to walk, at two frictions in turn.
-    """
+    """Points at two frictions in turn against the same commands on the same models."""
     shared = Shared()
     points = [replace(scenario, friction=friction) for friction in FRICTIONS]
     done = [simulate(point, without=WITHOUT, shared=shared) for point in points]
-    played = [
-        (walk.setup.model, np.concatenate(list(walk.commands())))
-        for walk in (one.walk for one in done)
-    ]
+    walks = [one.walk for one in done]
+    played = [(w.setup.model, np.concatenate(list(w.commands()))) for w in walks]
     ours_next, bare_next = cycle(points), cycle(played)
 
     def ours() -> None:
@@ -71,21 +65,13 @@ def throughput(scenario: Scenario) -> Iterator[Row]:
             engine.rollout(len(rows), control=rows[None])
 
     ratio, took = paired(bare, ours)
-    yield Row(
-        "points of a sweep, evaluation included, over a bare batch",
-        ratio,
-        "",
-        ">= 0.85",
-    )
+    what = "points of a sweep, evaluation included, over a bare batch"
+    yield Row(what, ratio, "", ">= 0.85")
     yield Row(f"points of {len(played[0][1])} steps in a second", 1 / took, "1/s")
 
 
 def workers(scenario: Scenario) -> Iterator[Row]:
-    """Two worker processes against one, started and warm.
-
-    Args:
-        scenario: What to walk, at as many frictions as there are tasks.
-    """
+    """Two worker processes against one, started and warm; all points differ."""
     one, two = (_times_of(scenario, count) for count in (1, 2))
     ratio = one[0] / two[0]
     yield Row("two workers of a sweep over one", ratio, "", ">= 1.8, if idle")
@@ -110,14 +96,7 @@ def _times_of(scenario: Scenario, count: int) -> tuple[float, float]:
 
 
 def stand(times: int) -> float:
-    """Step a standing robot in a bare batch, as a worker's load without a sweep.
-
-    Args:
-        times: How many stretches of steps.
-
-    Returns:
-        The time that it took [s].
-    """
+    """Time [s] of stepping a standing robot in a bare batch for so many stretches."""
     model = prepare(load_scenario("line", TINY)).model
     engine = batch.Batch(model, nsim=1, nthread=1)
     engine.reset(keyframe=model.key("start").id)
@@ -135,35 +114,26 @@ def _peak(work: str) -> float:
 
 
 def keep_books(folder: str) -> None:
-    """Read a ledger of many points, write their table, and print the memory taken.
-
-    Args:
-        folder: Where they go.
-    """
+    """Read a ledger of many points, write their table, and print the memory taken."""
     from sim.sweeps.file import Sweep
-    from sim.sweeps.sweeping import Workforce, carry_on, points_of
+    from sim.sweeps.sweeping import carry_on, points_of
 
     scenario = load_scenario("line", TINY)
     summary = simulate(scenario, without=WITHOUT).summary
     given = dict(numbers(summary))
     values = [(0.5 + 1e-5 * n,) for n in range(MANY)]
-    sweep = Sweep(
-        "many", to_table(scenario), {}, ((("friction",), values),), WITHOUT, (), False
-    )
+    blocks = ((("friction",), values),)
+    sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
     points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
     with home.ledger.open("w") as ledger:
         for code in points.digests.values():
             ledger.write(json.dumps(asdict(Outcome(code, OK, given))) + "\n")
-    carry_on(points, home, Workforce())
+    carry_on(points, home)
     _print_peak()
 
 
 def work(folder: str) -> None:
-    """Walk points as a worker does, in worlds and with plans that all differ.
-
-    Args:
-        folder: Not used; points leave nothing.
-    """
+    """Walk points, which leave nothing, in worlds and with plans that all differ."""
     for number in range(VARIED):
         aside = 0.004 + 1e-5 * number
         changes = {"path.goal": [0.004, aside, 0.0], "friction": 0.5 + 0.01 * number}

@@ -76,15 +76,17 @@ def execute(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
     from sim.sweeps.file import read_sweep
     from sim.sweeps.folder import Shard, claim
-    from sim.sweeps.sweeping import Workforce, carry_on, points_of, write_run_folders
+    from sim.sweeps.sweeping import carry_on, points_of, write_run_folders
 
     sweep = read_sweep(options.file)
     shard = options.shard or Shard()
-    workforce = Workforce(_workers(options), options.scheduler)
+    workers, scheduler = _workers(options), options.scheduler
     points = points_of(sweep, shard)
     folder = claim(Path(options.out), shard, options.resume)
     with sweep_bar(quiet=options.json) as show:
-        result = carry_on(points, folder, workforce, mix=options.force_mix, show=show)
+        result = carry_on(
+            points, folder, workers, scheduler, mix=options.force_mix, show=show
+        )
     for line in write_run_folders(points, folder):
         print(f"stratawalk: warning: no run folder, {line}", file=sys.stderr)
     print_result(result, folder.table, options.json)

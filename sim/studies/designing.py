@@ -21,12 +21,8 @@ from sim.evaluation.quantities import POSITION
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
 
-WALK = {
-    "path.goal": [0.01, 0.01, 0.0],
-    "segments": 4,
-    "swing_speed": 1.0,
-}
-"""How designs are tried: a step aside as long as one ahead."""
+# How designs are tried: a step aside as long as one ahead.
+WALK = {"path.goal": [0.01, 0.01, 0.0], "segments": 4, "swing_speed": 1.0}
 WITHOUT = ("identified", "creep_floor")
 DIRECTIONS = ("ahead", "aside", "round")
 SAME_MOTION = 1e-3  # of the larger motion; what two strokes differ by is rounding
@@ -48,39 +44,28 @@ class Design:
 
     def __str__(self) -> str:
         """Legs with + or - for the way that they swing, and 0 for a locked one."""
-        words = {1: "+", -1: "-", 0: "0"}
         return " | ".join(
-            " ".join(f"{leg}{words[sign]}" for leg, sign in signs.items())
+            " ".join(f"{leg}{'0+-'[sign]}" for leg, sign in signs.items())
             for signs in self.groups
         )
 
     def built(self, robot: Robot) -> Robot:
         """The robot with these groups."""
-        return robot.alternating(
-            {
-                name: {leg: sign or LOCKED for leg, sign in signs.items()}
-                for name, signs in zip("12", self.groups, strict=True)
-            }
-        )
+        gains = [{leg: sign or LOCKED for leg, sign in g.items()} for g in self.groups]
+        return robot.alternating(dict(zip("12", gains, strict=True)))
 
 
 def designs(legs: Sequence[int]) -> Iterator[Design]:
     """All designs, the fewest joints first; mirrored signs of a group count once."""
+    head, *rest = legs
     found = [
         Design((first, second))
-        for group in _groups(legs)
-        for first in _ways(group)
-        for second in _ways([leg for leg in legs if leg not in group])
+        for size in range(STANDING, len(legs) - STANDING + 1)
+        for others in combinations(rest, size - 1)
+        for first in _ways((head, *others))
+        for second in _ways([leg for leg in rest if leg not in others])
     ]
     yield from sorted(found, key=lambda design: design.joints)
-
-
-def _groups(legs: Sequence[int]) -> Iterator[tuple[int, ...]]:
-    """The group of the first leg in every division into two that can stand."""
-    head, *rest = legs
-    for size in range(STANDING, len(legs) - STANDING + 1):
-        for others in combinations(rest, size - 1):
-            yield (head, *others)
 
 
 def _ways(group: Sequence[int]) -> Iterator[Signs]:
@@ -90,13 +75,11 @@ def _ways(group: Sequence[int]) -> Iterator[Signs]:
             yield dict(zip(group, signs, strict=True))
 
 
-@dataclass
 class Twists:
     """Twist of a group by itself, which many designs have in common."""
 
-    robot: Robot
-
-    def __post_init__(self) -> None:
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
         self._known: dict[tuple[tuple[int, int], ...], np.ndarray | None] = {}
 
     def directions(self, design: Design) -> tuple[str, ...]:
@@ -105,16 +88,16 @@ class Twists:
         These three are all that there is: further brackets of two motions of the plane
         are combinations of them.
         """
-        built = design.built(self.robot)
-        found = [
+        built = design.built(self._robot)
+        first, second = (
             self._of(built, name, tuple(signs.items()))
             for name, signs in zip(built.groups, design.groups, strict=True)
-        ]
-        first, second = found
+        )
         if first is None or second is None:
             return ()
-        across = _bracket(first, second)
-        _, size, ways = np.linalg.svd(np.array([first, second, across]))
+        (x, y, turn), (u, v, spin) = first, second  # forward, left and yaw
+        bracket = np.array([turn * -v + spin * y, turn * u - spin * x, 0.0])
+        _, size, ways = np.linalg.svd(np.array([first, second, bracket]))
         lost = np.abs(ways[size <= SAME_MOTION * size[0] ** 2]).max(axis=0, initial=0.0)
         pairs = zip(DIRECTIONS, lost, strict=True)
         return tuple(name for name, part in pairs if part < SAME_MOTION)
@@ -126,12 +109,6 @@ class Twists:
             except ModelError:  # these legs do not stand
                 self._known[key] = None
         return self._known[key]
-
-
-def _bracket(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Bracket of two twists: forward, left and yaw."""
-    (x, y, turn), (u, v, spin) = one, other
-    return np.array([turn * -v + spin * y, turn * u - spin * x, 0.0])
 
 
 def tried(
@@ -152,12 +129,10 @@ def tried(
         if ways == DIRECTIONS:
             row |= _checked(design.built(robot))
             if row["status"] == "ok":
-                row |= _walked(design.built(robot)) if left > 0 else UNWALKED
+                row["status"] = "goes everywhere, not walked"
+                row |= _walked(design.built(robot)) if left > 0 else {}
                 left -= 1
         yield row
-
-
-UNWALKED = {"status": "goes everywhere, not walked"}
 
 
 def _checked(robot: Robot) -> dict[str, Any]:

@@ -32,15 +32,15 @@ def explained(values: Sequence[object], results: Array) -> float | None:
     group has a single point.
     """
     known = np.isfinite(results)
-    groups = group(values)[known]
     results = results[known]
-    _, groups = np.unique(groups, return_inverse=True)
-    count = int(groups.max()) + 1 if len(groups) else 0
-    total = float(((results - results.mean()) ** 2).sum()) if len(results) else 0.0
-    if count < 2 or len(results) <= count or total <= 0:
+    distinct, groups = np.unique(group(values)[known], return_inverse=True)
+    count = len(distinct)
+    if count < 2 or len(results) <= count:
         return None
-    sizes = np.bincount(groups)
-    means = np.bincount(groups, results) / sizes
+    total = float(((results - results.mean()) ** 2).sum())
+    if total <= 0:
+        return None
+    means = np.bincount(groups, results) / np.bincount(groups)
     within = float(((results - means[groups]) ** 2).sum())
     chance = within / (len(results) - count) * (len(results) - 1)
     return float(np.clip(1.0 - chance / total, 0.0, 1.0))
@@ -48,9 +48,10 @@ def explained(values: Sequence[object], results: Array) -> float | None:
 
 def group(values: Sequence[object]) -> Array:
     """Number of each point's group of equal or neighbouring values, shape (N,)."""
-    distinct = sorted(set(map(_comparable, values)))
+    comparable = list(map(_comparable, values))
+    distinct = sorted(set(comparable))
     place = {value: number for number, value in enumerate(distinct)}
-    ranks = np.array([place[_comparable(value)] for value in values], dtype=int)
+    ranks = np.array([place[value] for value in comparable], dtype=int)
     if len(distinct) <= FEW:
         return ranks
     bins = int(np.clip(len(ranks) // EACH, *BINS))
@@ -104,16 +105,15 @@ def _percent(share: float | None) -> str:
 
 def findings(results: Results) -> Findings:
     """What the table of a sweep says."""
-    counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
+    lost = (results.classes >= FELL).astype(float)
     off = np.log10(np.maximum(results.off, ROUNDING_SHARE))
     off[results.classes >= FELL] = np.nan
-    lost = (results.classes >= FELL).astype(float)
     columns = {key: results.columns[key] for key in results.keys}
     reasons = Counter(str(s) for s in results.columns["status"] if s != "ok")
     return Findings(
         points=len(results),
         prediction=results.prediction,
-        classes=dict(zip(CLASSES, counts.tolist(), strict=True)),
+        classes=results.counts,
         explained={
             key: Explained(explained(values, off), explained(values, lost))
             for key, values in columns.items()

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from planner import Array
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
-from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.studies.results import CLASSES, LIMITS, NO_WALK, Results
+from sim.studies.results import LIMITS, NO_WALK, Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,51 +53,36 @@ def draw_maps(results: Results, folder: Path) -> list[Path]:
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
     """The worst of the points at each place: its class, and how far it was off."""
-    x, y = (_place(axes, results, key, way) for key, way in ((across, "x"), (up, "y")))
-    there: dict[tuple[float, float], list[int]] = defaultdict(list)
-    for point, place in enumerate(zip(x, y, strict=True)):
-        there[place].append(point)
-    worst = {
-        place: max(some, key=lambda point: _badness(results, point))
-        for place, some in there.items()
-    }
-    note = ", the worst at each place" if len(results) > len(worst) else ""
-    axes.set_title(
-        f"farthest off the {_words(results)} prediction, % of the path{note}"
-    )
-    if all(map(_is_table, (results.columns[across], results.columns[up]))):
-        _fill_cells(axes, results, there, worst)
-    else:
-        size = float(np.clip(9000 / len(worst), 9, 260))
-        colours = [OUTCOMES[results.classes[point]].hex for point in worst.values()]
-        places = np.array(list(worst))
-        axes.scatter(places[:, 0], places[:, 1], s=size, c=colours, linewidths=0)
-
-
-def _fill_cells(
-    axes: Axes,
-    results: Results,
-    there: Mapping[tuple[float, float], Sequence[int]],
-    worst: Mapping[tuple[float, float], int],
-) -> None:
-    """A square for each place, with the share of the path written in it."""
     from matplotlib.patches import Rectangle
 
+    columns = _place(axes, results, across, "x")
+    rows = _place(axes, results, up, "y")
+    there: dict[tuple[float, float], list[int]] = defaultdict(list)
+    for point, place in enumerate(zip(columns, rows, strict=True)):
+        there[place].append(point)
+    badness = list(zip(results.classes, np.nan_to_num(results.off), strict=True))
+    worst = {place: max(some, key=badness.__getitem__) for place, some in there.items()}
+    note = ", the worst at each place" if len(results) > len(worst) else ""
+    axes.set_title(f"farthest off the {results.label} prediction, % of the path{note}")
+    colours = {
+        place: OUTCOMES[results.classes[point]] for place, point in worst.items()
+    }
+    if not all(_is_table(results.columns[key]) for key in (across, up)):
+        size = float(np.clip(9000 / len(worst), 9, 260))
+        fills = [colour.hex for colour in colours.values()]
+        at, high = zip(*worst, strict=True)
+        axes.scatter(at, high, s=size, c=fills, linewidths=0)
+        return
     axes.grid(visible=False)
-    for (x, y), point in worst.items():
-        found, share = results.classes[point], 100 * results.off[point]
+    for (x, y), point in worst.items():  # a square with the share of the path in it
+        colour, share = colours[x, y], 100 * results.off[point]
         corner = x - CELL / 2, y - CELL / 2
-        colour = OUTCOMES[found]
         axes.add_patch(Rectangle(corner, CELL, CELL, color=colour.hex, linewidth=0))
         label = f"{share:.2g}" if np.isfinite(share) else "no walk"
         lost = sum(results.classes[one] == NO_WALK for one in there[x, y])
         if 0 < lost < len(there[x, y]):
             label = f"{lost} of {len(there[x, y])}:\n{label}"
         axes.text(x, y, label, color=colour.ink.hex, ha="center", va="center")
-
-
-def _badness(results: Results, point: int) -> tuple[int, float]:
-    return int(results.classes[point]), float(np.nan_to_num(results.off[point]))
 
 
 def _draw_curve(axes: Axes, results: Results, key: str) -> None:
@@ -111,7 +94,7 @@ def _draw_curve(axes: Axes, results: Results, key: str) -> None:
     for limit in LIMITS:
         axes.axhline(limit, color=FAINT.hex, linewidth=0.6)
     axes.set_ylabel("farthest, as a share of the path")
-    axes.set_title(f"off the {_words(results)} prediction")
+    axes.set_title(f"off the {results.label} prediction")
 
 
 def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
@@ -157,14 +140,9 @@ def _label(value: object) -> str:
 def _legend(axes: Axes, results: Results) -> None:
     from matplotlib.lines import Line2D
 
-    counts: Array = np.bincount(results.classes, minlength=len(CLASSES))
     marks = [
         Line2D([], [], label=f"{name}: {count}", color=colour.hex, marker="s", ls="")
-        for name, colour, count in zip(CLASSES, OUTCOMES, counts, strict=True)
+        for (name, count), colour in zip(results.counts.items(), OUTCOMES, strict=True)
         if count
     ]
     axes.legend(handles=marks, loc="center left", bbox_to_anchor=(1.0, 0.5))
-
-
-def _words(results: Results) -> str:
-    return PREDICTIONS[results.prediction].label

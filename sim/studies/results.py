@@ -16,6 +16,7 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean
 from sim.errors import UsageError
+from sim.scenarios.predictions import PREDICTIONS
 from sim.sweeps.folder import SIDE_BY_SIDE, SweepFolder
 from sim.sweeps.table import read_table
 
@@ -56,6 +57,17 @@ class Results:
         words = self.columns.get("verdict", [None] * len(self))
         fell = np.array([word == "fell" for word in words])
         return np.where(self.walked, np.where(fell, FELL, found), NO_WALK)
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Number of points in each class."""
+        counted: Array = np.bincount(self.classes, minlength=len(CLASSES))
+        return dict(zip(CLASSES, counted.tolist(), strict=True))
+
+    @property
+    def label(self) -> str:
+        """Name of the prediction in words."""
+        return PREDICTIONS[self.prediction].label
 
     def column(self, name: str) -> Array:
         """A column of numbers, shape (N,); NaN where a row has none."""

@@ -35,11 +35,8 @@ def list_block(table: Mapping[str, object]) -> Block:
     lengths = {key: len(values) for key, values in columns.items()}
     if len(set(lengths.values())) > 1:
         counts = ", ".join(f"{key} has {count}" for key, count in lengths.items())
-        raise UsageError(
-            f"lists of different lengths, {counts}",
-            "[list]",
-            "give all of them as many values, or put them under [grid]",
-        )
+        remedy = "give all of them as many values, or put them under [grid]"
+        raise UsageError(f"lists of different lengths, {counts}", "[list]", remedy)
     return tuple(columns), list(zip(*columns.values(), strict=True))
 
 
@@ -85,11 +82,8 @@ def _values(key: str, given: object, block: str) -> list[object]:
         return list(given)
     where = f"{block} {key}"
     if not isinstance(given, Mapping) or not given.keys() <= RANGE:
-        raise UsageError(
-            "neither a list nor a range",
-            where,
-            "give [a, b, ...] or { from = a, to = b, count = n }",
-        )
+        remedy = "give [a, b, ...] or { from = a, to = b, count = n }"
+        raise UsageError("neither a list nor a range", where, remedy)
     count = _whole(f"{where}: count", given.get("count"), 1, MOST_POINTS)
     parts = np.linspace(0.0, 1.0, count)
     return _stretch(parts, *_span(given, where), key in WHOLE)
@@ -105,11 +99,9 @@ def _span(given: object, where: str) -> tuple[float, float, str]:
         raise UsageError("no two ends", where, "give [low, high], two numbers")
     low, high = ends
     if scale not in (LINEAR, LOGARITHMIC) or (scale == LOGARITHMIC and low <= 0):
-        raise UsageError(
-            f"scale = {scale!r} from {low} to {high} is not allowed",
-            where,
-            'give scale = "linear", or "log" between two ends above 0',
-        )
+        what = f"scale = {scale!r} from {low} to {high} is not allowed"
+        remedy = 'give scale = "linear", or "log" between two ends above 0'
+        raise UsageError(what, where, remedy)
     return low, high, scale
 
 
@@ -117,17 +109,13 @@ def _stretch(
     unit: np.ndarray, low: float, high: float, scale: str, whole: bool
 ) -> list[object]:
     """Numbers from 0 to 1 stretched between two ends; rounded if whole ones are due."""
-    values = low + unit * (high - low)
-    if scale == LOGARITHMIC:
-        values = low * (high / low) ** unit
+    straight = scale == LINEAR
+    values = low + unit * (high - low) if straight else low * (high / low) ** unit
     return [round(value) if whole else float(f"{value:.12g}") for value in values]
 
 
 def _whole(what: str, value: object, low: int, high: int) -> int:
     if not isinstance(value, bool) and isinstance(value, int) and low <= value <= high:
         return value
-    raise UsageError(
-        f"{what} = {value!r} is not allowed",
-        "the sweep's file",
-        f"give a whole number from {low} to {high}",
-    )
+    remedy = f"give a whole number from {low} to {high}"
+    raise UsageError(f"{what} = {value!r} is not allowed", "the sweep's file", remedy)

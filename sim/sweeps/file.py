@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
@@ -73,18 +74,14 @@ def read_sweep(source: str) -> Sweep:
     fixed = dict(flat(_inner(table, "set")))
     _anchor_values(fixed, path.parent)
     blocks = tuple(_anchored(block, path.parent) for block in _blocks(table))
-    _require_once([*fixed, *(key for keys, _ in blocks for key in keys)], source)
+    given = Counter([*fixed, *(key for keys, _ in blocks for key in keys)])
+    for key in (key for key, times in given.items() if times > 1):
+        raise UsageError(f"{key} is given twice", source, "keep it in one table")
     if (count := math.prod(len(choices) for _, choices in blocks)) > MOST_POINTS:
         raise UsageError(f"{count} points", source, f"ask for {MOST_POINTS} at most")
-    run_folders, filmed = _run_folders(_inner(table, "keep"), count)
+    without, kept = _without(table.get("without", [])), _inner(table, "keep")
     return Sweep(
-        name=path.stem,
-        scenario=scenario,
-        fixed=fixed,
-        blocks=blocks,
-        without=_without(table.get("without", [])),
-        run_folders=run_folders,
-        filmed=filmed,
+        path.stem, scenario, fixed, blocks, without, *_run_folders(kept, count)
     )
 
 
@@ -101,30 +98,27 @@ def _find(source: str) -> Path:
         return path
     if path.suffix or len(path.parts) > 1:
         raise UsageError("no such sweep file", source, "give a TOML file that exists")
-    near = did_you_mean(source, shipped_studies())
-    raise UsageError(
-        f"unknown study {source!r}", "FILE.toml", f"{near}; or give a file"
-    )
+    remedy = f"{did_you_mean(source, shipped_studies())}; or give a file"
+    raise UsageError(f"unknown study {source!r}", "FILE.toml", remedy)
 
 
 def _scenario(table: Mapping[str, object], path: Path) -> Mapping[str, object]:
     """The scenario that is named, or the one whose tables stand in the sweep's file."""
     named = table.get("scenario")
     own = {key: value for key, value in table.items() if key not in KEYS}
+    remedy = 'give scenario = "line", say'
     if isinstance(named, Mapping):
         own, named = {**named, **own}, None
     if named is None:
         if "path" not in own:
-            what = "no scenario is named"
-            raise UsageError(what, str(path), 'give scenario = "line", say')
+            raise UsageError("no scenario is named", str(path), remedy)
         own = {"name": path.stem, **own}
         anchor(own, path.parent)
         return own
     for key in own:
         raise UsageError(f"unknown key {key!r}", str(path), did_you_mean(key, KEYS))
     if not isinstance(named, str):
-        what = f"scenario = {named!r} is no name"
-        raise UsageError(what, str(path), 'give scenario = "line", say')
+        raise UsageError(f"scenario = {named!r} is no name", str(path), remedy)
     beside = path.parent / named
     return scenario_table(str(beside) if beside.is_file() else named)[0]
 
@@ -142,13 +136,6 @@ def _blocks(table: Mapping[str, object]) -> Iterator[Block]:
         yield list_block(side_by_side)
     if samples := _inner(table, "sobol"):
         yield sobol_block(samples)
-
-
-def _require_once(keys: list[str], source: str) -> None:
-    for number, key in enumerate(keys):
-        if key in keys[:number]:
-            what = f"{key} is given twice"
-            raise UsageError(what, source, "keep it in one table")
 
 
 def _anchor_values(values: dict[str, object], folder: Path) -> None:
@@ -183,11 +170,8 @@ def _run_folders(
         raise UsageError(f"unknown key {key!r}", "[keep]", near)
     numbers = points if isinstance(points, list) else [None]
     if not all(type(point) is int and 0 <= point < count for point in numbers):
-        raise UsageError(
-            f"points = {points!r} is not allowed",
-            "[keep]",
-            f"give a list of whole numbers from 0 to {count - 1}",
-        )
+        remedy = f"give a list of whole numbers from 0 to {count - 1}"
+        raise UsageError(f"points = {points!r} is not allowed", "[keep]", remedy)
     if not isinstance(filmed, bool):
         raise UsageError(f"film = {filmed!r}", "[keep]", "give true or false")
     return tuple(sorted(set(numbers))), filmed

@@ -61,16 +61,14 @@ class About:
     def of(cls, sweep: Sweep) -> About:
         """What a sweep is about, with the software of today."""
         vary = {
-            SIDE_BY_SIDE.join(keys): [
-                list(choice) if len(keys) > 1 else choice[0] for choice in choices
-            ]
+            SIDE_BY_SIDE.join(keys): [one if keys[1:] else one[0] for one in choices]
             for keys, choices in sweep.blocks
         }
         asked = {
             "scenario": dict(sweep.scenario),
             "set": dict(sweep.fixed),
             "vary": vary,
-            "without": list(sweep.without),
+            "without": sweep.without,
         }
         return cls(json.loads(json.dumps(asked)), software())
 
@@ -92,15 +90,11 @@ class About:
         blocks = []
         for names, choices in self.asked["vary"].items():
             keys = tuple(names.split(SIDE_BY_SIDE))
-            rows = [(one,) if len(keys) == 1 else tuple(one) for one in choices]
-            blocks.append((keys, rows))
-        return Sweep(
-            name="merged",
-            scenario=self.asked["scenario"],
-            fixed=self.asked["set"],
-            blocks=tuple(blocks),
-            without=tuple(self.asked["without"]),
+            blocks.append((keys, [tuple(c) if keys[1:] else (c,) for c in choices]))
+        scenario, fixed, without = (
+            self.asked[k] for k in ("scenario", "set", "without")
         )
+        return Sweep("merged", scenario, fixed, tuple(blocks), tuple(without))
 
     def differences(self, other: About) -> list[str]:
         """What another sweep is about instead, as `key: value, now value`."""
@@ -145,9 +139,7 @@ class SweepFolder:
         A table may hold points of different sweeps and versions if it is to mix them.
         """
         before = About.read(self.about)
-        if before == about:
-            return
-        if before is not None and not mix:
+        if before not in (None, about) and not mix:
             raise UsageError(
                 f"begun as something else, {'; '.join(before.differences(about))}",
                 str(self.path),
@@ -163,19 +155,16 @@ def claim(out: Path, shard: Shard, resume: bool) -> SweepFolder:
     """
     folder = SweepFolder(out, shard)
     begun = folder.about.exists() or folder.ledger.exists()
-    if (begun and not resume) or _is_foreign(out, resume or shard.count > 1):
+    foreign = out.exists()
+    if out.is_dir():
+        empty_will_do = resume or shard.count > 1
+        ours = any(out.glob("sweep*")) or (empty_will_do and not any(out.iterdir()))
+        foreign = not ours
+    if (begun and not resume) or foreign:
         remedy = "give --resume to go on with it" if begun else "choose another folder"
         raise UsageError("already exists", str(out), remedy)
     ensure_folder(out, "sweep's folder")
     return folder
-
-
-def _is_foreign(out: Path, empty_will_do: bool) -> bool:
-    """Whether a path exists and is not the folder of a sweep."""
-    if not out.is_dir():
-        return out.exists()
-    ours = any(out.glob("sweep*")) or (empty_will_do and not any(out.iterdir()))
-    return not ours
 
 
 @contextmanager

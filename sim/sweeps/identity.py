@@ -30,10 +30,10 @@ def digest(scenario: Scenario, without: Sequence[str]) -> str:
 
     Names and descriptions of scenarios do not matter.
     """
-    table = to_table(scenario)
-    for key in ("name", "description"):
-        table.pop(key, None)
-    robot = [(str(path), _digest_of(path)) for path in _own_files(scenario.robot)]
+    named = to_table(scenario).items()
+    table = {key: value for key, value in named if key not in ("name", "description")}
+    own = ((path, path.stat()) for path in _own_files(scenario.robot))
+    robot = [(str(path), _digest(path, at.st_mtime_ns, at.st_size)) for path, at in own]
     content = json.dumps([table, sorted(without), robot], sort_keys=True, default=str)
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 
@@ -62,15 +62,11 @@ def _shown(table: Mapping[str, object], key: str) -> str:
 @cache
 def _code() -> str:
     """Digest of this package's own sources; as git's hash, but for what is changed."""
-    sources = (
-        path
-        for package in CODE
-        for path in sorted(Path(str(files(package))).rglob("*"))
-        if path.suffix in KINDS
-    )
     parts = hashlib.sha256()
-    for path in sources:
-        parts.update(path.name.encode() + path.read_bytes())
+    for package in CODE:
+        for path in sorted(Path(str(files(package))).rglob("*")):
+            if path.suffix in KINDS:
+                parts.update(path.name.encode() + path.read_bytes())
     return parts.hexdigest()[:16]
 
 
@@ -90,11 +86,6 @@ def _opened(robot: str, changed: int) -> frozenset[Path]:
         return frozenset(load(robot).files)
     except ModelError:  # the reason stands in the table, for each of its points
         return frozenset({Path(robot)})
-
-
-def _digest_of(path: Path) -> str:
-    about = path.stat()
-    return _digest(path, about.st_mtime_ns, about.st_size)
 
 
 @cache

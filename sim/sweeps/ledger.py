@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
@@ -25,10 +25,8 @@ class Outcome:
 
     digest: str  # of its settings
     status: str  # `ok`, or the reason why it has no numbers
-    # the summary's numbers by their dotted names
-    numbers: Mapping[str, object] = field(default_factory=dict)
-    # versions that they come from
-    software: Mapping[str, str] = field(default_factory=dict)
+    numbers: Mapping[str, object] = field(default_factory=dict)  # by dotted names
+    software: Mapping[str, str] = field(default_factory=dict)  # that they come from
 
 
 class Ledger:
@@ -39,8 +37,7 @@ class Ledger:
 
     def add(self, outcomes: Iterable[Outcome]) -> None:
         """Write lines and wait until they are on the disk."""
-        lines = "".join(f"{json.dumps(asdict(outcome))}\n" for outcome in outcomes)
-        content = lines.encode()
+        content = "".join(f"{json.dumps(asdict(one))}\n" for one in outcomes).encode()
         try:
             while content:
                 content = content[os.write(self._handle, content) :]
@@ -56,8 +53,7 @@ def opened(path: Path) -> Iterator[Ledger]:
     """A ledger to add to; a line that was torn is cut off first."""
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
-        whole = path.read_bytes().rfind(b"\n") + 1
-        os.ftruncate(handle, whole)
+        os.ftruncate(handle, path.read_bytes().rfind(b"\n") + 1)
     except OSError as error:
         reason = f"cannot be opened, {error.strerror}"
         raise FilesError(reason, str(path), "choose another folder") from error
@@ -72,17 +68,12 @@ def read_ledger(path: Path) -> dict[str, Outcome]:
 
     A line that cannot be read counts as not written: its point is walked again.
     """
-    return {outcome.digest: outcome for outcome in _outcomes(path)}
-
-
-def _outcomes(path: Path) -> Iterator[Outcome]:
-    if not path.exists():
-        return
-    with path.open("rb") as file:
-        for line in file:
-            if not line.endswith(b"\n"):
-                return
-            try:
-                yield Outcome(**json.loads(line))
-            except (ValueError, TypeError):
-                continue
+    known: dict[str, Outcome] = {}
+    if path.exists():
+        with path.open("rb") as file:
+            for line in file:
+                with suppress(ValueError, TypeError):
+                    outcome = Outcome(**json.loads(line))
+                    if line.endswith(b"\n"):
+                        known[outcome.digest] = outcome
+    return known

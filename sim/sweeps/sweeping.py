@@ -27,7 +27,6 @@ from sim.folder import RunFolder, ensure_folder
 from sim.preparation.shared import PLAN
 from sim.run_folder import run
 from sim.scenarios.file import scenario_from, to_table
-from sim.scenarios.scenario import Scenario
 from sim.sweeps.file import Sweep
 from sim.sweeps.folder import About, Shard, SweepFolder, sole_owner
 from sim.sweeps.identity import digest
@@ -40,14 +39,6 @@ Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 
 def show_nothing(done: int, failed: int, points: int) -> None:
     """Show nothing of how far a sweep has come."""
-
-
-@dataclass(frozen=True, slots=True)
-class Workforce:
-    """Who walks the points."""
-
-    workers: int = 1  # processes on this machine
-    scheduler: str | None = None  # address of Dask's, whose workers are taken instead
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +75,10 @@ class Points:
 
     def result(self, known: Mapping[str, Outcome], walked: int = 0) -> Result:
         """What became of a sweep whose points are all done, some of them now."""
-        statuses = [known[code].status for code in self.digests.values()]
-        reasons = Counter(status for status in statuses if status != OK)
+        reasons = Counter(known[code].status for code in self.digests.values())
+        del reasons[OK]
         ranked = dict(reasons.most_common())
-        return Result(len(statuses), reasons.total(), ranked, walked)
+        return Result(len(self.digests), reasons.total(), ranked, walked)
 
 
 def points_of(sweep: Sweep, shard: Shard) -> Points:
@@ -97,21 +88,18 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
     shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
     for robot, *names in sorted(shapes):
         _require_robot(robot, names)
+    first: dict[
+        Hashable, int
+    ] = {}  # point of each plan; others differ in physics alone
     return Points(
         sweep,
         {point: to_table(scenario) for point, scenario in scenarios.items()},
         {point: digest(s, sweep.without) for point, s in scenarios.items()},
-        _plans(scenarios),
+        {
+            point: first.setdefault(s.key(*PLAN), point)
+            for point, s in scenarios.items()
+        },
     )
-
-
-def _plans(scenarios: Mapping[int, Scenario]) -> dict[int, int]:
-    """The first point that differs from each in its physics alone."""
-    first: dict[Hashable, int] = {}
-    return {
-        point: first.setdefault(scenario.key(*PLAN), point)
-        for point, scenario in scenarios.items()
-    }
 
 
 def _require_robot(robot: str, names: Sequence[str]) -> None:
@@ -133,51 +121,40 @@ def _require_robot(robot: str, names: Sequence[str]) -> None:
 def carry_on(
     points: Points,
     folder: SweepFolder,
-    workforce: Workforce,
+    workers: int = 1,
+    scheduler: str | None = None,
     *,
     mix: bool = False,
     show: Show = show_nothing,
 ) -> Result:
     """Walk what is not done yet of a sweep, and write its table.
 
-    Refused where another process works in the folder, or where it holds another sweep
-    or points of other versions, unless these are to be mixed in one table.
+    Workers are processes here, or those of a Dask scheduler at an address. Refused
+    where another process works in the folder, or where it holds another sweep or points
+    of other versions, unless these are to be mixed in one table.
     """
     about = About.of(points.sweep)
     with sole_owner(folder.lock):
         folder.agree(about, mix)
         known = read_ledger(folder.ledger)
         if tasks := points.tasks(known):
-            _walk(tasks, points, folder, workforce, known, show)
+            counter = _Counter(points.digests, show)
+            counter.add(known.values())
+            try:
+                with (
+                    opened(folder.ledger) as ledger,
+                    open_pool(min(workers, len(tasks)), scheduler) as pool,
+                ):
+                    for outcome in pool.carry_out(tasks):
+                        ledger.add([outcome])
+                        known[outcome.digest] = outcome
+                        counter.add([outcome])
+            except KeyboardInterrupt as stop:
+                far = f"{counter.done} of {counter.points} points are done"
+                stop.add_note(f"{far}, go on with --resume")
+                raise
         write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known, len(tasks))
-
-
-def _walk(
-    tasks: Sequence[Task],
-    points: Points,
-    folder: SweepFolder,
-    workforce: Workforce,
-    known: dict[str, Outcome],
-    show: Show,
-) -> None:
-    """Add an outcome of every task to the ledger and to those that are known."""
-    counter = _Counter(points.digests, show)
-    counter.add(known.values())
-    workers = min(workforce.workers, len(tasks))
-    try:
-        with (
-            opened(folder.ledger) as ledger,
-            open_pool(workers, workforce.scheduler) as pool,
-        ):
-            for outcome in pool.carry_out(tasks):
-                ledger.add([outcome])
-                known[outcome.digest] = outcome
-                counter.add([outcome])
-    except KeyboardInterrupt as stop:
-        far = f"{counter.done} of {counter.points} points are done"
-        stop.add_note(f"{far}, go on with --resume")
-        raise
 
 
 class _Counter:
@@ -200,17 +177,16 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
 
     Complete folders are left alone. The result says what went wrong with which point.
     """
-    wrong, last = [], "video.mp4" if points.sweep.filmed else "summary.json"
-    runs = RunFolder(folder.path / "runs")
+    runs, wrong = RunFolder(folder.path / "runs"), []
+    look, last = None, "summary.json"
+    if points.sweep.filmed:
+        look, last = "draft", "video.mp4"
     for point in points.sweep.run_folders:
-        if point not in points.tables:
-            continue
         name = f"point-{point:05d}"
-        if (runs.path / name / last).exists():
+        if point not in points.tables or (runs.path / name / last).exists():
             continue
         shutil.rmtree(runs.path / name, ignore_errors=True)
         scenario = scenario_from(points.tables[point], {}, f"point {point}")
-        look = "draft" if points.sweep.filmed else None
         try:
             run(scenario, runs.inner(name), look=look)
         except FilesError:
@@ -263,9 +239,9 @@ def _common_about(sources: Sequence[Path]) -> About:
     (first, about), *others = found.items()
     for path, other in others:
         if differ := about.differences(other):
-            raise UsageError(
+            what, where = (
                 f"not of one sweep, {'; '.join(differ)}",
                 f"{first} and {path}",
-                "merge shards of the same file and software",
             )
+            raise UsageError(what, where, "merge shards of the same file and software")
     return about

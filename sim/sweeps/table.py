@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,23 +45,15 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
     return {name: table[name].to_pylist() for name in table.column_names}, about
 
 
-def _column(values: Sequence[object]) -> pa.Array:
+def _column(values: Sequence[Any]) -> pa.Array:
     """Values in the narrowest type that holds them all, text if they are mixed."""
     kinds = {type(value) for value in values if value is not None}
-    if not kinds or kinds == {int, float} or kinds == {float}:
-        return pa.array(_numbers(values), pa.float64())
+    if kinds in (set(), {int, float}, {float}):
+        numbers = [None if v is None else float(v) for v in values]
+        return pa.array(numbers, pa.float64())
     if kinds == {bool}:
         return pa.array(values, pa.bool_())
     if kinds == {int}:
         return pa.array(values, pa.int64())
-    return pa.array([_text(value) for value in values], pa.string())
-
-
-def _numbers(values: Iterable[Any]) -> list[float | None]:
-    return [None if value is None else float(value) for value in values]
-
-
-def _text(value: object) -> str | None:
-    if value is None or isinstance(value, str):
-        return value
-    return json.dumps(value)
+    texts = [v if v is None or isinstance(v, str) else json.dumps(v) for v in values]
+    return pa.array(texts, pa.string())

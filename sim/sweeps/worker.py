@@ -35,19 +35,13 @@ def carry_out(
     return Outcome(digest, OK, dict(numbers(summary)), software())
 
 
-def numbers(
-    summary: Mapping[str, object], head: str = ""
-) -> Iterator[tuple[str, object]]:
+def numbers(summary: object, name: str = "") -> Iterator[tuple[str, object]]:
     """Numbers and words of a summary by their dotted names."""
+    if isinstance(summary, list | tuple):
+        summary = {str(place): value for place, value in enumerate(summary)}
+    if not isinstance(summary, Mapping):
+        yield name, summary
+        return
     for key, value in summary.items():
-        if head or key not in LEFT_OUT:
-            yield from _leaves(f"{head}{key}", value)
-
-
-def _leaves(name: str, value: object) -> Iterator[tuple[str, object]]:
-    if isinstance(value, Mapping):
-        yield from numbers(value, f"{name}.")
-    elif isinstance(value, list | tuple):
-        yield from numbers({str(n): one for n, one in enumerate(value)}, f"{name}.")
-    else:
-        yield name, value
+        if name or key not in LEFT_OUT:
+            yield from numbers(value, f"{name}.{key}" if name else key)

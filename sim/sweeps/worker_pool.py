@@ -12,6 +12,7 @@ import os
 import signal
 import tempfile
 import time
+from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
@@ -58,30 +59,27 @@ class WorkerPool:
     asked: dict[str, Future] = field(default_factory=dict)
     accepted: set[str] = field(default_factory=set)
     refused: dict[str, str] = field(default_factory=dict)
-    deaths: dict[str, int] = field(default_factory=dict)
+    deaths: Counter[str] = field(default_factory=Counter)
 
     def carry_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
         """Outcomes of tasks as they come; SweepError where no worker may take part."""
-        waiting = iter(tasks)
-        again: list[Task] = []
+        waiting, seen = deque(tasks), time.monotonic()
         done: list[Outcome] = []
-        seen, more = time.monotonic(), True
-        while more or again or self.running:
-            for worker in self._free():
-                task = again.pop() if again else next(waiting, None)
-                more = more and task is not None
-                if task is not None:
-                    self._send(task, worker)
+        while waiting or self.running:
+            for worker in self._free()[: len(waiting)]:
+                task = waiting.popleft()
+                given = (task.digest, dict(task.table), tuple(task.without))
+                self.running[self._submit(worker, carry_out, *given)] = task, worker
             yield from done  # while the workers are busy with the next ones
             done = []
             if self.running:
                 seen = time.monotonic()
                 for task, outcome in self._finished():
                     if outcome is None:
-                        again.append(task)
+                        waiting.appendleft(task)
                     else:
                         done.append(outcome)
-            elif more or again:
+            elif waiting:
                 seen = self._be_patient(seen)
         yield from done
 
@@ -118,8 +116,9 @@ class WorkerPool:
             else:
                 self.refused[worker] = one_line(error)
             return
-        ours, theirs = software(), answer.result()
-        both = ({key: versions[key] for key in SHARED} for versions in (ours, theirs))
+        both = (
+            {k: known[k] for k in SHARED} for known in (software(), answer.result())
+        )
         if differ := differences(*both):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:
@@ -129,10 +128,6 @@ class WorkerPool:
         return self.client.submit(
             work, *given, workers=[worker], allow_other_workers=False, pure=False
         )
-
-    def _send(self, task: Task, worker: str) -> None:
-        given = (task.digest, dict(task.table), tuple(task.without))
-        self.running[self._submit(worker, carry_out, *given)] = task, worker
 
     def _finished(self) -> list[tuple[Task, Outcome | None]]:
         """Tasks that have come back; None for one that is to be tried again."""
@@ -152,7 +147,7 @@ class WorkerPool:
         future.cancel()
         if error is not None and not isinstance(error, KilledWorker):
             return task, Outcome(task.digest, one_line(error), software=software())
-        self.deaths[task.digest] = self.deaths.get(task.digest, 0) + 1
+        self.deaths[task.digest] += 1
         if self.deaths[task.digest] < TRIES:
             return task, None
         reason = f"its worker died, {TRIES} times: it was killed, or out of memory"
@@ -201,12 +196,17 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
                 str(at),
                 "start one with `dask scheduler`, and give its address",
             ) from error
-        stack.enter_context(_blame(client))
+        # The scheduler reports every death, instead of trying a task again itself.
+        before = client.run_on_scheduler(_allow_failures, 0)
+        stack.callback(client.run_on_scheduler, _allow_failures, before)
         try:
             yield WorkerPool(client)
         except KeyboardInterrupt:
-            if local is not None:
-                _kill(local)
+            for nanny in () if local is None else local.workers.values():
+                nanny.auto_restart = False  # it would finish its point first
+                if nanny.pid is not None:
+                    with suppress(ProcessLookupError):
+                        os.kill(nanny.pid, signal.SIGKILL)
             raise
 
 
@@ -231,25 +231,6 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
         logging.getLogger("asyncio").setLevel(logging.CRITICAL)
         raise
     return stack.enter_context(cluster)
-
-
-def _kill(cluster: LocalCluster) -> None:
-    """Kill workers that would finish their points first; what is done is written."""
-    for nanny in cluster.workers.values():
-        nanny.auto_restart = False
-        if nanny.pid is not None:
-            with suppress(ProcessLookupError):
-                os.kill(nanny.pid, signal.SIGKILL)
-
-
-@contextmanager
-def _blame(client: Client) -> Iterator[None]:
-    """Have the scheduler report every death, instead of trying a task again itself."""
-    before = client.run_on_scheduler(_allow_failures, 0)
-    try:
-        yield
-    finally:
-        client.run_on_scheduler(_allow_failures, before)
 
 
 def _allow_failures(count: int, dask_scheduler: Any = None) -> int:
