@@ -55,7 +55,7 @@ START = 100.0  # [s] a process may take to begin
 FRESH = 1000  # cases after which libraries have kept enough for another process
 
 
-class Worker:
+class Worker(contextlib.AbstractContextManager["Worker"]):
     """One process that runs cases, and the next one where it fails."""
 
     def __init__(self, limit: float = LIMIT, patience: float | None = None) -> None:
@@ -101,9 +101,6 @@ class Worker:
 
     def _comes(self, seconds: float) -> bool:
         return any(self._cases.poll(SLICE) for _ in range(math.ceil(seconds / SLICE)))
-
-    def __enter__(self) -> Worker:
-        return self
 
     def __exit__(self, *error: object) -> None:
         self.end()

@@ -52,8 +52,7 @@ def mutated(text: str, rng: random.Random) -> str:
 
 
 def _number(text: str, rng: random.Random) -> str:
-    places = list(NUMBER.finditer(text))
-    if not places:
+    if not (places := list(NUMBER.finditer(text))):
         return text
     place = rng.choice(places)
     return text[: place.start()] + rng.choice(NASTY) + text[place.end() :]

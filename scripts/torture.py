@@ -122,18 +122,14 @@ def ended(row: Row) -> Ending:
         tools.mkdir()
         for name, text in TOOLS.items():
             _write(tools / name, text.format(python=shlex.quote(sys.executable)))
-        env = {  # as little as there can be, besides this code
-            "PATH": f"{tools}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin",
-            "PYTHONPATH": str(ROOT),
-            "HOME": str(tools),
-        }
-        if "LD_LIBRARY_PATH" in os.environ:
-            env["LD_LIBRARY_PATH"] = os.environ["LD_LIBRARY_PATH"]
+        # As little as there can be, besides this code.
+        env = {k: os.environ[k] for k in ("LD_LIBRARY_PATH",) if k in os.environ}
+        env["PATH"] = f"{tools}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin"
+        env |= {"PYTHONPATH": str(ROOT), "HOME": str(tools)}
         row.make(folder, env)
         end = ending(["sh", "-c", row.command], folder, ROW_LIMIT, env)
-        places = re.compile(
-            "|".join(f"{re.escape(str(p))}/" for p in (folder, scratch, ROOT))
-        )
+        folders = map(re.escape, (str(folder), scratch, str(ROOT)))
+        places = re.compile(f"(?:{'|'.join(folders)})/")
         warned = [places.sub("", text) for text in end.warned]
         return Ending(end.code, places.sub("", end.printed), warned)
 

@@ -51,20 +51,16 @@ def measure() -> Iterator[Row]:
 
 def compilation() -> Iterator[Row]:
     """Each shipped system and robot: its equations made and compiled, once."""
-    for name in SYSTEMS:
-        took = seconds(partial(_system, name))
-        yield Row(f"system {name} compiled in", took, "s", "< 0.5")
-    for name in shipped_robots():
-        took = seconds(partial(_robot, name))
-        yield Row(f"robot {name} compiled in", took, "s", "< 0.5")
+    for kind, names in (("system", SYSTEMS), ("robot", shipped_robots())):
+        for name in names:
+            took = seconds(partial(_compiled, kind, name))
+            yield Row(f"{kind} {name} compiled in", took, "s", "< 0.5")
 
 
-def _system(name: str) -> ExtendedSystem:
-    problem = shipped_system(name)
-    return extend(problem.system, problem.elements)
-
-
-def _robot(name: str) -> ExtendedSystem:
+def _compiled(kind: str, name: str) -> ExtendedSystem:
+    if kind == "system":
+        problem = shipped_system(name)
+        return extend(problem.system, problem.elements)
     described = equations(load(name))
     return extend(described.system, described.elements)
 
@@ -89,16 +85,12 @@ def plans(setup: Setup) -> Iterator[Row]:
     def planned(segments: int) -> float:
         far = setup.state(segments * STRIDE * np.array([1.0, 1.0, 0.0]))
         path = line(setup.state(np.zeros(3)), far)
-        return median(
-            lambda: plan(
-                setup.extended, path, segments, execution=Execution(stance="centred")
-            )
-        )
+        execution = Execution(stance="centred")
+        return median(lambda: plan(setup.extended, path, segments, execution=execution))
 
     short, long, longest = (planned(n) / n for n in (SHORT, LONG, LONGEST))
     yield Row(f"{SHORT} segments planned in", 1e3 * SHORT * short, "ms", "< 5")
-    what = f"{LONGEST:,} segments planned, each in"
-    yield Row(what, 1e6 * longest, "us", "< 100")
+    yield Row(f"{LONGEST:,} segments planned, each in", 1e6 * longest, "us", "< 100")
     what = f"time of each segment, {LONGEST:,} over {LONG:,}"
     yield Row(what, longest / long, "", "near 1")
 
@@ -124,15 +116,14 @@ def segments(name: str, most: int = LONGEST) -> Iterator[Row]:
 def travel(scenario: str) -> Iterator[Row]:
     """Swing travel under load of the shortest words over that of the printed ones."""
     setup = prepare(load_scenario(scenario))
-    printed, shortest = (_travel(setup, way) for way in ("backward", "shortest"))
+
+    def swept(coordinates: Coordinates) -> float:
+        """Of a plan that ends exactly at the goal [rad]."""
+        execution = Execution(stance=setup.stance, coordinates=coordinates)
+        segments = setup.scenario.segments
+        aimed = aim(setup.extended, setup.nominal(), segments, execution)
+        loaded = setup.extended.elements[:2]
+        return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
+
     what = f"{scenario}: swing travel of shortest words over the printed"
-    yield Row(what, shortest / printed, "", "< 1")
-
-
-def _travel(setup: Setup, coordinates: Coordinates) -> float:
-    """Of a plan that ends exactly at the goal [rad]."""
-    execution = Execution(stance=setup.stance, coordinates=coordinates)
-    segments = setup.scenario.segments
-    aimed = aim(setup.extended, setup.nominal(), segments, execution)
-    loaded = setup.extended.elements[:2]
-    return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
+    yield Row(what, swept("shortest") / swept("backward"), "", "< 1")

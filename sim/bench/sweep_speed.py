@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
 import tempfile
@@ -24,8 +23,8 @@ from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
 from sim.sweeps.folder import Shard, SweepFolder
 from sim.sweeps.ledger import OK, Outcome
-from sim.sweeps.worker import carry_out, numbers
-from sim.sweeps.worker_pool import Task, open_pool
+from sim.sweeps.worker import Task, numbers
+from sim.sweeps.worker_pool import open_pool
 
 FRICTIONS = (0.5, 0.8)
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
@@ -106,30 +105,26 @@ def stand(times: int) -> float:
 def _peak(work: str) -> float:
     """Most memory that one of the functions below takes in a process of its own."""
     with tempfile.TemporaryDirectory() as folder:
-        program = f"from sim.bench.sweep_speed import {work}; {work}({folder!r})"
-        done = subprocess.run(
-            [sys.executable, "-c", program], check=True, stdout=subprocess.PIPE
-        )
-    return float(done.stdout)
+        run = f"import resource; from sim.bench.sweep_speed import {work}"
+        peak = "resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024"
+        program = f"{run}; {work}({folder!r}); print({peak})"
+        return float(subprocess.check_output([sys.executable, "-c", program]))
 
 
 def keep_books(folder: str) -> None:
-    """Read a ledger of many points, write their table, and print the memory taken."""
+    """Read a ledger of many points, and write their table."""
     from sim.sweeps.file import Sweep
     from sim.sweeps.sweeping import carry_on, points_of
 
     scenario = load_scenario("line", TINY)
-    summary = simulate(scenario, without=WITHOUT).summary
-    given = dict(numbers(summary))
-    values = [(0.5 + 1e-5 * n,) for n in range(MANY)]
-    blocks = ((("friction",), values),)
+    given = dict(numbers(simulate(scenario, without=WITHOUT).summary))
+    blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(MANY)]),)
     sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
     points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
     with home.ledger.open("w") as ledger:
         for code in points.digests.values():
             ledger.write(json.dumps(asdict(Outcome(code, OK, given))) + "\n")
     carry_on(points, home)
-    _print_peak()
 
 
 def work(folder: str) -> None:
@@ -137,9 +132,5 @@ def work(folder: str) -> None:
     for number in range(VARIED):
         aside = 0.004 + 1e-5 * number
         changes = {"path.goal": [0.004, aside, 0.0], "friction": 0.5 + 0.01 * number}
-        carry_out(str(number), to_table(load_scenario("line", TINY | changes)), WITHOUT)
-    _print_peak()
-
-
-def _print_peak() -> None:
-    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+        table = to_table(load_scenario("line", TINY | changes))
+        Task(str(number), table, WITHOUT).carry_out()

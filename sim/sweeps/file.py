@@ -59,11 +59,9 @@ class Sweep:
 
     def at(self, point: int) -> Scenario:
         """The scenario of a point."""
-        return scenario_from(
-            self.scenario,
-            {**self.fixed, **self.varied(point)},
-            f"point {point} of sweep {self.name!r}",
-        )
+        changes = {**self.fixed, **self.varied(point)}
+        place = f"point {point} of sweep {self.name!r}"
+        return scenario_from(self.scenario, changes, place)
 
 
 def read_sweep(source: str) -> Sweep:

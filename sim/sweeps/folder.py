@@ -35,11 +35,9 @@ class Shard:
 
     def __post_init__(self) -> None:
         if not 1 <= self.number <= self.count:
-            raise UsageError(
-                f"there is no part {self.number} of {self.count}",
-                "--shard",
-                f"give I/N with I from 1 to {max(self.count, 1)}",
-            )
+            what = f"there is no part {self.number} of {self.count}"
+            remedy = f"give I/N with I from 1 to {max(self.count, 1)}"
+            raise UsageError(what, "--shard", remedy)
 
     def __contains__(self, point: int) -> bool:
         return point % self.count == self.number - 1
@@ -91,10 +89,9 @@ class About:
         for names, choices in self.asked["vary"].items():
             keys = tuple(names.split(SIDE_BY_SIDE))
             blocks.append((keys, [tuple(c) if keys[1:] else (c,) for c in choices]))
-        scenario, fixed, without = (
-            self.asked[k] for k in ("scenario", "set", "without")
-        )
-        return Sweep("merged", scenario, fixed, tuple(blocks), tuple(without))
+        scenario, fixed = self.asked["scenario"], self.asked["set"]
+        without = tuple(self.asked["without"])
+        return Sweep("merged", scenario, fixed, tuple(blocks), without)
 
     def differences(self, other: About) -> list[str]:
         """What another sweep is about instead, as `key: value, now value`."""
@@ -140,11 +137,9 @@ class SweepFolder:
         """
         before = About.read(self.about)
         if before not in (None, about) and not mix:
-            raise UsageError(
-                f"begun as something else, {'; '.join(before.differences(about))}",
-                str(self.path),
-                "choose another folder, or mix them in one table with --force-mix",
-            )
+            what = f"begun as something else, {'; '.join(before.differences(about))}"
+            remedy = "choose another folder, or mix them in one table with --force-mix"
+            raise UsageError(what, str(self.path), remedy)
         self.write_about(about)
 
 
@@ -177,11 +172,9 @@ def sole_owner(path: Path) -> Iterator[str | None]:
     try:
         lock.acquire()
     except Timeout:
-        raise FilesError(
-            f"{_owner_in(owner) or 'another process'} is working on this sweep",
-            str(path.parent),
-            "wait for it, or choose another folder with --out",
-        ) from None
+        what = f"{_owner_in(owner) or 'another process'} is working on this sweep"
+        remedy = "wait for it, or choose another folder with --out"
+        raise FilesError(what, str(path.parent), remedy) from None
     except OSError as error:
         reason = f"cannot be locked, {error.strerror}"
         raise FilesError(reason, str(path.parent), "choose another folder") from error

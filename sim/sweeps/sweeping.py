@@ -32,7 +32,8 @@ from sim.sweeps.folder import About, Shard, SweepFolder, sole_owner
 from sim.sweeps.identity import digest
 from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
 from sim.sweeps.table import Row, write_table
-from sim.sweeps.worker_pool import Task, open_pool
+from sim.sweeps.worker import Task
+from sim.sweeps.worker_pool import open_pool
 
 Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 
@@ -211,11 +212,9 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     missing = [point for point, code in points.digests.items() if code not in known]
     if missing:
         few = ", ".join(map(str, missing[:5])) + ", ..." * (len(missing) > 5)
-        raise UsageError(
-            f"{len(missing)} of {len(points.digests)} points are missing: {few}",
-            ", ".join(map(str, sources)),
-            "walk them with `stratawalk sweep --resume`, or name the other shards",
-        )
+        what = f"{len(missing)} of {len(points.digests)} points are missing: {few}"
+        remedy = "walk them with `stratawalk sweep --resume`, or name the other shards"
+        raise UsageError(what, ", ".join(map(str, sources)), remedy)
     folder = SweepFolder(ensure_folder(out))
     with opened(folder.ledger) as ledger:
         written = read_ledger(folder.ledger)

@@ -7,6 +7,7 @@ common is kept between them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from sim.errors import one_line
 from sim.preparation.shared import Shared
@@ -20,19 +21,22 @@ SHARED = Shared()
 LEFT_OUT = ("timing",)  # which differs from run to run
 
 
-def carry_out(
-    digest: str, table: Mapping[str, object], without: Sequence[str] = ()
-) -> Outcome:
-    """Walk one point; whatever goes wrong with it becomes its status.
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A point to be walked."""
 
-    The table is that of its scenario, in plain values.
-    """
-    try:
-        scenario = scenario_from(table, {}, "the sweep")
-        summary = simulate(scenario, without=without, shared=SHARED).summary
-    except Exception as error:  # any failure of a point is one of its results
-        return Outcome(digest, one_line(error), software=software())
-    return Outcome(digest, OK, dict(numbers(summary)), software())
+    digest: str
+    table: Mapping[str, object]  # of its scenario, in plain values
+    without: Sequence[str] = ()
+
+    def carry_out(self) -> Outcome:
+        """Walk the point; whatever goes wrong with it becomes its status."""
+        try:
+            scenario = scenario_from(self.table, {}, "the sweep")
+            summary = simulate(scenario, without=self.without, shared=SHARED).summary
+        except Exception as error:  # any failure of a point is one of its results
+            return Outcome(self.digest, one_line(error), software=software())
+        return Outcome(self.digest, OK, dict(numbers(summary)), software())
 
 
 def numbers(summary: object, name: str = "") -> Iterator[tuple[str, object]]:

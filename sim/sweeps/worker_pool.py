@@ -13,7 +13,7 @@ import signal
 import tempfile
 import time
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -25,7 +25,7 @@ from distributed.deploy.spec import close_clusters
 from sim.errors import SweepError, UsageError, one_line
 from sim.sweeps.identity import differences, software
 from sim.sweeps.ledger import Outcome
-from sim.sweeps.worker import carry_out
+from sim.sweeps.worker import Task
 
 NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error
 ANSWER = "15s"  # for the scheduler to come forward
@@ -39,15 +39,6 @@ QUIET = {
 }
 SHARED = ("mujoco", "stratawalk", "numpy", "scipy", "machine", "code")
 """Versions that must be the same on every worker."""
-
-
-@dataclass(frozen=True, slots=True)
-class Task:
-    """A point to be walked."""
-
-    digest: str
-    table: Mapping[str, object]
-    without: Sequence[str]
 
 
 @dataclass
@@ -68,8 +59,7 @@ class WorkerPool:
         while waiting or self.running:
             for worker in self._free()[: len(waiting)]:
                 task = waiting.popleft()
-                given = (task.digest, dict(task.table), tuple(task.without))
-                self.running[self._submit(worker, carry_out, *given)] = task, worker
+                self.running[self._submit(worker, Task.carry_out, task)] = task, worker
             yield from done  # while the workers are busy with the next ones
             done = []
             if self.running:
@@ -101,10 +91,8 @@ class WorkerPool:
         The client's own `scheduler_info` may give the answer to another question, which
         lists no workers at all: whoever trusts it takes the living for dead.
         """
-        identity: Mapping[str, Any] = self.client.sync(
-            self.client.scheduler.identity, n_workers=-1
-        )
-        found: Mapping[str, object] = identity["workers"]
+        ask = self.client.scheduler.identity
+        found: Mapping[str, object] = self.client.sync(ask, n_workers=-1)["workers"]
         return found
 
     def _judge(self, worker: str, answer: Future) -> None:
@@ -125,9 +113,8 @@ class WorkerPool:
             self.accepted.add(worker)
 
     def _submit(self, worker: str, work: object, *given: object) -> Future:
-        return self.client.submit(
-            work, *given, workers=[worker], allow_other_workers=False, pure=False
-        )
+        there = {"workers": [worker], "allow_other_workers": False}
+        return self.client.submit(work, *given, **there, pure=False)
 
     def _finished(self) -> list[tuple[Task, Outcome | None]]:
         """Tasks that have come back; None for one that is to be tried again."""
@@ -159,19 +146,15 @@ class WorkerPool:
         there = self._there()
         if there and there.keys() <= unlike.keys():
             worker, why = next(iter(unlike.items()))
-            raise SweepError(
-                f"no worker computes with the same software, {why}",
-                worker,
-                "install the same versions everywhere, and go on with --resume",
-            )
+            what = f"no worker computes with the same software, {why}"
+            remedy = "install the same versions everywhere, and go on with --resume"
+            raise SweepError(what, worker, remedy)
         if there.keys() - unlike.keys():  # it is loading what it is asked about
             since = time.monotonic()
         if time.monotonic() - since > NO_WORKER_TIMEOUT:
-            raise SweepError(
-                f"no worker for {NO_WORKER_TIMEOUT:.0f} s",
-                str(self.client.scheduler.address),
-                "start some with `dask worker`, and go on with --resume",
-            )
+            what = f"no worker for {NO_WORKER_TIMEOUT:.0f} s"
+            remedy = "start some with `dask worker`, and go on with --resume"
+            raise SweepError(what, str(self.client.scheduler.address), remedy)
         time.sleep(0.05)
         return since
 
@@ -191,11 +174,9 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
         try:
             client = stack.enter_context(Client(at, timeout=ANSWER))
         except (OSError, TimeoutError, ValueError) as error:
-            raise UsageError(
-                f"no scheduler answers, {one_line(error)}",
-                str(at),
-                "start one with `dask scheduler`, and give its address",
-            ) from error
+            what = f"no scheduler answers, {one_line(error)}"
+            remedy = "start one with `dask scheduler`, and give its address"
+            raise UsageError(what, str(at), remedy) from error
         # The scheduler reports every death, instead of trying a task again itself.
         before = client.run_on_scheduler(_allow_failures, 0)
         stack.callback(client.run_on_scheduler, _allow_failures, before)
@@ -212,9 +193,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
 
 def _local(stack: ExitStack, workers: int) -> LocalCluster:
     """A scheduler in this process, and workers that listen to this machine alone."""
-    scratch = stack.enter_context(
-        tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
-    )
+    folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
     try:
         cluster = LocalCluster(
             n_workers=workers,
@@ -222,7 +201,7 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
             host="127.0.0.1",
             dashboard_address=None,
             memory_limit=0,
-            local_directory=scratch,
+            local_directory=stack.enter_context(folder),
             silence_logs=logging.CRITICAL,
         )
     except KeyboardInterrupt:
