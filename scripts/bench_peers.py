@@ -183,9 +183,9 @@ def bound(task: Task) -> float:
     The paths of Reeds and Shepp may also go straight, which both tripods approach by
     ever smaller strokes.
     """
-    problem = task.problem
-    stride = float(problem.system.compiled(TRIPODS[0]).velocity(np.zeros(3))[0])
-    return reeds_shepp(problem.states[1].tolist(), float(task.scale[0])) / stride
+    system, (_, goal) = task.problem.system, task.problem.states
+    stride = float(system.compiled(TRIPODS[0]).velocity(np.zeros(3))[0])
+    return reeds_shepp(goal.tolist(), float(task.scale[0])) / stride
 
 
 def ours(task: Task, hexapod: ExtendedSystem, segments: int) -> Iterator[Solver]:

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
 from importlib.util import find_spec
@@ -119,18 +119,17 @@ def simulation(setup: Setup) -> Iterator[Row]:
 
 def command() -> Iterator[Row]:
     """The command as a process: its response time, and the memory of a run."""
-    start = [sys.executable, "-m", "sim.cli"]
 
-    quiet = partial(subprocess.run, check=True, stdout=subprocess.DEVNULL)
-    answer, nothing = [*start, "--help"], [sys.executable, "-c", "pass"]
-    yield Row(
-        "stratawalk --help answers in", median(partial(quiet, answer)), "s", "< 0.3"
-    )
-    yield Row("python alone starts in", median(partial(quiet, nothing)), "s")
+    def python(*words: str) -> Callable[[], object]:
+        start = [sys.executable, *words]
+        return partial(subprocess.run, start, check=True, stdout=subprocess.DEVNULL)
+
+    took = median(python("-m", "sim.cli", "--help"))
+    yield Row("stratawalk --help answers in", took, "s", "< 0.3")
+    yield Row("python alone starts in", median(python("-c", "pass")), "s")
     with tempfile.TemporaryDirectory() as folder:
-        out = str(Path(folder) / "run")
-        run = [*start, "run", "ellipse", "--no-video", "--out", out]
-        took = seconds(partial(quiet, run))
+        run = ("-m", "sim.cli", "run", "ellipse", "--no-video", "--out")
+        took = seconds(python(*run, str(Path(folder) / "run")))
         yield Row("run ellipse --no-video takes", took, "s")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     yield Row("and at most this much memory", peak, "MB", "< 600")

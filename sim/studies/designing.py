@@ -115,7 +115,7 @@ def tried(
     robot: Robot, found: Sequence[Design], walks: int
 ) -> Iterator[Mapping[str, Any]]:
     """A row of the table for every design; the first that go everywhere are walked."""
-    twists, left = Twists(robot), walks
+    twists = Twists(robot)
     for number, design in enumerate(found):
         ways = twists.directions(design)
         row: dict[str, Any] = {
@@ -130,8 +130,8 @@ def tried(
             row |= _checked(design.built(robot))
             if row["status"] == "ok":
                 row["status"] = "goes everywhere, not walked"
-                row |= _walked(design.built(robot)) if left > 0 else {}
-                left -= 1
+                row |= _walked(design.built(robot)) if walks > 0 else {}
+                walks -= 1
         yield row
 
 
@@ -141,10 +141,9 @@ def _checked(robot: Robot) -> dict[str, Any]:
         found = mobility_of(robot, equations(robot))
     except (ModelError, PlannerError, ValueError) as error:
         return {"status": one_line(error)}
+    status = f"cannot {' or '.join(found.lacking)}" if found.lacking else "ok"
     strokes = {f"strokes.{cost.direction}": cost.strokes for cost in found.costs}
-    if found.lacking:
-        return {"status": f"cannot {' or '.join(found.lacking)}", **strokes}
-    return {"status": "ok", **strokes}
+    return {"status": status, **strokes}
 
 
 def _walked(robot: Robot) -> dict[str, Any]:

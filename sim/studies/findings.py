@@ -108,7 +108,7 @@ def findings(results: Results) -> Findings:
     lost = (results.classes >= FELL).astype(float)
     off = np.log10(np.maximum(results.off, ROUNDING_SHARE))
     off[results.classes >= FELL] = np.nan
-    columns = {key: results.columns[key] for key in results.keys}
+    columns = [(key, results.columns[key]) for key in results.keys]
     reasons = Counter(str(s) for s in results.columns["status"] if s != "ok")
     return Findings(
         points=len(results),
@@ -116,7 +116,7 @@ def findings(results: Results) -> Findings:
         classes=results.counts,
         explained={
             key: Explained(explained(values, off), explained(values, lost))
-            for key, values in columns.items()
+            for key, values in columns
         },
         reasons=dict(reasons.most_common(PRINTED_REASONS)),
     )

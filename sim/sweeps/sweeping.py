@@ -7,15 +7,7 @@ from __future__ import annotations
 
 import shutil
 from collections import Counter
-from collections.abc import (
-    Callable,
-    Container,
-    Hashable,
-    Iterable,
-    Iterator,
-    Mapping,
-    Sequence,
-)
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -61,11 +53,12 @@ class Points:
     digests: Mapping[int, str]  # of each point's settings; those of equal points agree
     plans: Mapping[int, int]  # the first point that has the same plan as each
 
-    def tasks(self, known: Container[str]) -> list[Task]:
+    def tasks(self, known: Mapping[str, Outcome]) -> list[Task]:
         """What is to be walked; walks of one plan come one after another."""
         todo = {d: p for p, d in self.digests.items() if d not in known}
-        order = sorted(todo.items(), key=lambda pair: (self.plans[pair[1]], pair[1]))
-        return [Task(d, self.tables[p], self.sweep.without) for d, p in order]
+        order = sorted(todo.values(), key=lambda point: (self.plans[point], point))
+        without = self.sweep.without
+        return [Task(self.digests[p], self.tables[p], without) for p in order]
 
     def rows(self, known: Mapping[str, Outcome]) -> Iterator[Row]:
         """Rows of the table from the outcomes of all points, by their digests."""
@@ -89,17 +82,12 @@ def points_of(sweep: Sweep, shard: Shard) -> Points:
     shapes = {(s.robot, *(s.geometry or ())) for s in scenarios.values()}
     for robot, *names in sorted(shapes):
         _require_robot(robot, names)
-    first: dict[
-        Hashable, int
-    ] = {}  # point of each plan; others differ in physics alone
+    first: dict[Hashable, int] = {}  # point of a plan; others differ in physics alone
     return Points(
         sweep,
-        {point: to_table(scenario) for point, scenario in scenarios.items()},
-        {point: digest(s, sweep.without) for point, s in scenarios.items()},
-        {
-            point: first.setdefault(s.key(*PLAN), point)
-            for point, s in scenarios.items()
-        },
+        {n: to_table(scenario) for n, scenario in scenarios.items()},
+        {n: digest(scenario, sweep.without) for n, scenario in scenarios.items()},
+        {n: first.setdefault(s.key(*PLAN), n) for n, s in scenarios.items()},
     )
 
 
