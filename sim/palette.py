@@ -110,6 +110,21 @@ FOOTPRINT, SPOT, GOAL = 0.014, 0.032, 0.06  # radii; a spot is the centre of mas
 EDGE = 0.01  # width of the edges of support polygon and outline
 GHOST, GHOST_TORSO = 0.5, 0.12  # opacity of a predicted robot's legs and torso
 
+BASE_STYLE: Style = {  # of matplotlib, for drawings of pages and figures
+    "svg.hashsalt": "stratawalk",  # the same drawing gives the same bytes
+    "font.size": 8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.linewidth": 0.6,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID.hex,
+    "grid.linewidth": 0.5,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.solid_joinstyle": "round",
+}
+
 
 def group(index: int) -> Colour:
     """Colour of a group of legs; after the last one they begin again."""

@@ -17,7 +17,7 @@ OPTIONS = (
 
 def execute(options: argparse.Namespace) -> None:
     """Draw the figures, name each when it is written, and print their folder."""
-    from sim.figures.draw import draw
+    from sim.figures.sheet import draw
     from sim.folder import claim
     from sim.progress import bar
 

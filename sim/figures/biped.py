@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
 
 from models import Kinematics, equations, load, shipped_system
+from sim.figures import strata
 from sim.figures.physics import Walked
 from sim.figures.sheet import Shown
-from sim.figures.strata import (
-    add_key,
-    draw_graph,
-    draw_sheets,
-    graph_of,
-    rows_of_graphs,
-)
 from sim.figures.style import MM
 from sim.motion.stability import margin_at_rest
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
     """The biped's configuration space, its graph and that of the paper's hexapod."""
-    draw_sheets(axes["a"], (0.0, 1.0))
+    strata.draw_sheets(axes["a"], (0.0, 1.0))
     axes["a"].set_xlabel("everything else", labelpad=-12)
     axes["a"].set_xticks([])
     return of_systems([axes["b"], axes["c"]], ("biped", "paper-hexapod"))
@@ -38,11 +30,11 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
 def of_systems(axes: Sequence[Axes], names: Sequence[str]) -> Shown:
     """The strata of shipped systems with their gaits; the first panel gets the key."""
     problems = {name: shipped_system(name) for name in names}
-    graphs = {name: graph_of(p.system, p.gait) for name, p in problems.items()}
+    graphs = {name: strata.graph_of(p.system, p.gait) for name, p in problems.items()}
     for panel, graph in zip(axes, graphs.values(), strict=True):
-        draw_graph(panel, graph)
-    add_key(axes[0])
-    return Shown(rows_of_graphs(graphs))
+        strata.draw_graph(panel, graph)
+    strata.add_key(axes[0])
+    return Shown(strata.rows_of_graphs(graphs))
 
 
 def of_robots(axes: Sequence[Axes], names: Sequence[str]) -> Shown:
@@ -52,10 +44,10 @@ def of_robots(axes: Sequence[Axes], names: Sequence[str]) -> Shown:
         robot = load(name)
         kinematics, gait = Kinematics(robot), robot.card.gait
         margins = {s: margin_at_rest(kinematics, s) for s in dict.fromkeys(gait)}
-        graph = graph_of(equations(robot).system, gait)
+        graph = strata.graph_of(equations(robot).system, gait)
         notes = {s: f"{MM * margin:.0f} mm" for s, margin in margins.items()}
-        draw_graph(panel, graph, notes)
-        for row in rows_of_graphs({name: graph}):
+        strata.draw_graph(panel, graph, notes)
+        for row in strata.rows_of_graphs({name: graph}):
             rows.append((*row, margins[str(row[1]).removeprefix("S")]))
-    add_key(axes[0])
+    strata.add_key(axes[0])
     return Shown(rows)

@@ -9,36 +9,26 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from matplotlib.axes import Axes
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
 
 from models.morphology import KAPPA, PIVOT
 from planner import Array, Path, subdivide
 from planner.planning import Slack, recut
 from sim import palette
+from sim.figures import style
 from sim.figures.paper import PaperWalk, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
-from sim.figures.style import (
-    IDEAL,
-    MM,
-    NOMINAL,
-    PATHS,
-    as_map,
-    band,
-    draw_walk,
-    extremes,
-)
+from sim.figures.style import IDEAL, MM, NOMINAL, PATHS
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.palette import Style
 from sim.preparation.setup import prepare
 from sim.scenarios.file import load_scenario
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 COARSE_SEGMENTS = 24  # the scenario's own; 22 would leave the joint range
 LEAST = 0.005 / PIVOT  # clearance to keep [l], as the scenario asks for
@@ -66,25 +56,17 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         axes[above].plot(*nominal[:, :2].T, "--", color=NOMINAL, label="nominal path")
         centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
         axes[above].plot(*pose[:, :2].T, color=IDEAL, **centre)
-        as_map(axes[above], "$l$", "box")
+        style.as_map(axes[above], "$l$", "box")
         count = len(cuts) - 1
-        segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
         course: Style = {"color": NOMINAL, "label": "nominal path, legs at rest"}
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
-        spread = extremes(least, segment, count)
-        band(axes[below], *spread, colour=IDEAL, alpha=0.5, label="walk")
+        spread = style.extremes(least, walked.segment, count)
+        style.band(axes[below], *spread, colour=IDEAL, alpha=0.5, label="walk")
         _finish_clearance(axes[below], "$l$", count, (-0.4, 1.1))
-        rows.append(
-            (
-                count,
-                float(least.min()),
-                float(walked.share[least.argmin()]),
-                float(slack.walking.min() + LEAST),
-                float(slack.standing.min() + LEAST),
-                float(np.diff(cuts).min()),
-                walked.error,
-            )
-        )
+        where, shortest = walked.share[least.argmin()], np.diff(cuts).min()
+        bounds = slack.walking.min() + LEAST, slack.standing.min() + LEAST
+        measured = least.min(), where, *bounds, shortest, walked.error
+        rows.append((count, *map(float, measured)))
     hit = -min(row[1] for row in rows)
     counts: Style = {"coarse": rows[0][0], "fine": rows[1][0]}
     return Shown(rows, {**counts, "hit": hit, "least": LEAST})
@@ -97,8 +79,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for (above, below), walked in zip(PANELS, made, strict=True):
         clearance, summary = walked.clearance, walked.summary
         _draw_place(axes[above], around, walked.qpos, clearance["achieved"], MM)
-        draw_walk(axes[above], walked)
-        as_map(axes[above], "mm", "box")
+        style.draw_walk(axes[above], walked)
+        style.as_map(axes[above], "mm", "box")
         _draw_clearance(axes[below], walked)
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
         counts = summary.wall_contacts, summary.contact_switches
@@ -142,14 +124,11 @@ def _draw_place(
     axes.grid(visible=False)
 
 
-def _fill(axes: Axes, area: shapely.Geometry, scale: float, **style: object) -> None:
-    from matplotlib.patches import PathPatch
-    from matplotlib.path import Path as Outline
-
+def _fill(axes: Axes, area: shapely.Geometry, scale: float, **look: object) -> None:
     for polygon in getattr(area, "geoms", [area]):
         rings = [polygon.exterior, *polygon.interiors]
         paths = [Outline(scale * np.array(ring.coords)) for ring in rings]
-        axes.add_patch(PathPatch(Outline.make_compound_path(*paths), **style))
+        axes.add_patch(PathPatch(Outline.make_compound_path(*paths), **look))
 
 
 def _finish_clearance(
@@ -164,14 +143,14 @@ def _finish_clearance(
 
 def _draw_clearance(axes: Axes, walked: Walked) -> None:
     """Physics as a band, and the rims of the prediction's."""
-    spread = {
-        name: extremes(MM * walked.clearance[name], walked.segment, walked.segments)
-        for name in ("achieved", "quasi_static")
-    }
+    achieved, predicted = (
+        style.extremes(MM * walked.clearance[n], walked.segment, walked.segments)
+        for n in ("achieved", "quasi_static")
+    )
     colour = PATHS["achieved"]["color"]
-    band(axes, *spread["achieved"], colour=colour, alpha=0.8, label="physics")
+    style.band(axes, *achieved, colour=colour, alpha=0.8, label="physics")
     segment = np.arange(1, walked.segments + 1)
-    for rim in spread["quasi_static"]:
+    for rim in predicted:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
     axes.lines[-1].set_label("_")
     _finish_clearance(axes, "mm", walked.segments, (-15, 75))
@@ -207,10 +186,8 @@ class Passage:
     def slack(self, cuts: Array) -> Slack:
         """Slack of the least clearance along a walk, and along the nominal path."""
         walked = self.through(cuts)
-        segment = np.searchsorted(walked.ends, np.arange(len(walked.states)))
         _, bound = self.clearance(walked.states[:, :3], walked.states[:, 3:])
-        walking = np.full(len(cuts) - 1, np.inf)
-        np.minimum.at(walking, segment, bound)
+        walking, _ = style.extremes(bound, walked.segment, len(cuts) - 1)
         s = np.linspace(cuts[:-1], cuts[1:], 9, axis=1)  # (segments, 9)
         poses = self.path.at(s.ravel())
         standing, _ = self.clearance(poses[:, :3], poses[:, 3:])

@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from planner import Array, line
 from sim.figures.paper import PaperWalk, configuration, feet, standing, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
-from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, as_map
+from sim.figures.style import IDEAL, INK, LEGS, MM, NOMINAL, TRIPODS, as_map
 from sim.palette import Style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 GOAL = (4.0, 4.0, math.pi / 2)
 PAPER_SEGMENTS = 12
 COUNTED = "footprints of each leg so far"
 MARKERS = {"1": "^", "2": "v"}
-LEGS: Mapping[str, Sequence[int]] = {"1": (1, 4, 5), "2": (2, 3, 6)}
 WALKS = {"diagonal": Job("diagonal")}
 
 
@@ -47,13 +42,8 @@ def footprints(points: Array, contact: Array) -> Footprints:
     _, end = np.nonzero(change < 0)
     end = end - 1
     slid = points[end, foot] - points[begin, foot]
-    return Footprints(
-        foot=foot,
-        begin=begin,
-        end=end,
-        place=points[(begin + end) // 2, foot],
-        slid=np.hypot(*slid.T),
-    )
+    place = points[(begin + end) // 2, foot]
+    return Footprints(foot, begin, end, place, slid=np.hypot(*slid.T))
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
@@ -105,10 +95,9 @@ def _tripods(prints: Footprints) -> Iterator[tuple[str, Array]]:
 
 def matched(planned: Footprints, found: Footprints) -> Array:
     """Distance of each planned print from the one found in its place, (K,) [m]."""
+    counts = len(found.foot), len(planned.foot)
     if not np.array_equal(planned.foot, found.foot):
-        raise ValueError(
-            f"{len(found.foot)} footprints found for {len(planned.foot)} planned"
-        )
+        raise ValueError("{} footprints found for {} planned".format(*counts))
     return np.hypot(*(found.place - planned.place).T)
 
 

@@ -3,31 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from planner import Array
+from sim.figures import style
 from sim.figures.paper import PaperWalk, envelope, exponent, follow, swing_out, tube
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown, rows_of
-from sim.figures.style import (
-    IDEAL,
-    INK,
-    MM,
-    NOMINAL,
-    PATHS,
-    PHYSICS,
-    QUASI_STATIC,
-    as_map,
-    draw_walk,
-    plain_decades,
-)
+from sim.figures.style import IDEAL, INK, MM, NOMINAL, PATHS, PHYSICS, QUASI_STATIC
 from sim.palette import Style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 SEGMENTS = (1, 4, 16, 60)  # drawn
 TUBE_SEGMENTS = (1, 2, 4, 8, 16, 32, 60, 120, 240)  # measured
@@ -48,13 +34,13 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     rims = envelope(finest.states[:, :2], finest.ends, np.zeros(2), np.array(GOAL[:2]))
     _fill_between(axes["d"], rims, IDEAL)
     axes["d"].plot([0, GOAL[0]], [0, GOAL[1]], "--", color=INK, linewidth=0.7)
-    as_map(axes["d"], "$l$")
+    style.as_map(axes["d"], "$l$")
     measured = tube(GOAL, TUBE_SEGMENTS)
     n, error, width = measured.segments, measured.error, measured.width
     walked_to = f"walked, power {measured.exponent:.2f}"
     axes["e"].loglog(measured.length, width, "o-", label=walked_to, **_dots(IDEAL))
     _square_root(axes["e"], measured.length, width[-1], "$l$")
-    plain_decades(axes["e"].xaxis, subs=(1,))
+    style.plain_decades(axes["e"].xaxis, subs=(1,))
     axes["e"].set_ylim(top=2)  # room for the legend
     axes["f"].loglog(n, error, "o-", label="walked", **_dots(IDEAL))
     axes["f"].loglog(n, error[-1] * n[-1] / n, "--", color=NOMINAL, label="one over n")
@@ -70,30 +56,30 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """The longest such line that one segment's strokes reach, in the same segments."""
     *coarse, finest = made = [walks[name] for name in WALKS]
     for panel, walked in zip("abc", coarse, strict=True):
-        draw_walk(axes[panel], walked)
-        as_map(axes[panel], "mm")
+        style.draw_walk(axes[panel], walked)
+        style.as_map(axes[panel], "mm")
     _draw_bands(axes["d"], finest)
     widths = {n: np.array([_tube(w, n) for w in made]) for n in ("ideal", "achieved")}
     length = MM * METRES_LENGTH / np.array(SEGMENTS)
-    for name, label, style, colour in (
+    for name, label, fmt, colour in (
         ("ideal", "predicted", "o-", IDEAL),
         ("achieved", "physics", "s:", PHYSICS),
     ):
         label += f", power {exponent(length[1:], widths[name][1:]):.2f}"
-        axes["e"].loglog(length, MM * widths[name], style, label=label, **_dots(colour))
+        axes["e"].loglog(length, MM * widths[name], fmt, label=label, **_dots(colour))
     _square_root(axes["e"], length, MM * widths["ideal"][-1], "mm")
-    plain_decades(axes["e"].xaxis)
+    style.plain_decades(axes["e"].xaxis)
     axes["e"].set_ylim(4, 90)  # room for the legend
     ends = np.array([walked.pose["achieved"][-1] for walked in made])
     off = {"goal": np.hypot(*(ends - METRES_GOAL).T[:2])}
     for name in ("ideal", "quasi_static"):
         predicted = np.array([walked.pose[name][-1] for walked in made])
         off[name] = np.hypot(*(ends - predicted).T[:2])
-    for (name, distances), style, colour in zip(
+    for (name, distances), fmt, colour in zip(
         off.items(), ("^--", "o-", "s-"), (NOMINAL, IDEAL, QUASI_STATIC), strict=True
     ):
         label = f"physics off {name.replace('_', '-')}"
-        axes["f"].loglog(SEGMENTS, MM * distances, style, label=label, **_dots(colour))
+        axes["f"].loglog(SEGMENTS, MM * distances, fmt, label=label, **_dots(colour))
     axes["f"].set(xlabel="number of segments", ylabel="distance at the end  [mm]")
     axes["f"].set_ylim(top=10)  # room for the legend
     _finish(axes, SEGMENTS)
@@ -107,21 +93,21 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
     axes.plot(*walked.states[:, :2].T, color=IDEAL, linewidth=0.8, label="walked")
     ends = walked.states[walked.ends, :2]
     axes.plot(*ends.T, "o", color=INK, markersize=2, label="ends of segments")
-    as_map(axes, "$l$")
+    style.as_map(axes, "$l$")
 
 
 def _draw_bands(axes: Axes, walked: Walked) -> None:
     """What the physics swings over, and the rims of both predictions."""
     axes.plot(*(MM * walked.nominal.T), "--", color=NOMINAL, zorder=3)
-    for name, style in PATHS.items():
+    for name, look in PATHS.items():
         points, line = walked.pose[name][:, :2], np.array(METRES_GOAL[:2])
         rims = MM * envelope(points, _ends(walked), np.zeros(2), line)
         if name == "achieved":
-            _fill_between(axes, rims, style["color"])
+            _fill_between(axes, rims, look["color"])
             continue
         for rim in rims:
-            axes.plot(*rim.T, **{**style, "label": "_"})
-    as_map(axes, "mm")
+            axes.plot(*rim.T, **{**look, "label": "_"})
+    style.as_map(axes, "mm")
 
 
 def _fill_between(axes: Axes, rims: Array, colour: str) -> None:
@@ -138,11 +124,11 @@ def _square_root(axes: Axes, length: Array, finest: float, unit: str) -> None:
     axes.loglog(ends, through, "--", color=NOMINAL, label="square root")
     axes.set_xlabel(f"length of a segment  [{unit}]")
     axes.set_ylabel(f"half width of the tube  [{unit}]")
-    plain_decades(axes.yaxis)
+    style.plain_decades(axes.yaxis)
 
 
 def _finish(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
-    plain_decades(axes["f"].yaxis)
+    style.plain_decades(axes["f"].yaxis)
     axes["f"].set_xticks(segments, map(str, segments), minor=False)
     axes["d"].legend(loc="lower right")
     axes["e"].legend(loc="upper left")

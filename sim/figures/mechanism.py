@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from models import Kinematics, load
 from planner import Array
 from sim import palette
 from sim.figures.physics import Walked
 from sim.figures.sheet import Cell, Shown
-from sim.figures.stability import STANCE
-from sim.figures.style import INK, MM, NOMINAL, TRIPODS, as_map
+from sim.figures.stability import STANCE, draw_body
+from sim.figures.style import INK, LEGS, MM, NOMINAL, TRIPODS, as_map
 from sim.palette import Style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 ROBOTS = ("hexapod", "hexapod-parallel", "quadruped")
 SWUNG = 0.5  # [rad], to either side
@@ -26,7 +23,12 @@ LIFTED = 0.35  # [l]
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
     """The hexapod of the paper in leg lengths."""
-    legs = _paper_legs()
+    legs: list[tuple[Cell, ...]] = []
+    for tripod, of in LEGS.items():
+        places = STANCE.hips(int(tripod)), STANCE.feet(int(tripod), 0.0)
+        rows = np.hstack(places).tolist()
+        legs += [(leg, int(tripod), *row) for leg, row in zip(of, rows, strict=True)]
+    legs.sort()  # numbered from the front
     _draw_above(axes["a"], legs)
     _draw_side(axes["b"])
     return Shown(legs)
@@ -47,20 +49,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     return Shown(rows)
 
 
-def _paper_legs() -> list[tuple[Cell, ...]]:
-    """Leg, tripod, hip and foot at angle 0, numbered from the front."""
-    found: dict[int, tuple[Cell, ...]] = {}
-    for tripod, legs in ((1, (1, 4, 5)), (2, (2, 3, 6))):
-        places = zip(STANCE.hips(tripod), STANCE.feet(tripod, 0.0), strict=True)
-        for leg, (hip, foot) in zip(legs, places, strict=True):
-            found[leg] = (leg, tripod, *hip.tolist(), *foot.tolist())
-    return [found[leg] for leg in sorted(found)]
-
-
 def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
-    front = STANCE.body_length / 2
-    sides = STANCE.half_width * np.array([1, 1, -1, -1, 1])
-    axes.plot(front * np.array([1, -1, -1, 1, 1]), sides, color=NOMINAL)
+    front = draw_body(axes)
     axes.annotate("", (front + 0.75, 0), (front + 0.1, 0),
                   arrowprops={"arrowstyle": "-|>", "color": NOMINAL})  # fmt: skip
     axes.text(front + 0.8, 0, "forward", va="center", color=NOMINAL, fontsize=7)
@@ -81,8 +71,9 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
     axes.plot(*np.transpose([hip, swept]), ":", color=TRIPODS["1"])
     x, y = hip + [-0.2, 1.04]
     axes.text(x, y, r"$\varphi_1$", ha="center", color=TRIPODS["1"])
-    for tripod, which in (("1", "1, 4, 5"), ("2", "2, 3, 6")):
-        axes.plot([], [], color=TRIPODS[tripod], label=f"tripod {tripod}: legs {which}")
+    for name, of in LEGS.items():
+        label = f"tripod {name}: legs {', '.join(map(str, of))}"
+        axes.plot([], [], color=TRIPODS[name], label=label)
     axes.plot([], [], "s", color=INK, markersize=3, label="hip, axis of the swing")
     axes.plot([], [], "o", color=INK, markersize=4, label="foot")
     as_map(axes, "$l$", "box")
@@ -107,9 +98,7 @@ def _draw_side(axes: Axes) -> None:
     axes.text(1.19, LIFTED / 2, "$h_1$", va="center")
     axes.text(-0.33, 0.58, "body", color=NOMINAL)
     axes.text(-0.33, -0.04, "ground", va="top")
-    axes.set_xlim(-0.4, 1.4)
-    axes.set_ylim(-0.3, 0.9)
-    axes.set_aspect("equal")
+    axes.set(xlim=(-0.4, 1.4), ylim=(-0.3, 0.9), aspect="equal")
     axes.set_axis_off()
 
 
@@ -136,9 +125,8 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
                       va="center", textcoords="offset points", color=INK,
                       xycoords="data", annotation_clip=False)  # fmt: skip
         reach = float(np.hypot(*(foot - hip)))
-        rows.append(
-            (name, leg, robot.groups[group], *hip.tolist(), *foot.tolist(), reach, high)
-        )
+        places = *hip.tolist(), *foot.tolist()
+        rows.append((name, leg, robot.groups[group], *places, reach, high))
         inward = hip - (foot - hip) / reach * 0.12
         axes.plot(*(MM * np.transpose([hip, inward])), ":", color=colour, linewidth=0.6)
     if name == "hexapod":

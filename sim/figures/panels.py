@@ -3,30 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from itertools import pairwise
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from models import equations, load, shipped_system
 from planner import Array, Flow, play, stratified_panels
 from planner.extension import StratifiedPanels
+from sim.figures import style
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown
-from sim.figures.style import (
-    IDEAL,
-    INK,
-    MM,
-    NOMINAL,
-    PHYSICS,
-    QUASI_STATIC,
-    TRIPODS,
-    as_map,
-)
+from sim.figures.style import IDEAL, INK, MM, NOMINAL, PHYSICS, QUASI_STATIC, TRIPODS
 from sim.palette import Style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 STROKES = ("g1_1", "g2_2")
 SIDES = (0.25, 0.5, 0.75, 1.0, 1.25)  # [rad], of tripod 1's strokes on the paper
@@ -135,7 +125,7 @@ def _draw_loop(
     """A rectangle, each stroke in the colour of the tripod that stands."""
     right, top = low + first, low + second
     corners = [(low, low), (right, low), (right, top), (low, top), (low, low)]
-    for number, (begin, end) in enumerate(zip(corners, corners[1:], strict=False)):
+    for number, (begin, end) in enumerate(pairwise(corners)):
         colour = TRIPODS["1" if number % 2 == 0 else "2"]
         axes.plot(*np.transpose([begin, end]), color=colour, linewidth=width)
         if width > 1:
@@ -153,7 +143,7 @@ def _draw_way(axes: Axes, states: Array) -> None:
         axes.plot(*part.T, color=colour, linewidth=1.4)
     axes.plot(*states[0, :2], "o", color=INK, markersize=3, label="start")
     axes.plot(*states[-1, :2], "s", color=INK, markersize=4, label="end")
-    as_map(axes, "$l$")
+    style.as_map(axes, "$l$")
     axes.legend(loc="center left")
 
 
@@ -169,9 +159,9 @@ def _draw_changes(
 ) -> None:
     sides = np.linspace(0, SIDES[-1] * 1.04, 60)
     made = np.array(rows)
-    for i, (name, style) in enumerate((("x", ":"), ("y", "-"))):
+    for i, (name, fmt) in enumerate((("x", ":"), ("y", "-"))):
         by_area = [panels.change(name, (0, 0), (s, RATIO * s)) for s in sides]
-        axes.plot(sides, by_area, style, color=IDEAL, label=f"{name}, integral")
+        axes.plot(sides, by_area, fmt, color=IDEAL, label=f"{name}, integral")
         axes.plot(made[:, 0], made[:, 4 + i], "os"[i], color=INK, markersize=4,
                   markerfacecolor="none", label=f"{name}, flows")  # fmt: skip
     alone: Style = {"linewidth": 0.8, "label": "y, bracket alone"}

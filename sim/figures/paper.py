@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -19,17 +20,8 @@ import shapely
 from models import paper_hexapod
 from models.morphology import FEET, PIVOT, PIVOTS
 from models.systems import AIR_SWINGS
-from planner import (
-    Array,
-    Execution,
-    ExtendedSystem,
-    Path,
-    Plan,
-    extend,
-    line,
-    plan,
-    rollout,
-)
+from planner import Array, ExtendedSystem, Path, Plan, extend, line, plan, rollout
+from planner.execution import Execution
 from sim.motion.poses import rotate
 
 Fields = Literal["paper", "lifted"]
@@ -55,9 +47,9 @@ class PaperWalk:
         return self.samples * np.array(self.plan.segment_ends)
 
     @property
-    def flow(self) -> Array:
-        """Index of the flow that each state after the first lies on."""
-        return np.repeat(np.arange(len(self.plan.flows)), self.samples)
+    def segment(self) -> Array:
+        """Index of the segment that each state belongs to, from 0."""
+        return np.searchsorted(self.ends, np.arange(len(self.states)))
 
     @property
     def share(self) -> Array:
@@ -74,8 +66,7 @@ class PaperWalk:
 
 @cache
 def _extended(fields: Fields) -> ExtendedSystem:
-    problem = paper_hexapod(heights=False)
-    return extend(problem.system, ELEMENTS[fields])
+    return extend(paper_hexapod(heights=False).system, ELEMENTS[fields])
 
 
 def walk(
@@ -86,9 +77,8 @@ def walk(
     The fields are the paper's own, or those that never swing a tripod beside a loaded
     one; the body walks the same way.
     """
-    planned = plan(
-        _extended(fields), path, segments, execution=Execution(coordinates="backward")
-    )
+    backward = Execution(coordinates="backward")
+    planned = plan(_extended(fields), path, segments, execution=backward)
     return PaperWalk(planned, rollout(planned, samples), samples)
 
 
@@ -111,31 +101,25 @@ def feet(walked: PaperWalk) -> Array:
         turned = -phi[0] if pivot[1] > 0 else phi[1]
         arm = np.array(at) / PIVOT - pivot
         places[:, leg - 1] = pivot + rotate(np.tile(arm, (len(x), 1)), turned)
-    moved = rotate(places, yaw[:, None])
-    return moved + np.stack([x, y], axis=-1)[:, None]
+    return rotate(places, yaw[:, None]) + np.stack([x, y], axis=-1)[:, None]
 
 
 def standing(walked: PaperWalk) -> Array:
     """Which feet are on the ground at each state, shape (N, 6), bool."""
     tripod = np.array(["1" if PIVOTS[leg][1] > 0 else "2" for leg in FEET])
-    strata = ["12", *(walked.plan.flows[i].stratum for i in walked.flow)]
-    return np.array([[t in stratum for t in tripod] for stratum in strata])
+    strata = np.repeat([flow.stratum for flow in walked.plan.flows], walked.samples)
+    return np.array([[t in s for t in tripod] for s in ("12", *strata)])
 
 
 @dataclass(frozen=True)
 class Tube:
     """How a straight line is followed, by the number of its segments."""
 
-    way: float  # length of the line
     segments: Array  # ascending, (K,)
+    length: Array  # of one segment, (K,)
     width: Array  # largest distance from the line, (K,)
     turn: Array  # largest departure from the line's heading, (K,) [rad]
     error: Array  # distance of the end from the goal, (K,)
-
-    @property
-    def length(self) -> Array:
-        """Of one segment, (K,)."""
-        return self.way / self.segments
 
     @property
     def exponent(self) -> float:
@@ -164,8 +148,8 @@ def tube(goal: Sequence[float], segments: Sequence[int]) -> Tube:
     produced = np.outer([-1.0, 2.0], goal[:2])
     widths = [swing_out(w.states[:, :2], w.ends, produced).max() for w in walks]
     return Tube(
-        way=float(np.linalg.norm(goal[:2])),
         segments=np.array(segments),
+        length=np.linalg.norm(goal[:2]) / np.array(segments),
         width=np.array(widths),
         turn=np.array([np.abs(w.states[:, 2]).max() for w in walks]),
         error=np.array([w.error for w in walks]),
@@ -175,10 +159,7 @@ def tube(goal: Sequence[float], segments: Sequence[int]) -> Tube:
 def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
     """Largest distance of points, (N, 2), from a chain, (M, 2), by segment."""
     distance = shapely.distance(shapely.points(points), shapely.LineString(nominal))
-    starts = np.concatenate([[0], ends[:-1]])
-    return np.array(
-        [distance[a : b + 1].max() for a, b in zip(starts, ends, strict=True)]
-    )
+    return np.array([values.max() for values in by_segment(distance, ends)])
 
 
 def envelope(points: Array, ends: Array, start: Array, goal: Array) -> Array:
@@ -187,14 +168,14 @@ def envelope(points: Array, ends: Array, start: Array, goal: Array) -> Array:
     Points have shape (N, 2), the result (2, segments, 2): right, then left.
     """
     along = np.asarray(goal, dtype=float) - start
-    left = (points - start) @ np.array([-along[1], along[0]])
-    starts = np.concatenate([[0], ends[:-1]])
-    spans = [slice(a, b + 1) for a, b in zip(starts, ends, strict=True)]
-    extremes = [
-        [span.start + choose(left[span]) for span in spans]
-        for choose in (np.argmin, np.argmax)
-    ]
-    return points[np.array(extremes)]
+    left = by_segment((points - start) @ np.array([-along[1], along[0]]), ends)
+    spans = list(zip(by_segment(points, ends), left, strict=True))
+    return np.array([[p[c(off)] for p, off in spans] for c in (np.argmin, np.argmax)])
+
+
+def by_segment(values: Array, ends: Array) -> list[Array]:
+    """The rows of each segment, that of its end among them and that of its start."""
+    return [values[a : b + 1] for a, b in pairwise([0, *ends])]
 
 
 def exponent(lengths: Array, widths: Array) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -13,23 +13,23 @@ from multiprocessing import active_children, get_context
 import numpy as np
 
 from planner import Array, Flow
+from sim.evaluation.achieved import Achieved
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.motions import commanded_angles
 from sim.evaluation.summary import Summary
 from sim.interruption import deaf
 from sim.motion.poses import rotate
+from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
-from sim.walking.finished import Walk
 from sim.walking.walker import Walker
 
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path
 PREDICTED = ("ideal", "quasi_static")
-KEPT = ("achieved", *PREDICTED)
 
 
 @dataclass(frozen=True)
@@ -43,35 +43,20 @@ class Job:
 
 @dataclass(frozen=True)
 class Walked:
-    """The data of a finished walk that the figures need, from the start of the walk.
+    """The data of a finished walk that the figures need, from the start of the walk."""
 
-    Attributes:
-        summary: As in summary.json, timing left out.
-        pose: Achieved and predicted poses by name, shape (T, 3) each.
-        margin: Likewise, shape (T,) each [m].
-        clearance: Likewise, where there are obstacles.
-        swing: Commanded angle of each group, shape (T, G) [rad].
-        qpos: Joint positions, shape (T, nq).
-        time: Of each row since the walk starts, shape (T,) [s].
-        segment: Of each row, shape (T,).
-        moving: Which group swings under load, -1 if none does, shape (T,).
-        feet: Where each foot touches and where it was planned to, (T, F, 2) [m].
-        contact: Whether it does and whether it was planned to, (T, F), bool.
-        nominal: Points of the nominal path, shape (M, 2) [m].
-    """
-
-    summary: Summary
-    pose: Mapping[str, Array]
-    margin: Mapping[str, Array]
-    clearance: Mapping[str, Array]
-    swing: Array
-    qpos: Array
-    time: Array
-    segment: Array
-    moving: Array
-    feet: Mapping[str, Array]
-    contact: Mapping[str, Array]
-    nominal: Array
+    summary: Summary  # timing left out
+    pose: Mapping[str, Array]  # achieved and predicted, by name, (T, 3) each
+    margin: Mapping[str, Array]  # likewise, (T,) each [m]
+    clearance: Mapping[str, Array]  # likewise, where there are obstacles
+    swing: Array  # commanded angle of each group, (T, G) [rad]
+    qpos: Array  # joint positions, (T, nq)
+    time: Array  # since the walk starts, (T,) [s]
+    segment: Array  # of each row, (T,)
+    moving: Array  # which group swings under load, -1 if none does, (T,)
+    feet: Mapping[str, Array]  # achieved and planned, (T, F, 2) [m]
+    contact: Mapping[str, Array]  # achieved and planned, (T, F), bool
+    nominal: Array  # points of the nominal path, (M, 2) [m]
 
     @property
     def segments(self) -> int:
@@ -83,10 +68,12 @@ def perform(job: Job) -> Walked:
     """Make one walk."""
     settings = {"sample_every": SAMPLE_EVERY, **job.changes}
     scenario = load_scenario(job.scenario, settings)
-    if job.flows:
-        walk = _carried_out(prepare(scenario), job.flows)
-        return _gathered(evaluate(walk, ("creep_floor",)))
-    return _gathered(simulate(scenario).evaluation)
+    if not job.flows:
+        return _gathered(simulate(scenario).evaluation)
+    walker = Walker(prepare(scenario))
+    walker.stand()
+    walker.go([job.flows])
+    return _gathered(evaluate(walker.finish(), ("creep_floor",)))
 
 
 @contextmanager
@@ -115,33 +102,23 @@ def begun(
             raise
 
 
-def _carried_out(setup: Setup, flows: Sequence[Flow]) -> Walk:
-    walker = Walker(setup)
-    walker.stand()
-    walker.go([flows])
-    return walker.finish()
-
-
 def _gathered(evaluation: Evaluation) -> Walked:
     made, achieved = evaluation.walk, evaluation.achieved
-    setup, on = made.setup, evaluation.walking
-    phases = made.phases
+    setup, on, phases = made.setup, evaluation.walking, made.phases
     starts = np.array([phase.start for phase in phases])
     at = np.searchsorted(starts, made.recording.during, side="right") - 1
     swing, lift = commanded_angles(made)
     predicted = {name: evaluation.predicted[name] for name in PREDICTED}
-    stance = setup.kinematics.stance(swing, lift)
+    motions: dict[str, Achieved | Prediction] = {"achieved": achieved, **predicted}
     ideal = predicted["ideal"]
+    stance = setup.kinematics.stance(swing, lift)
     planned = ideal.pose[:, None, :2] + rotate(stance.feet, ideal.pose[:, 2:])
-    poses = {name: prediction.pose for name, prediction in predicted.items()}
-    margins = {name: prediction.margin for name, prediction in predicted.items()}
-    during = made.recording.during[on]
-    near = {n: c[on] for n, c in evaluation.clearance.items() if n in KEPT}
+    during, near = made.recording.during[on], evaluation.clearance
     return Walked(
         summary=summarise(evaluation),
-        pose={n: p[on] for n, p in {**poses, "achieved": achieved.pose}.items()},
-        margin={n: m[on] for n, m in {**margins, "achieved": achieved.margin}.items()},
-        clearance=near,
+        pose={name: motion.pose[on] for name, motion in motions.items()},
+        margin={name: motion.margin[on] for name, motion in motions.items()},
+        clearance={name: near[name][on] for name in motions if name in near},
         swing=swing[on],
         qpos=made.recording.moments.qpos[on],
         time=setup.limits.timestep * (during - during[0]),

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+
+from matplotlib.axes import Axes
 
 from sim.figures.biped import of_robots, of_systems
 from sim.figures.physics import Walked
 from sim.figures.sheet import Shown
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:

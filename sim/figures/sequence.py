@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from mpl_toolkits.mplot3d import Axes3D
 
 from models import shipped_system
 from planner import Array, Flow, play
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.strata import draw_sheets, draw_way
-from sim.figures.style import INK, MM, PATHS, STRATA, TRIPODS
+from sim.figures.style import INK, LEGS, MM, PATHS, STRATA, TRIPODS
 from sim.palette import Style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from mpl_toolkits.mplot3d import Axes3D
 
 STROKES = (0.8, 0.5)  # [rad], of foot 1 on S1 and of foot 2 on S2
 SEQUENCE = (
@@ -33,19 +30,13 @@ REORDERED = tuple(SEQUENCE[i] for i in (1, 0, 2, 4, 3, 5))
 STATES = 20  # of a flow
 BARS = -0.5  # [rad], where contacts are drawn
 LOADED = {"1": 0.8, "2": 0.5}  # stroke of each tripod [rad]
-LEGS = {"1": (0, 3, 4), "2": (1, 2, 5)}  # rows of each tripod's feet
-WALKS = {
-    "sequence": Job(
-        "line",
-        {"segments": 1},
-        flows=(
-            Flow("2", "g2_1", -LOADED["1"] / 2),
-            Flow("1", "g1_2", -LOADED["2"] / 2),
-            Flow("1", "g1_1", LOADED["1"]),
-            Flow("2", "g2_2", LOADED["2"]),
-        ),
-    )
-}
+WALKED = (
+    Flow("2", "g2_1", -LOADED["1"] / 2),
+    Flow("1", "g1_2", -LOADED["2"] / 2),
+    Flow("1", "g1_1", LOADED["1"]),
+    Flow("2", "g2_2", LOADED["2"]),
+)
+WALKS = {"sequence": Job("line", {"segments": 1}, flows=WALKED)}
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
@@ -64,18 +55,18 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     for i, (name, style) in enumerate((("x", "-"), ("y", "--"), (r"$\theta$", ":"))):
         axes["c"].plot(flow, states[:, i], style, color=INK, label=name)
     for name, unit in (("b", "height"), ("c", "pose  [$l$], [rad]")):
-        _shade(axes[name])
+        for number, step in enumerate(SEQUENCE):
+            shade: Style = {"color": STRATA[step.stratum], "alpha": 0.08, "lw": 0}
+            axes[name].axvspan(number, number + 1, **shade)
         axes[name].set(xlabel="flow", ylabel=unit, xlim=(0, len(SEQUENCE)))
         axes[name].set_xticks(np.arange(len(SEQUENCE)) + 0.5, list("123456"))
         low, high = axes[name].get_ylim()
         axes[name].set_ylim(low, high + 0.35 * (high - low))  # room for the key
         axes[name].legend(loc="upper left", ncols=3)
     rows: list[tuple[Cell, ...]] = [(0, "S12", "start", 0.0, *states[0].tolist())]
-    for number, (step, state) in enumerate(
-        zip(SEQUENCE, states[STATES::STATES], strict=True), start=1
-    ):
+    for number, step in enumerate(SEQUENCE, start=1):
         facts = number, f"S{step.stratum}", step.field, step.duration
-        rows.append((*facts, *state.tolist()))
+        rows.append((*facts, *states[number * STATES].tolist()))
     return Shown(rows, {"a": STROKES[0], "b": STROKES[1], "apart": apart})
 
 
@@ -120,28 +111,19 @@ def _draw_space(axes: Axes3D, states: Array) -> None:
     axes.set_xlabel(r"heading $\theta$  [rad]", labelpad=-6)
 
 
-def _shade(axes: Axes) -> None:
-    """Colour the background by the stratum that each flow is on."""
-    for number, flow in enumerate(SEQUENCE):
-        axes.axvspan(number, number + 1, color=STRATA[flow.stratum], alpha=0.08, lw=0)
-
-
 def _draw_angles(axes: Axes, walked: Walked) -> None:
     for group, (tripod, legs) in enumerate(LEGS.items()):
         colour = TRIPODS[tripod]
-        axes.plot(
-            walked.time, walked.swing[:, group], color=colour, label=f"tripod {tripod}"
-        )
+        swing, label = walked.swing[:, group], f"tripod {tripod}"
+        axes.plot(walked.time, swing, color=colour, label=label)
         for kind, width, alpha in (("achieved", 5, 0.3), ("planned", 1.5, 1.0)):
-            on = walked.contact[kind][:, legs].all(axis=1)
+            on = walked.contact[kind][:, np.array(legs) - 1].all(axis=1)
             level = np.where(on, BARS - 0.1 * group, np.nan)
             axes.plot(walked.time, level, color=colour, linewidth=width, alpha=alpha,
                       solid_capstyle="butt")  # fmt: skip
-    switching = walked.moving < 0
-    axes.fill_between(
-        walked.time, 0, 1, where=switching, color=INK, alpha=0.06, linewidth=0,
-        transform=axes.get_xaxis_transform(),
-    )  # fmt: skip
+    area: Style = {"color": INK, "alpha": 0.06, "linewidth": 0}
+    area["transform"] = axes.get_xaxis_transform()
+    axes.fill_between(walked.time, 0, 1, where=walked.moving < 0, **area)
     axes.set(xlabel="time  [s]", ylabel=r"$\varphi$  [rad]")
     axes.set_ylim(top=0.6)
     axes.legend(loc="upper left", ncols=2)

@@ -1,4 +1,4 @@
-"""A sheet: one drawing with its numbers and its caption.
+"""Sheets of figures: a drawing with its numbers and its caption each.
 
 `sheets.toml` says what a sheet shows, names its panels and the columns of its table,
 and holds its caption; the module of its figure computes the numbers and draws them.
@@ -9,22 +9,26 @@ from __future__ import annotations
 import csv
 import io
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.figures.physics import Walked
+from sim.figures import NAMES
+from sim.figures.physics import Job, Walked, begun
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import RunFolder, whole
 from sim.palette import Style
+from sim.progress import Progress, silent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg")
+KINDS = ("paper", "metres")
 LAYOUTS = Path(__file__).with_name("sheets.toml")
 Cell = str | int | float
 
@@ -47,9 +51,8 @@ class Table:
     def __post_init__(self) -> None:
         for i, row in enumerate(self.rows):
             if len(row) != len(self.header):
-                raise ValueError(
-                    f"row {i} has {len(row)} cells for {len(self.header)} columns"
-                )
+                counts = f"{len(row)} cells for {len(self.header)} columns"
+                raise ValueError(f"row {i} has {counts}")
 
     def csv(self) -> str:
         """The table as CSV, every digit kept."""
@@ -59,13 +62,10 @@ class Table:
 
     def markdown(self) -> str:
         """The table for people, rounded to four digits."""
-        lines = [self.header, ["---:"] * len(self.header)]
-        lines += [[_rounded(cell) for cell in row] for row in self.rows]
-        return "".join(f"| {' | '.join(line)} |\n" for line in lines)
-
-
-def _rounded(cell: Cell) -> str:
-    return f"{cell:.4g}" if isinstance(cell, float) else str(cell)
+        lines: list[Sequence[Cell]] = [self.header, ["---:"] * len(self.header)]
+        for row in self.rows:
+            lines.append([f"{c:.4g}" if isinstance(c, float) else c for c in row])
+        return "".join(f"| {' | '.join(map(str, line))} |\n" for line in lines)
 
 
 @dataclass(frozen=True)
@@ -164,3 +164,44 @@ def page(sheets: Sequence[Sheet]) -> str:
             sheet.table.markdown(),
         ]
     return "\n".join(parts)
+
+
+def draw(
+    folder: RunFolder, only: str | None = None, *, progress: Progress = silent
+) -> Iterator[Sheet]:
+    """Draw one figure or all; yield each sheet once its files are complete.
+
+    Sheets in the paper's units come first, while the walks of the others are computed.
+    Those in metres follow as their walks are done, and in the end their common page.
+    """
+    names = (only,) if only else NAMES
+    needed: dict[str, Mapping[str, Job]] = {
+        name: getattr(import_module(f"sim.figures.{name}"), "WALKS", {})
+        for name in names
+    }
+    jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
+    done: dict[tuple[str, str], Sheet] = {}
+    with begun(jobs, progress) as walks:
+        for name, kind, sheet in _sheets(needed, walks):
+            save(sheet, folder.path)
+            done[name, kind] = sheet
+            progress("drawing", len(done) / (len(KINDS) * len(names)))
+            yield sheet
+    in_order = [done[name, kind] for name in names for kind in KINDS]
+    folder.write_text("figures.md", page(in_order))
+
+
+def _sheets(
+    needed: Mapping[str, Mapping[str, Job]], walks: Mapping[str, Future[Walked]]
+) -> Iterator[tuple[str, str, Sheet]]:
+    """Name of the figure, kind and sheet, in the order in which they can be drawn."""
+    for name in needed:
+        yield name, "paper", drawn(name, "paper")
+    waiting = dict(needed)
+    while waiting:
+        ready = [n for n, own in waiting.items() if all(walks[w].done() for w in own)]
+        for name in ready:
+            made = {walk: walks[walk].result() for walk in waiting.pop(name)}
+            yield name, "metres", drawn(name, "metres", made)
+        left = [walks[walk] for own in waiting.values() for walk in own]
+        wait([w for w in left if not w.done()], return_when=FIRST_COMPLETED)

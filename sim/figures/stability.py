@@ -1,16 +1,13 @@
-"""Fig. 5: angles at which a tripod is statically stable, by both criteria.
-
-The closed forms of the paper are compared with support polygons.
-"""
+"""Fig. 5: angles at which a tripod is stable, by closed forms and support polygons."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
+from matplotlib.axes import Axes
 
 from models import PaperStance
 from planner import Array, Flow
@@ -20,10 +17,6 @@ from sim.figures.sheet import Cell, Shown, rows_of
 from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, as_map
 from sim.motion.stability import stability_margin, support_polygons
 from sim.palette import Style
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 
 # The proportions of `hexapod-parallel`, in leg lengths: the paper gives none.
 STANCE = PaperStance(body_length=20 / 7, leg_length=1.0, half_width=3 / 7)
@@ -82,12 +75,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
 
 def _sway_rows(walked: Walked, group: int) -> tuple[Array, Array, Array]:
     """Angle, predicted and achieved margin while a tripod swings under load."""
-    on = walked.moving == group
-    return (
-        walked.swing[on, group],
-        walked.margin["ideal"][on],
-        walked.margin["achieved"][on],
-    )
+    on, margin = walked.moving == group, walked.margin
+    return walked.swing[on, group], margin["ideal"][on], margin["achieved"][on]
 
 
 def _draw_sway(axes: Axes, walked: Walked, parallel: bool) -> None:
@@ -100,21 +89,26 @@ def _draw_sway(axes: Axes, walked: Walked, parallel: bool) -> None:
         colour, tripod = TRIPODS[str(group + 1)], f"tripod {group + 1}"
         axes.plot(phi, MM * predicted, line, color=colour, label=f"{tripod}, predicted")
         few = np.linspace(0, len(phi) - 1, 17).astype(int)[group::2]
-        axes.plot(
-            phi[few], MM * achieved[few], marker, color=colour, markersize=4,
-            markerfacecolor="white", label=f"{tripod}, physics",
-        )  # fmt: skip
+        point: Style = {"color": colour, "markersize": 4, "mfc": "white"}
+        label = f"{tripod}, physics"
+        axes.plot(phi[few], MM * achieved[few], marker, label=label, **point)
     axes.set(xlabel=ANGLE, xlim=(-1.05 * SWAY, 1.05 * SWAY))
     axes.set_ylim(8, 80)  # room for the legend
     axes.legend(loc="lower center", ncols=2)
 
 
-def _draw_stance(axes: Axes) -> None:
-    """The body from above, tripod 1 at one angle, the other at rest and in the air."""
-    as_map(axes, "$l$")
+def draw_body(axes: Axes) -> float:
+    """Draw the body from above; where its front is."""
     front = STANCE.body_length / 2
     sides = STANCE.half_width * np.array([1, 1, -1, -1, 1])
     axes.plot(front * np.array([1, -1, -1, 1, 1]), sides, color=NOMINAL)
+    return front
+
+
+def _draw_stance(axes: Axes) -> None:
+    """The body from above, tripod 1 at one angle, the other at rest and in the air."""
+    as_map(axes, "$l$")
+    front = draw_body(axes)
     for tripod, phi in ((1, DRAWN_ANGLE), (2, 0.0)):
         hips, feet = STANCE.hips(tripod), STANCE.feet(tripod, phi)
         colour, alpha = TRIPODS[str(tripod)], 1.0 if tripod == 1 else 0.35
@@ -125,22 +119,14 @@ def _draw_stance(axes: Axes) -> None:
     axes.fill(*triangle.T, color=TRIPODS["1"], alpha=0.15, linewidth=0)
     axes.plot(0, 0, "P", color=INK, markersize=5, label="centre of mass")
     low, high = STANCE.bounds(DRAWN_ANGLE)
-    axes.plot(
-        front - np.array([low, high]), [0, 0], "|", color=IDEAL, markersize=9,
-        label="bounds for $b$",
-    )  # fmt: skip
-    for name, standing, faint in (
-        ("1", "on the ground", 1.0),
-        ("2", "in the air", 0.35),
-    ):
-        axes.plot(
-            [], [], "o-", color=TRIPODS[name], alpha=faint, markersize=3.5,
-            label=f"tripod {name}, {standing}",
-        )  # fmt: skip
+    ticks: Style = {"color": IDEAL, "markersize": 9, "label": "bounds for $b$"}
+    axes.plot(front - np.array([low, high]), [0, 0], "|", **ticks)
+    for name, words, alpha in (("1", "on the ground", 1.0), ("2", "in the air", 0.35)):
+        dot: Style = {"color": TRIPODS[name], "alpha": alpha, "markersize": 3.5}
+        axes.plot([], [], "o-", label=f"tripod {name}, {words}", **dot)
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22))
-    axes.annotate(
-        "", (0, -0.72), (front, -0.72), arrowprops={"arrowstyle": "<->", "lw": 0.6}
-    )
+    arrow = {"arrowstyle": "<->", "lw": 0.6}
+    axes.annotate("", (0, -0.72), (front, -0.72), arrowprops=arrow)
     axes.text(front / 2, -0.78, "$b$", ha="center", va="top")
     axes.set_xlim(-2.3, 1.9)
 
@@ -152,15 +138,12 @@ def _draw_signs(axes: Axes, signs: SignMap, crossed: Sequence[Array]) -> None:
     axes.plot(PHI, low, color=IDEAL, label="closed form, both bounds")
     axes.plot(PHI, high, color=IDEAL)
     for tripod, size, bounds in zip((1, 2), (5, 2.5), crossed, strict=True):
-        axes.plot(
-            MARKED, bounds.T, "o", color=TRIPODS[str(tripod)], markersize=size,
-            markerfacecolor="none", markeredgewidth=0.8,
-            label=["polygon's sides, both tripods", "_"] if tripod == 1 else "_",
-        )  # fmt: skip
+        ring: Style = {"color": TRIPODS[str(tripod)], "mfc": "none", "mew": 0.8}
+        label = ["polygon's sides, both tripods", "_"] if tripod == 1 else "_"
+        axes.plot(MARKED, bounds.T, "o", markersize=size, label=label, **ring)
     axes.plot([], [], color=STANDS, linewidth=6, label="support polygon: margin > 0")
-    axes.axhline(
-        STANCE.body_length / 2, color=NOMINAL, linestyle="--", label=r"$b = l_b/2$"
-    )
+    middle: Style = {"color": NOMINAL, "linestyle": "--", "label": r"$b = l_b/2$"}
+    axes.axhline(STANCE.body_length / 2, **middle)
     axes.set(xlabel=ANGLE, ylabel="$b$  [$l$]", xlim=(PHI[0], PHI[-1]), ylim=(-1, 5.8))
     axes.legend(loc="upper left")
 
@@ -169,12 +152,9 @@ def _draw_margins(axes: Axes) -> None:
     middle = np.full_like(PHI, STANCE.body_length / 2)
     along = STANCE.margin_along_axis(PHI, middle)
     axes.plot(PHI, along, color=NOMINAL, linestyle="--", label="along the axis, both")
-    for tripod, style in ((1, "-"), (2, ":")):
+    for tripod, style, width in ((1, "-", 1.2), (2, ":", 2.0)):
         margin = polygon_margin(STANCE, tripod, PHI, middle)
-        line: Style = {
-            "color": TRIPODS[str(tripod)],
-            "linewidth": 1.2 if tripod == 1 else 2.0,
-        }
+        line: Style = {"color": TRIPODS[str(tripod)], "linewidth": width}
         label = f"tripod {tripod}, to the nearest side"
         axes.plot(PHI, margin, style, label=label, **line)
     axes.axhline(0, color=INK, linewidth=0.6)

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
-from typing import TYPE_CHECKING
+from itertools import combinations, pairwise, product
 
 import numpy as np
+from matplotlib.axes import Axes
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from planner import Array, Gait, StratifiedSystem
 from sim import palette
@@ -21,11 +23,8 @@ from sim.figures.sheet import Cell
 from sim.figures.style import INK, NOMINAL, STRATA
 from sim.palette import Style
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from mpl_toolkits.mplot3d import Axes3D
-
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
+Place = tuple[float, float]
 VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
 BOW = 0.16  # of the arrows of a gait, so that there and back are two lines
 
@@ -36,7 +35,7 @@ class Node:
 
     name: str  # its feet, `0` for none; the stratum's own name where there is one
     feet: frozenset[str]
-    at: tuple[float, float]  # where it is drawn
+    at: Place  # where it is drawn
     fields: tuple[str, ...]  # of its stratum
     present: bool  # whether the system has such a stratum
 
@@ -51,11 +50,6 @@ class Graph:
     gait: tuple[str, ...]  # strata in order, the first again at the end
     dimensions: Mapping[str, int]  # of every stratum that there is
 
-    @property
-    def steps(self) -> tuple[tuple[str, str], ...]:
-        """The gait's steps in order."""
-        return tuple(zip(self.gait, self.gait[1:], strict=False))
-
 
 def graph_of(system: StratifiedSystem, gait: Sequence[str]) -> Graph:
     """The graph of a system's strata and a closed gait in it."""
@@ -69,29 +63,18 @@ def graph_of(system: StratifiedSystem, gait: Sequence[str]) -> Graph:
         for place, standing in enumerate(level):
             stratum = own.get(standing)
             name = stratum or "".join(sorted(standing)) or "0"
-            nodes[name] = Node(
-                name=name,
-                feet=standing,
-                at=(place - (len(level) - 1) / 2, float(len(everything) - size)),
-                fields=tuple(system.strata[stratum]) if stratum else (),
-                present=stratum is not None,
-            )
+            at = (place - (len(level) - 1) / 2, float(len(everything) - size))
+            fields = tuple(system.strata[stratum]) if stratum else ()
+            nodes[name] = Node(name, standing, at, fields, stratum is not None)
     edges = tuple(
         (low.name, high.name)
-        for low in nodes.values()
-        for high in nodes.values()
+        for low, high in product(nodes.values(), repeat=2)
         if high.feet < low.feet and len(low.feet) == len(high.feet) + 1
     )
-    return Graph(
-        nodes=nodes,
-        edges=edges,
-        joined=system.edges,
-        gait=Gait(system, tuple(gait)).strata,
-        dimensions={
-            s: system.dimension - len(system.level_set(s).functions)
-            for s in system.strata
-        },
-    )
+    constraints = {s: len(system.level_set(s).functions) for s in system.strata}
+    dimensions = {s: system.dimension - count for s, count in constraints.items()}
+    walked = Gait(system, tuple(gait)).strata
+    return Graph(nodes, edges, system.edges, walked, dimensions)
 
 
 def draw_graph(
@@ -99,13 +82,12 @@ def draw_graph(
 ) -> None:
     """Draw a graph, its gait as numbered arrows, and notes below names of strata."""
     at = {name: node.at for name, node in graph.nodes.items()}
-    for low, high in graph.edges:
-        ends = tuple(zip(at[low], at[high], strict=True))
-        axes.plot(*ends, color=ABSENT, linewidth=0.5, zorder=0)
-    for low, high in graph.joined:
-        ends = tuple(zip(at[low], at[high], strict=True))
-        axes.plot(*ends, color=NOMINAL, linewidth=1.2, zorder=1)
-    for number, (start, end) in enumerate(graph.steps, start=1):
+    faint: Style = {"color": ABSENT, "linewidth": 0.5, "zorder": 0}
+    strong: Style = {"color": NOMINAL, "linewidth": 1.2, "zorder": 1}
+    for pairs, style in ((graph.edges, faint), (graph.joined, strong)):
+        for low, high in pairs:
+            axes.plot(*np.transpose([at[low], at[high]]), **style)
+    for number, (start, end) in enumerate(pairwise(graph.gait), start=1):
         _draw_step(axes, at[start], at[end], number, 22 if notes else 13)
     for node in graph.nodes.values():
         _draw_node(axes, node, (notes or {}).get(node.name, ""))
@@ -127,13 +109,7 @@ def _draw_node(axes: Axes, node: Node, note: str) -> None:
     )  # fmt: skip
 
 
-def _draw_step(
-    axes: Axes,
-    start: tuple[float, float],
-    end: tuple[float, float],
-    number: int,
-    clear: float,
-) -> None:
+def _draw_step(axes: Axes, start: Place, end: Place, number: int, clear: float) -> None:
     """An arrow that ends some points clear of the middle of its nodes."""
     (x0, y0), (x1, y1) = start, end
     arrow = {
@@ -141,10 +117,9 @@ def _draw_step(
         "shrinkB": clear, "connectionstyle": f"arc3,rad={BOW}",
     }  # fmt: skip
     axes.annotate("", end, start, arrowprops=arrow, zorder=2)
-    share = 0.5
-    bow = BOW * share  # a quadratic curve passes half its control point's distance
-    x = x0 + share * (x1 - x0) + bow * (y1 - y0)
-    y = y0 + share * (y1 - y0) - bow * (x1 - x0)
+    bow = BOW / 2  # a quadratic curve passes half its control point's distance
+    x = (x0 + x1) / 2 + bow * (y1 - y0)
+    y = (y0 + y1) / 2 - bow * (x1 - x0)
     axes.annotate(
         str(number), (x, y), ha="center", va="center", fontsize=6.5, color="white",
         zorder=3,
@@ -167,40 +142,29 @@ def rows_of_graphs(graphs: Mapping[str, Graph]) -> list[tuple[Cell, ...]]:
     """The strata of several systems, by their names, and the places of their gaits."""
     rows: list[tuple[Cell, ...]] = []
     for name, graph in graphs.items():
-        for node in graph.nodes.values():
-            if not node.present:
-                continue
-            near = [b if a == node.name else a for a, b in graph.joined
-                    if node.name in (a, b)]  # fmt: skip
-            places = [str(i) for i, s in enumerate(graph.gait, start=1)
-                      if s == node.name]  # fmt: skip
-            rows.append(
-                (
-                    name,
-                    f"S{node.name}",
-                    len(node.feet),
-                    graph.dimensions[node.name],
-                    " ".join(node.fields) or "none",
-                    " ".join(f"S{s}" for s in near),
-                    " ".join(places) or "none",
-                )
-            )
+        for node in filter(lambda node: node.present, graph.nodes.values()):
+            own = node.name
+            near = [b if a == own else a for a, b in graph.joined if own in (a, b)]
+            places = [str(i) for i, s in enumerate(graph.gait, start=1) if s == own]
+            sizes = len(node.feet), graph.dimensions[own]
+            words = (node.fields, [f"S{s}" for s in near], places)
+            cells = (" ".join(several) or "none" for several in words)
+            rows.append((name, f"S{own}", *sizes, *cells))
     return rows
 
 
 def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> None:
     """Draw S1 and S2 up to a height of feet, and the line S12 that they share."""
-    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
     low, high = span
     first = [(low, 0, 0), (high, 0, 0), (high, 0, top), (low, 0, top)]
     second = [(low, 0, 0), (high, 0, 0), (high, top, 0), (low, top, 0)]
     for corners, stratum in ((first, "1"), (second, "2")):
-        axes.add_collection3d(
-            Poly3DCollection(
-                [corners], facecolor=STRATA[stratum], alpha=0.12, edgecolor="none"
-            )
-        )
+        faint: Style = {
+            "facecolor": STRATA[stratum],
+            "alpha": 0.12,
+            "edgecolor": "none",
+        }
+        axes.add_collection3d(Poly3DCollection([corners], **faint))
     axes.plot([low, high], [0, 0], [0, 0], color=INK, linewidth=1.2)
     axes.text(high, 0, top, "$S_1$", color=STRATA["1"], ha="right", va="top")
     axes.text(high, top, 0.02, "$S_2$", color=STRATA["2"], ha="right")
@@ -223,7 +187,6 @@ def draw_way(axes: Axes, points: Array, strata: Sequence[str]) -> None:
     Points hold the further coordinate and the heights of feet 1 and 2, shape (N, 3).
     """
     changes = [0, *(np.flatnonzero(np.array(strata[1:]) != strata[:-1]) + 1)]
-    for begin, end in zip(changes, [*changes[1:], len(strata)], strict=True):
-        axes.plot(
-            *points[begin : end + 1].T, color=STRATA[strata[begin]], linewidth=1.6
-        )
+    for begin, end in pairwise([*changes, len(strata)]):
+        colour = STRATA[strata[begin]]
+        axes.plot(*points[begin : end + 1].T, color=colour, linewidth=1.6)

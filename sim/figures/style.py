@@ -29,6 +29,7 @@ PHYSICS = ACHIEVED.colour.hex
 INK = palette.TEXT.hex  # also the centre of mass
 TRIPODS: Mapping[str, str] = {"1": GROUPS[0].hex, "2": GROUPS[1].hex}
 STRATA: Mapping[str, str] = {"12": INK, **TRIPODS}  # of what happens on each
+LEGS: Mapping[str, tuple[int, ...]] = {"1": (1, 4, 5), "2": (2, 3, 6)}
 PATHS: Mapping[str, Style] = {  # of a walk, the broad ones below
     "achieved": ACHIEVED.line(color=ACHIEVED.colour.tint(0.45).hex, label="physics"),
     "ideal": PREDICTED["ideal"].line(linewidth=0.6, label="predicted, ideal"),
@@ -36,32 +37,21 @@ PATHS: Mapping[str, Style] = {  # of a walk, the broad ones below
 }
 
 STYLE: dict[Any, Any] = {
-    "font.size": 8,
+    **palette.BASE_STYLE,
     "axes.titlesize": 8,
     "figure.titlesize": 8,
     "axes.titlelocation": "left",
     "axes.labelsize": 8,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": palette.GRID.hex,
-    "grid.linewidth": 0.5,
-    "axes.axisbelow": True,
     "xtick.labelsize": 7,
     "ytick.labelsize": 7,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
     "legend.fontsize": 7,
     "legend.frameon": False,
     "lines.linewidth": 1.0,
-    "lines.solid_joinstyle": "round",
     "savefig.dpi": 300,
     "savefig.bbox": "tight",
     "savefig.pad_inches": 0.03,
     "figure.constrained_layout.use": True,
     "svg.fonttype": "path",
-    "svg.hashsalt": "stratawalk",  # the same drawing gives the same bytes
 }
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
@@ -67,10 +68,8 @@ def view_of(text: str) -> View:
         remedy = f"{did_you_mean(text, [*VIEWS])}; or give AZIMUTH,ELEVATION in degrees"
         raise UsageError(f"unknown camera {text!r}", "film", remedy) from None
     if not (math.isfinite(azimuth) and -90 <= elevation <= FLATTEST):
-        what = f"camera {text!r} does not see the floor"
-        raise UsageError(
-            what, "film", f"give an elevation from -90 to {FLATTEST:g} degrees"
-        )
+        remedy = f"give an elevation from -90 to {FLATTEST:g} degrees"
+        raise UsageError(f"camera {text!r} does not see the floor", "film", remedy)
     return View(azimuth, max(elevation, STEEPEST))
 
 
@@ -82,11 +81,7 @@ class Camera:
     azimuth: Array  # (frames,) [degrees]
     distance: float  # from the target [m]
     elevation: float = ELEVATION  # [degrees]
-
-    @property
-    def pixel(self) -> float:
-        """Width of a pixel at a distance of one metre [m]."""
-        return 2 * HALF_HEIGHT / HEIGHT
+    pixel: ClassVar[float] = 2 * HALF_HEIGHT / HEIGHT  # width, a metre away [m]
 
     @property
     def sees_sky(self) -> bool:
@@ -96,8 +91,9 @@ class Camera:
     def rests(self, frame: int) -> bool:
         """Whether a frame is seen from where the frame before it was."""
         before = max(frame - 1, 0)
-        same_place = bool((self.target[frame] == self.target[before]).all())
-        return same_place and bool(self.azimuth[frame] == self.azimuth[before])
+        return all(
+            np.array_equal(a[frame], a[before]) for a in (self.target, self.azimuth)
+        )
 
     def eyes(self) -> Array:
         """Where the camera is in each frame, shape (frames, 3) [m]."""
@@ -136,9 +132,8 @@ def camera(walk: Run, clock: Clock, view: View = ACROSS) -> Camera:
     follow = min(1.0, 2 * (1 - distance / fitting))  # leaves room for the robot itself
     _, right, up = _axes(azimuth, elevation)
     aside = (MIDDLE[0] * HALF_WIDTH * right + MIDDLE[1] * HALF_HEIGHT * up) * distance
-    return Camera(
-        centre + follow * (calm - centre) - aside, azimuth, distance, elevation
-    )
+    target = centre + follow * (calm - centre) - aside
+    return Camera(target, azimuth, distance, elevation)
 
 
 def _seen(walk: Run, clock: Clock) -> Array:

@@ -1,7 +1,4 @@
-"""Captions of a film: key, clock, stratum, contacts, margin, error and scales.
-
-They stand on panels, whose constant parts are drawn once, the others on every picture.
-"""
+"""Captions of a film: key, clock, stratum, contacts, margin, error and scales."""
 
 from __future__ import annotations
 
@@ -12,6 +9,7 @@ import numpy as np
 from planner import Array
 from sim import palette
 from sim.evaluation.flows import WalkedPhase
+from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
 from sim.pictures.floor import cell
@@ -38,13 +36,12 @@ COLUMN = 230  # width of a number in the bar [pixels]
 SCALE = 50  # height of the scale bar's panel [pixels]
 TICK = 5  # half the height of the scale bar's ends [pixels]
 
-Verb = tuple[str, str]  # singular, plural
-STANDS: Verb = ("stands", "stand")
-WAITS: Verb = ("waits in the air", "wait in the air")
-SWINGS_BODY: Verb = ("swings the body", "swing the body")
-SWINGS: Verb = ("swings in the air", "swing in the air")
-LIFTS: Verb = ("lifts", "lift")
-LANDS: Verb = ("lands", "land")
+VERBS = {  # of a group in the air, of one on the ground
+    "hold": ("wait{s} in the air", "stand{s}"),
+    "swing": ("swing{s} in the air", "swing{s} the body"),
+    "lift": ("lift{s}", "lift{s}"),
+    "land": ("land{s}", "land{s}"),
+}
 
 
 class Captions:
@@ -91,23 +88,21 @@ def _bar(walk: Run) -> Panel:
         flow = walk.phases[walk.phase[row]]
         words = describe(flow, walk.groups, walk.legs_per_group)
         text(draw, (PAD, 12), words, MIDDLE)
-        for foot in range(len(walk.group_of_foot)):
-            _lamp(draw, walk, row, foot, y=height - PAD - LAMP)
+        for foot, leg in enumerate(walk.legs):
+            colour = palette.group(walk.group_of_foot[foot])
+            _lamp(draw, foot, str(leg), colour, touches=walk.contact[row, foot])
         for end, metres in zip(ends, numbers.values(), strict=True):
             text(draw, (end, 14), millimetres(metres[row]), LARGE, "ra")
 
     return Panel(EDGE, HEIGHT - EDGE - height, still, write)
 
 
-def _lamp(draw: Draw, walk: Run, row: int, foot: int, y: int) -> None:
+def _lamp(draw: Draw, foot: int, leg: str, colour: Colour, touches: bool) -> None:
     """A numbered disc, filled while the foot touches the floor."""
-    x = PAD + LAMP + 3 * LAMP * foot
-    colour = palette.group(walk.group_of_foot[foot])
-    touches = walk.contact[row, foot]
+    x, y = PAD + LAMP + 3 * LAMP * foot, BAR - PAD - LAMP
     place = (x - LAMP, y - LAMP, x + LAMP, y + LAMP)
     draw.ellipse(place, fill=colour if touches else None, outline=colour, width=2)
-    number = str(sorted(walk.card.legs)[foot])
-    text(draw, (x, y), number, 14, "mm", colour.ink if touches else palette.TEXT)
+    text(draw, (x, y), leg, 14, "mm", colour.ink if touches else palette.TEXT)
 
 
 def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> str:
@@ -115,34 +110,27 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
 
     For example `tripod 1 stands, tripod 2 swings in the air`.
     """
-    doing: dict[Verb, list[str]] = {}
+    doing: dict[str, list[str]] = {}
     for group in groups:
-        doing.setdefault(_verb(flow, group), []).append(group)
-    return ", ".join(
-        _clause(noun(legs_per_group), names, verb) for verb, names in doing.items()
-    )
-
-
-def _verb(flow: WalkedPhase, group: str) -> Verb:
-    stands = group in flow.stratum
-    if group not in flow.group or flow.kind == "hold":
-        return STANDS if stands else WAITS
-    if flow.kind == "swing":
-        return SWINGS_BODY if stands else SWINGS
-    return LIFTS if flow.kind == "lift" else LANDS
-
-
-def _clause(noun: str, names: list[str], verb: Verb) -> str:
-    one, several = verb
-    if len(names) == 1:
-        return f"{noun} {names[0]} {one}"
-    return f"{noun}s {', '.join(names[:-1])} and {names[-1]} {several}"
+        rests = group not in flow.group or flow.kind == "hold"
+        verbs = VERBS["hold" if rests else flow.kind]
+        doing.setdefault(verbs[group in flow.stratum], []).append(group)
+    clauses = []
+    for verb, (*others, last) in doing.items():
+        names = f"s {', '.join(others)} and {last}" if others else f" {last}"
+        words = verb.format(s="" if others else "s")
+        clauses.append(f"{noun(legs_per_group)}{names} {words}")
+    return ", ".join(clauses)
 
 
 def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
     """The panel at the right, above the bar of numbers: one cell of the grid."""
     metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
-    bar = round(metres * _pixels_per_metre(view, bottom - SCALE // 3))
+    tilt = np.radians(view.elevation)
+    above = (HEIGHT / 2 - bottom + SCALE // 3) * view.pixel  # at a distance of one
+    # How deep in the picture the ray through this height meets the floor.
+    depth = -view.eyes()[0, 2] / (np.sin(tilt) + above * np.cos(tilt))
+    bar = round(float(metres / (view.pixel * depth)))
     width = max(bar, length(words)) + 2 * PAD
     still, draw = empty(width, SCALE)
     text(draw, (width - PAD, 6), words, anchor="ra", colour=palette.FAINT)
@@ -151,13 +139,3 @@ def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
     for x in (left, right):
         draw.line((x, y - TICK, x, y + TICK), palette.TEXT, 3)
     return Panel(WIDTH - EDGE - width, bottom - SCALE, still, lambda draw, row: None)
-
-
-def _pixels_per_metre(view: Camera, y: int) -> float:
-    """Pixels that one metre across the picture takes on the floor at a height."""
-    tilt = np.radians(view.elevation)
-    above = (HEIGHT / 2 - y) * view.pixel  # the middle, at a distance of one
-    eye = view.eyes()[0]
-    # How deep in the picture the ray through this height meets the floor.
-    depth = -eye[2] / (np.sin(tilt) + above * np.cos(tilt))
-    return float(1 / (view.pixel * depth))

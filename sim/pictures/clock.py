@@ -47,9 +47,8 @@ def clock(
     first, last = rows_of(time, stretch)
     duration = float(time[last] - time[first])
     if playback is None:
-        playback = next(
-            p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL
-        )
+        fast = (p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL)
+        playback = next(fast)
     moving = int(duration / playback * FRAME_RATE)
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
     tail = np.full(round(TAIL * FRAME_RATE), last)
@@ -67,9 +66,8 @@ def _round_speeds() -> Iterator[float]:
     """1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, ... 60, 80, 100, ..."""
     yield from (1, 2, 3, 4, 5, 6, 8)
     for power in count(1):
-        yield from (
-            digit * 10.0**power for digit in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8)
-        )
+        for digits in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8):
+            yield digits * 10.0**power
 
 
 @dataclass

@@ -86,16 +86,13 @@ def _ffmpeg(*arguments: str) -> str:
     try:
         done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     except OSError as error:
-        raise RenderError(
-            f"no ffmpeg, {error.strerror}", command[0], INSTALL
-        ) from error
+        what = f"no ffmpeg, {error.strerror}"
+        raise RenderError(what, command[0], INSTALL) from error
     if FULL in done.stderr:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     if done.returncode:
-        reason = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[
-            -1
-        ]
-        raise RenderError(f"ffmpeg failed, {reason}", command[0], INSTALL)
+        words = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
+        raise RenderError(f"ffmpeg failed, {words[-1]}", command[0], INSTALL)
     return done.stdout
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from planner import Array
 from sim import palette
 from sim.pictures.camera import Camera
-from sim.pictures.floor_drawing import Drawing, Mark, join, polygons, ribbon
+from sim.pictures.drawing import Drawing, Mark, join, polygons, ribbon
 from sim.runs.run import Run
 
 CELLS = 0.5  # of the grid, about [reach of the robot]
@@ -69,7 +69,8 @@ def contours(walk: Run) -> Drawing:
     if not walk.scenario.bumps:
         return join([])
     model = mujoco.MjModel.from_xml_path(str(walk.model_file))
-    lines = [line for geom in _fields(model) for line in _contours_of(model, geom)]
+    fields = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_HFIELD)
+    lines = [line for geom in fields for line in _contours_of(model, int(geom))]
     width = CONTOUR_WIDTH * walk.reach
     return join(ribbon(line, np.zeros(len(line), int), width) for line in lines)
 
@@ -77,10 +78,6 @@ def contours(walk: Run) -> Drawing:
 def contour_step(walk: Run) -> float:
     """Height from one contour to the next [m]."""
     return walk.scenario.bumps / LEVELS
-
-
-def _fields(model: mujoco.MjModel) -> Array:
-    return np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_HFIELD)
 
 
 def _contours_of(model: mujoco.MjModel, geom: int) -> Iterator[Array]:

@@ -45,11 +45,8 @@ def probe() -> str:
     """
     asked = os.environ.get(ASKED, os.environ.get("MUJOCO_GL", "")).strip().lower()
     if asked in OFF:
-        raise RenderError(
-            "pictures are switched off",
-            f"MUJOCO_GL={asked}",
-            f"unset MUJOCO_GL, or set it to {BACKENDS[0]}",
-        )
+        remedy = f"unset MUJOCO_GL, or set it to {BACKENDS[0]}"
+        raise RenderError("pictures are switched off", f"MUJOCO_GL={asked}", remedy)
     return _first_that_draws(tuple(sorted(BACKENDS, key=lambda name: name != asked)))
 
 
@@ -62,61 +59,50 @@ def environment(backend: str) -> dict[str, str]:
 
 def pictures_per_second(driver: str) -> float:
     """Pictures of the default robot, drafts without captions, drawn in a second."""
-    command = [sys.executable, "-P", "-m", "sim.pictures.gl", SPEED]
     try:
-        done = subprocess.run(
-            command,
-            env=environment(driver),
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=SPEED_LIMIT,
-            check=True,
-        )
+        done = _child(driver, SPEED_LIMIT, SPEED)
+        done.check_returncode()
     except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
         where = f"{driver}, {error}"
         raise RenderError("cannot draw pictures", where, INSTALL) from error
     return float(done.stdout)
 
 
+def _child(driver: str, limit: float, *asked: str) -> subprocess.CompletedProcess[str]:
+    """This module as a process of its own that draws with a driver."""
+    return subprocess.run(
+        [sys.executable, "-P", "-m", "sim.pictures.gl", *asked],
+        env=environment(driver),
+        capture_output=True,
+        text=True,
+        errors="replace",
+        timeout=limit,
+    )
+
+
 @cache
 def _first_that_draws(backends: tuple[str, ...]) -> str:
     reasons = []
     for backend in backends:
-        reason = _trial(backend)
-        if reason is None:
+        if not (reason := _trial(backend)):
             return backend
         reasons.append(f"{backend}: {reason}")
-    raise RenderError(
-        "cannot draw pictures without a screen", "; ".join(reasons), INSTALL
-    )
+    what = "cannot draw pictures without a screen"
+    raise RenderError(what, "; ".join(reasons), INSTALL)
 
 
 def _trial(backend: str) -> str | None:
     """The reason why a driver does not draw, in a few words; None if it draws."""
-    command = [sys.executable, "-P", "-m", "sim.pictures.gl"]
     try:
-        trial = subprocess.run(
-            command,
-            env=environment(backend),
-            capture_output=True,
-            text=True,
-            errors="replace",
-            timeout=TRIAL_LIMIT,
-        )
+        trial = _child(backend, TRIAL_LIMIT)
     except subprocess.TimeoutExpired:
         return f"no picture after {TRIAL_LIMIT:g} s"
     if trial.returncode == 0:
         return None
     if trial.returncode < 0:
         return f"the driver died of signal {-trial.returncode}"
-    return _reason(trial.stderr)
-
-
-def _reason(stderr: str) -> str:
-    """The gist of a traceback: its last line, without the advice that follows."""
-    lines = [line for line in stderr.splitlines() if line and not line[0].isspace()]
-    last = lines[-1] if lines else "no picture"
+    lines = [s for s in trial.stderr.splitlines() if s and not s[0].isspace()]
+    last = lines[-1] if lines else "no picture"  # of a traceback
     if "NoneType" in last:  # PyOpenGL found no library and went on with None
         return "library not found"
     return last.partition(": ")[2].partition(". ")[0] or last
@@ -126,10 +112,8 @@ def _draw_one_frame() -> None:
     """Draw a lit ball, and see that the picture is neither empty nor flat."""
     import mujoco  # only here: the driver is tied at this moment
 
-    scene = (
-        "<mujoco><worldbody><light pos='0 0 3'/><geom size='1'/></worldbody></mujoco>"
-    )
-    model = mujoco.MjModel.from_xml_string(scene)
+    world = "<worldbody><light pos='0 0 3'/><geom size='1'/></worldbody>"
+    model = mujoco.MjModel.from_xml_string(f"<mujoco>{world}</mujoco>")
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     with mujoco.Renderer(model, height=24, width=32) as renderer:
@@ -153,9 +137,9 @@ def _measure() -> float:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     with mujoco.Renderer(model, height=HEIGHT, width=WIDTH) as renderer:
-        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = False
-        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
-        renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = False
+        flag = mujoco.mjtRndFlag
+        for part in (flag.mjRND_SHADOW, flag.mjRND_REFLECTION, flag.mjRND_SKYBOX):
+            renderer.scene.flags[part] = False
         renderer.update_scene(data)
         renderer.render()  # the first one is slow
         began = time.perf_counter()
@@ -166,7 +150,4 @@ def _measure() -> float:
 
 
 if __name__ == "__main__":
-    if SPEED in sys.argv:
-        print(_measure())
-    else:
-        _draw_one_frame()
+    print(_measure()) if SPEED in sys.argv else _draw_one_frame()

@@ -119,11 +119,9 @@ def _draw_scale(draw: Draw, scale: float) -> None:
     (x, y), ring = MIDDLE, _greatest_round(BOX / 2 * FILL / scale)
     radius = ring * scale
     draw.rectangle((PAD, TOP, PAD + BOX, TOP + BOX), None, palette.GRID, 1)
-    draw.ellipse(
-        (x - radius, y - radius, x + radius, y + radius), None, palette.FAINT, 1
-    )
+    around = (x - radius, y - radius, x + radius, y + radius)
+    draw.ellipse(around, None, palette.FAINT, 1)
     draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
     draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
-    words = f"ring {1000 * ring:g} mm"
-    at = (SIZE[0] - PAD, TOP + BOX - 18)
+    at, words = (SIZE[0] - PAD, TOP + BOX - 18), f"ring {1000 * ring:g} mm"
     text(draw, at, words, anchor="ra", colour=palette.FAINT)

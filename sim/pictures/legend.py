@@ -1,11 +1,7 @@
-"""The legend of film, viewer and replay: the meaning of every colour and sign.
-
-It also has the words for groups of legs, by the number of their legs.
-"""
+"""The legend of film, viewer and replay: the meaning of every colour and sign."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import mujoco
@@ -21,8 +17,6 @@ NOSE = "nose"  # geom on the front of the shipped robots
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
-Sample = Callable[[Draw, int, Colour], None]
-
 
 def legend(walk: Run) -> Panel:
     """The panel at the top left: the walk, and the meaning of the colours."""
@@ -30,15 +24,13 @@ def legend(walk: Run) -> Panel:
     robot = Path(scenario.robot).stem  # of a user's own, the file
     about = f"{robot}, {scenario.fields} fields, {walk.segments} segments"
     labels = [length(label) + SWATCH for label, _, _ in lines]
-    still, draw = empty(
-        max(length(about), length(scenario.name, LARGE), *labels) + 2 * PAD,
-        TITLE - 2 + LINE * len(lines),
-    )
+    width = max(length(about), length(scenario.name, LARGE), *labels) + 2 * PAD
+    still, draw = empty(width, TITLE - 2 + LINE * len(lines))
     text(draw, (PAD, 10), scenario.name, LARGE)
     text(draw, (PAD, 46), about, colour=palette.FAINT)
-    for i, (label, colour, sample) in enumerate(lines):
+    for i, (label, colour, kind) in enumerate(lines):
         y = TITLE + i * LINE
-        sample(draw, y, colour)
+        _sample(draw, kind, y, colour)
         text(draw, (PAD + SWATCH, y), label, anchor="lm")
     return Panel(EDGE, EDGE, still, lambda draw, row: None)
 
@@ -73,62 +65,55 @@ def nose(walk: Run) -> Colour | None:
     return None
 
 
-def _lines(walk: Run) -> list[tuple[str, Colour, Sample]]:
-    """Label, colour and sample of every line of a film's legend."""
+def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
+    """Label, colour and kind of sample of every line of a film's legend."""
     groups, nominal = noun(walk.legs_per_group), palette.NOMINAL
-    front = nose(walk)
-    around: list[tuple[str, Colour, Sample]] = [
-        ("obstacles", palette.OBSTACLE, _block),
-        ("floor swept over", palette.SWEPT, _block),
-    ]
+    front, around = (
+        nose(walk),
+        (
+            ("obstacles", palette.OBSTACLE, "block"),
+            ("floor swept over", palette.SWEPT, "block"),
+        ),
+    )
     predicted = [palette.PREDICTED[name] for name in walk.drawn]
     squares = f"grid, {1000 * cell(walk.reach):g} mm"
     if walk.scenario.bumps:
         squares += f", contours {1000 * contour_step(walk):.3g} mm"
     return [
         *(around if walk.scenario.obstacles else []),
-        ("outline of the robot", palette.OUTLINE, _line),
-        *([("nose, the front", front, _block)] if front else []),
-        (nominal.label, nominal.colour, _dashes),
-        ("goal", nominal.colour, _ring),
-        *((mark.label, mark.colour, _line) for mark in (*predicted, palette.ACHIEVED)),
-        ("centre of mass", palette.CENTRE_OF_MASS, _disc),
-        ("support polygon", palette.STABLE, _area),
+        ("outline of the robot", palette.OUTLINE, "line"),
+        *([("nose, the front", front, "block")] if front else []),
+        (nominal.label, nominal.colour, "dashes"),
+        ("goal", nominal.colour, "ring"),
+        *((mark.label, mark.colour, "line") for mark in (*predicted, palette.ACHIEVED)),
+        ("centre of mass", palette.CENTRE_OF_MASS, "disc"),
+        ("support polygon", palette.STABLE, "area"),
         *(
-            (f"footprints of {groups} {group}", palette.footprint(i), _disc)
+            (f"footprints of {groups} {group}", palette.footprint(i), "disc")
             for i, group in enumerate(walk.groups)
         ),
-        (squares, palette.GRID, _mesh),
+        (squares, palette.GRID, "mesh"),
     ]
 
 
-def _line(draw: Draw, y: int, colour: Colour) -> None:
-    draw.line((PAD, y, PAD + 24, y), colour, 4)
-
-
-def _dashes(draw: Draw, y: int, colour: Colour) -> None:
-    for x in range(PAD, PAD + 24, 9):
-        draw.line((x, y, x + 6, y), colour, 4)
-
-
-def _disc(draw: Draw, y: int, colour: Colour) -> None:
-    draw.ellipse((PAD + 5, y - 7, PAD + 19, y + 7), fill=colour)
-
-
-def _ring(draw: Draw, y: int, colour: Colour) -> None:
-    draw.ellipse((PAD + 4, y - 8, PAD + 20, y + 8), palette.PAPER, colour, 3)
-
-
-def _mesh(draw: Draw, y: int, colour: Colour) -> None:
-    for x in (PAD + 6, PAD + 18):
-        draw.line((x, y - 9, x, y + 9), colour, 2)
-    for height in (y - 5, y + 5):
-        draw.line((PAD, height, PAD + 24, height), colour, 2)
-
-
-def _block(draw: Draw, y: int, colour: Colour) -> None:
-    draw.rectangle((PAD, y - 7, PAD + 24, y + 7), colour)
-
-
-def _area(draw: Draw, y: int, colour: Colour) -> None:
-    draw.rectangle((PAD, y - 7, PAD + 24, y + 7), (*colour, 90), colour, 2)
+def _sample(draw: Draw, kind: str, y: int, colour: Colour) -> None:
+    """Draw how a meaning looks, at the left of its line."""
+    left, right = PAD, PAD + 24
+    match kind:
+        case "line":
+            draw.line((left, y, right, y), colour, 4)
+        case "dashes":
+            for x in range(left, right, 9):
+                draw.line((x, y, x + 6, y), colour, 4)
+        case "disc":
+            draw.ellipse((left + 5, y - 7, left + 19, y + 7), fill=colour)
+        case "ring":
+            draw.ellipse((left + 4, y - 8, left + 20, y + 8), palette.PAPER, colour, 3)
+        case "mesh":
+            for x, height in ((left + 6, y - 5), (left + 18, y + 5)):
+                draw.line((x, y - 9, x, y + 9), colour, 2)
+                draw.line((left, height, right, height), colour, 2)
+        case "block":
+            draw.rectangle((left, y - 7, right, y + 7), colour)
+        case "area":
+            draw.rectangle((left, y - 7, right, y + 7), (*colour, 90), colour, 2)

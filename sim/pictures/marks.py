@@ -1,7 +1,4 @@
-"""Marks on the floor: outline, footprints, paths, support polygon, weight and goal.
-
-A walk is turned into coloured drawings, frame by frame; `pictures.offscreen` draws it.
-"""
+"""Marks on the floor: outline, footprints, paths, support polygon, weight and goal."""
 
 from __future__ import annotations
 
@@ -19,8 +16,7 @@ from sim.motion.stability import support_polygons
 from sim.obstacles.solids import Solids
 from sim.palette import ACHIEVED, EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, PathMark
 from sim.pictures.clock import Clock
-from sim.pictures.floor import contours
-from sim.pictures.floor_drawing import (
+from sim.pictures.drawing import (
     Drawing,
     Mark,
     dashes,
@@ -29,6 +25,7 @@ from sim.pictures.floor_drawing import (
     polygons,
     ribbon,
 )
+from sim.pictures.floor import contours
 from sim.runs.run import Run
 
 # In units of the robot's reach.
@@ -46,15 +43,18 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
 
     What moves with the robot is drawn for the given frames only.
     """
+    dash, width = DASH * walk.reach, NOMINAL.width * walk.reach
+    nominal = dashes(walk.nominal[:, :2], dash, width)
     drawn = (
         Mark("contours of the floor", contours(walk), palette.RELIEF),
         *_covered(walk, clock, frames),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         *_goal(walk),
-        *_predicted(walk, clock),
+        # The predicted paths are wider than the achieved one, and below it.
+        *(_path(walk, clock, p, palette.PREDICTED[n]) for n, p in walk.drawn.items()),
         _path(walk, clock, walk.achieved, ACHIEVED),
-        Mark(NOMINAL.label, _nominal(walk), NOMINAL.colour),
+        Mark(NOMINAL.label, nominal, NOMINAL.colour),
         *_weight(walk, clock, frames),
     )
     return tuple(mark for mark in drawn if len(mark.drawing))
@@ -62,31 +62,20 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
 
 def _covered(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
     """The robot's outline; beside obstacles also the floor that it swept over."""
-    robot = _solids(walk)
+    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+    robot = Solids(model, root_body(model, walk.model_file))
     if walk.scenario.obstacles:
         yield Mark("floor swept over", swept(robot, walk, clock), palette.SWEPT)
     edge = outline(robot, walk, clock, frames, EDGE * walk.reach)
     yield Mark("outline of the robot", edge, palette.OUTLINE)
 
 
-def _nominal(walk: Run) -> Drawing:
-    return dashes(walk.nominal[:, :2], DASH * walk.reach, NOMINAL.width * walk.reach)
-
-
 def _goal(walk: Run) -> Iterator[Mark]:
     """A ring where the nominal path ends."""
     end, first = walk.nominal[-1:, :2], np.zeros(1, int)
-    for name, share, colour in (
-        ("goal", 1.0, NOMINAL.colour),
-        ("goal's eye", 0.75, palette.PAPER),
-    ):
-        yield Mark(name, discs(end, first, share * GOAL * walk.reach), colour)
-
-
-def _predicted(walk: Run, clock: Clock) -> Iterator[Mark]:
-    """The predicted path of the body, wider than the actual one and below it."""
-    for name, poses in walk.drawn.items():
-        yield _path(walk, clock, poses, palette.PREDICTED[name])
+    radius = GOAL * walk.reach
+    yield Mark("goal", discs(end, first, radius), NOMINAL.colour)
+    yield Mark("goal's eye", discs(end, first, 0.75 * radius), palette.PAPER)
 
 
 def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
@@ -111,10 +100,8 @@ def _telling(line: Array, frames: Array) -> Array:
 def _footprints(walk: Run, clock: Clock) -> Iterator[Mark]:
     """Where the feet of each group stood, and how they slipped while they did."""
     for group, name in enumerate(walk.groups):
-        feet = [i for i, owner in enumerate(walk.group_of_foot) if owner == group]
-        drawing = join(
-            drawing for foot in feet for drawing in _stands(walk, clock, foot)
-        )
+        feet = np.flatnonzero(np.equal(walk.group_of_foot, group)).tolist()
+        drawing = join(stand for foot in feet for stand in _stands(walk, clock, foot))
         yield Mark(f"footprints of {name}", drawing, palette.footprint(group))
 
 
@@ -123,9 +110,8 @@ def _stands(walk: Run, clock: Clock, foot: int) -> Iterator[Drawing]:
     place = walk.contact_point[:, foot]
     touched = np.concatenate([[False], walk.contact[:, foot], [False]])
     starts, stops = np.flatnonzero(touched[1:] != touched[:-1]).reshape(-1, 2).T
-    yield discs(
-        place[starts], clock.frame_of(starts), FOOTPRINT * walk.reach, FOOTPRINT_CORNERS
-    )
+    frames, radius = clock.frame_of(starts), FOOTPRINT * walk.reach
+    yield discs(place[starts], frames, radius, FOOTPRINT_CORNERS)
     for start, stop in zip(starts, stops, strict=True):
         rows = start + spaced_rows(place[start:stop], TRAIL * walk.reach)
         yield ribbon(place[rows], clock.frame_of(rows), TRAIL * walk.reach)
@@ -169,22 +155,17 @@ def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
         yield Mark(name, join([spots], fleeting=True), colour)
 
 
-def _solids(walk: Run) -> Solids:
-    """The solid parts of a walk's robot."""
-    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
-    return Solids(model, root_body(model, walk.model_file))
-
-
 def outline(
     robot: Solids, walk: Run, clock: Clock, frames: range, width: float
 ) -> Drawing:
     """The outline in each of some frames, gone in the next."""
     shapes = _outlines(robot, walk, clock.rows[frames.start : frames.stop])
-    lines = (
-        ribbon(ring, np.full(len(ring), frame), width)
+    rings = (
+        (frame, shapely.get_coordinates(ring))
         for frame, shape in zip(frames, shapes, strict=True)
-        for ring in _rings(shape)
+        for ring in shapely.get_parts(shapely.boundary(shape))
     )
+    lines = (ribbon(ring, np.full(len(ring), frame), width) for frame, ring in rings)
     return join(lines, fleeting=True)
 
 
@@ -203,12 +184,6 @@ def _outlines(robot: Solids, walk: Run, rows: Array) -> Array:
     """The floor covered at each row, shapely geometries, shape (rows,)."""
     parts = robot.covered(walk.qpos[rows])
     return shapely.simplify(shapely.union_all(parts, axis=0), FINENESS * walk.reach)
-
-
-def _rings(shape: shapely.Geometry) -> Iterator[Array]:
-    """Closed lines around a polygon, or several, shape (n, 2) each."""
-    for line in shapely.get_parts(shapely.boundary(shape)):
-        yield shapely.get_coordinates(line)
 
 
 def _triangles(shape: shapely.Geometry) -> Array:

@@ -1,14 +1,8 @@
-"""Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names.
-
-Nothing is stepped: every picture shows a recorded state. `pictures.scene` decides
-what is visible.
-"""
+"""Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from types import TracebackType
-from typing import Self
 
 import mujoco
 import numpy as np
@@ -18,7 +12,7 @@ from planner import Array
 from sim import palette
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
-from sim.pictures.floor_drawing import Drawing, Mark
+from sim.pictures.drawing import Drawing, Mark
 from sim.pictures.panel import text
 from sim.pictures.scene import SUN, Look, build, has_endless_floor, mesh_name
 from sim.runs.run import Run
@@ -39,9 +33,8 @@ class OffscreenRenderer:
         self._model = build(walk, marks, look)
         self._first_face = self._model.mesh_faceadr.copy()
         pieces = [piece for mark in marks for piece in mark.pieces]
-        meshes = [self._model.mesh(mesh_name(name)).id for name, _ in pieces]
         self._pieces = [
-            (m, drawing) for m, (_, drawing) in zip(meshes, pieces, strict=True)
+            (self._model.mesh(mesh_name(name)).id, piece) for name, piece in pieces
         ]
         self._drawn = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
         self._data = mujoco.MjData(self._model)
@@ -50,29 +43,18 @@ class OffscreenRenderer:
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
         self._context.make_current()
-        self._scene = mujoco.MjvScene(
-            self._model, maxgeom=self._model.ngeom + SPARE_GEOMS
-        )
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = look.shadows
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        self._scene = mujoco.MjvScene(self._model, self._model.ngeom + SPARE_GEOMS)
+        flags, flag = self._scene.flags, mujoco.mjtRndFlag
+        flags[flag.mjRND_SHADOW], flags[flag.mjRND_REFLECTION] = look.shadows, False
         # Half the time of a picture goes into the sky behind the floor.
-        self._scene.flags[mujoco.mjtRndFlag.mjRND_SKYBOX] = (
-            camera.sees_sky or not has_endless_floor(self._model)
-        )
-        self._brush = mujoco.MjrContext(
-            self._model, mujoco.mjtFontScale.mjFONTSCALE_100
-        )
+        sky = camera.sees_sky or not has_endless_floor(self._model)
+        flags[flag.mjRND_SKYBOX] = sky
+        font = mujoco.mjtFontScale.mjFONTSCALE_100
+        self._brush = mujoco.MjrContext(self._model, font)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._brush)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Give the context back."""
         self._brush.free()
         self._context.free()
 
@@ -84,30 +66,21 @@ class OffscreenRenderer:
         mujoco.mj_camlight(self._model, self._data)
         for mesh, drawing in self._pieces:
             self._show(mesh, drawing, frame)
-        mujoco.mjv_updateScene(
-            self._model,
-            self._data,
-            self._options,
-            None,
-            self._view,
-            mujoco.mjtCatBit.mjCAT_ALL,
-            self._scene,
-        )
-        self._let_ink_cast_no_shadow()
+        all_geoms, scene = mujoco.mjtCatBit.mjCAT_ALL, self._scene
+        shown = self._options, None, self._view, all_geoms, scene
+        mujoco.mjv_updateScene(self._model, self._data, *shown)
+        # Drawings lie closer to the floor than the depth of shadows can resolve.
+        for geom in scene.geoms[: scene.ngeom]:
+            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._drawn:
+                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
         frame_area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
         picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-        mujoco.mjr_render(frame_area, self._scene, self._brush)
+        mujoco.mjr_render(frame_area, scene, self._brush)
         mujoco.mjr_readPixels(picture, None, frame_area, self._brush)
         picture = picture[::-1]  # OpenGL counts rows from below
         places = self._numbers.places(self._data)
         self._numbers.write(picture, self._camera.pixels(frame, places))
         return picture
-
-    def _let_ink_cast_no_shadow(self) -> None:
-        """Exclude drawings, which lie closer to the floor than depth can resolve."""
-        for geom in self._scene.geoms[: self._scene.ngeom]:
-            if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._drawn:
-                geom.category = mujoco.mjtCatBit.mjCAT_DECOR
 
     def _look_from(self, frame: int) -> None:
         self._view.lookat[:] = self._camera.target[frame]

@@ -48,30 +48,6 @@ class Piece:
         return [sys.executable, "-P", "-m", "sim.pictures.worker", *arguments]
 
 
-@dataclass(frozen=True)
-class Worker:
-    """A process at work on a piece."""
-
-    process: subprocess.Popen[bytes]
-    piece: Piece
-    complaints: IO[bytes]  # its standard error
-
-    def check(self) -> None:
-        """Raise FilesError if the disk is full, RenderError for another failure."""
-        code, where = self.process.wait(), str(self.piece.folder)
-        if code == 0:
-            return
-        self.complaints.seek(0)
-        said = self.complaints.read().decode(errors="replace")
-        if FULL in said or shutil.disk_usage(where).free < SPARE:
-            raise FilesError(
-                "disk full while filming", where, f"free some space; {KEPT}"
-            )
-        last = (said.strip().splitlines() or ["no word"])[-1]
-        reason = f"signal {-code}" if code < 0 else last.removeprefix("OSError: ")
-        raise RenderError(f"drawing the film failed, {reason}", where, KEPT)
-
-
 def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) -> None:
     """Draw pieces at the same time; progress is called with pictures just drawn.
 
@@ -84,18 +60,20 @@ def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) 
         stack.callback(os.close, dots)
         workers = [_start(stack, piece, environment, pen) for piece in pieces]
         os.close(pen)
-        while drawn := _wait(dots, pieces[0].folder):
+        where = str(pieces[0].folder)
+        while drawn := _wait(dots, where):
             progress(drawn)
-            for worker in workers:
-                if worker.process.poll():
-                    worker.check()
-        for worker in workers:
-            worker.check()
+            for process, complaints in workers:
+                if process.poll():
+                    _check(process, complaints, where)
+        for process, complaints in workers:
+            _check(process, complaints, where)
 
 
 def _start(
     stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
-) -> Worker:
+) -> tuple[subprocess.Popen[bytes], IO[bytes]]:
+    """A process at work on a piece, and its standard error."""
     complaints = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 (it does)
     process = subprocess.Popen(
         piece.command,
@@ -106,11 +84,25 @@ def _start(
     )
     stack.callback(process.wait)
     stack.callback(process.kill)
-    return Worker(process, piece, complaints)
+    return process, complaints
 
 
-def _wait(dots: int, folder: Path) -> int:
+def _check(process: subprocess.Popen[bytes], complaints: IO[bytes], where: str) -> None:
+    """Raise FilesError if the disk is full, RenderError for another failure."""
+    if (code := process.wait()) == 0:
+        return
+    complaints.seek(0)
+    message = complaints.read().decode(errors="replace")
+    if FULL in message or shutil.disk_usage(where).free < SPARE:
+        what, remedy = "disk full while filming", f"free some space; {KEPT}"
+        raise FilesError(what, where, remedy)
+    last = (message.strip().splitlines() or ["no word"])[-1]
+    reason = f"signal {-code}" if code < 0 else last.removeprefix("OSError: ")
+    raise RenderError(f"drawing the film failed, {reason}", where, KEPT)
+
+
+def _wait(dots: int, where: str) -> int:
     """Number of pictures drawn since the last call; 0 when all processes have ended."""
     if not select.select([dots], [], [], SILENCE)[0]:
-        raise RenderError(f"no picture for {SILENCE:g} s", str(folder), KEPT)
+        raise RenderError(f"no picture for {SILENCE:g} s", where, KEPT)
     return len(os.read(dots, 4096))

@@ -1,8 +1,4 @@
-"""The film of a finished walk, drawn from its run folder alone.
-
-This module finds a driver, starts the processes that draw, and gives the film its name
-once it is complete. The other modules of this room decide what the pictures show.
-"""
+"""The film of a finished walk, drawn from its run folder alone."""
 
 from __future__ import annotations
 
@@ -10,9 +6,9 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 
-from planner import Array
 from sim.errors import RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import gl
@@ -52,14 +48,17 @@ def film_folder(
     called with the finished part, from 0 to 1.
     """
     if look not in LOOKS:
-        raise UsageError(
-            f"unknown look {look!r}", "film", f"known are {', '.join(LOOKS)}"
-        )
+        known = f"known are {', '.join(LOOKS)}"
+        raise UsageError(f"unknown look {look!r}", "film", known)
     view_of(camera)
     folder = folder.resolve()
     with blamed_on(folder):
         walk = read_run(folder).in_world()
-        _require_time(walk.time, stretch)
+        first, last = walk.time[[*rows_of(walk.time, stretch)]]
+        if first == last:
+            what = "nothing to film between {:g} and {:g} s".format(*stretch)
+            remedy = f"give times from 0 to {walk.time[-1]:.2f} s"
+            raise UsageError(what, "film", remedy)
         pictures = len(clock(walk.time, walk.scenario.playback, stretch).rows)
     driver = check()
     drawn = 0
@@ -70,7 +69,8 @@ def film_folder(
         if progress is not None:
             progress(drawn / pictures)
 
-    path = path.absolute() if path else folder / _name(walk.time, stretch)
+    own = NAME if stretch == WHOLE else f"video-{first:.2f}-{last:.2f}.mp4"
+    path = path.absolute() if path else folder / own
     with whole(path) as part, _scratch(path) as scratch:
         pieces = [
             Piece(folder, look, frames, scratch / f"{i}.mp4", camera, stretch)
@@ -81,31 +81,11 @@ def film_folder(
         film = scratch / NAME if small else part
         join([piece.path for piece in pieces], film)
         if (found := count_pictures(film)) != pictures:
-            raise RenderError(
-                f"film cut short, {found} of {pictures} pictures", str(path), KEPT
-            )
+            what = f"film cut short, {found} of {pictures} pictures"
+            raise RenderError(what, str(path), KEPT)
         if small:
             animate(film, part)
     return path
-
-
-def _require_time(time: Array, stretch: Stretch) -> None:
-    first, last = rows_of(time, stretch)
-    if first == last:
-        start, stop = stretch
-        raise UsageError(
-            f"nothing to film between {start:g} and {stop:g} s",
-            "film",
-            f"give times from 0 to {time[-1]:.2f} s",
-        )
-
-
-def _name(time: Array, stretch: Stretch) -> str:
-    """The run's film is that of the whole walk; others are named after their times."""
-    if stretch == WHOLE:
-        return NAME
-    first, last = rows_of(time, stretch)
-    return f"video-{time[first]:.2f}-{time[last]:.2f}.mp4"
 
 
 @contextmanager
@@ -122,8 +102,7 @@ def _scratch(film: Path) -> Iterator[Path]:
 
 def _shares(pictures: int) -> list[range]:
     """Equal shares of the pictures, one for each process."""
-    workers = min(
-        WORKERS, len(os.sched_getaffinity(0)), 1 + pictures // FEWEST_PICTURES
-    )
+    cores = len(os.sched_getaffinity(0))
+    workers = min(WORKERS, cores, 1 + pictures // FEWEST_PICTURES)
     ends = [pictures * i // workers for i in range(workers + 1)]
-    return [range(start, stop) for start, stop in zip(ends[:-1], ends[1:], strict=True)]
+    return [range(*share) for share in pairwise(ends)]

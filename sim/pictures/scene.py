@@ -14,7 +14,7 @@ import numpy as np
 from models.description import root_body
 from sim import palette
 from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH
-from sim.pictures.floor_drawing import Mark
+from sim.pictures.drawing import Mark
 from sim.runs.run import Run
 
 AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
@@ -59,7 +59,10 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     visual.map.znear = NEAREST
     spec.stat.extent = EXTENT * walk.reach
     model = spec.compile()
-    _see_through(model, root_body(model, walk.model_file))
+    for geom in np.flatnonzero(model.geom_bodyid == root_body(model, walk.model_file)):
+        if (material := model.geom_matid[geom]) >= 0:
+            model.geom_rgba[geom] = model.mat_rgba[material]
+        model.geom_rgba[geom, 3] *= BODY_ALPHA
     return model
 
 
@@ -80,13 +83,9 @@ def _light(spec: mujoco.MjSpec) -> None:
         spec.delete(light)
     head = spec.visual.headlight
     head.ambient, head.diffuse, head.specular = [AMBIENT] * 3, [0.0] * 3, [0.0] * 3
-    spec.worldbody.add_light(
-        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
-        dir=SUN,
-        diffuse=[DIRECT] * 3,
-        specular=[0.1] * 3,
-        castshadow=True,
-    )
+    kind, diffuse = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, [DIRECT] * 3
+    sun = {"dir": SUN, "diffuse": diffuse, "specular": [0.1] * 3, "castshadow": True}
+    spec.worldbody.add_light(type=kind, **sun)
 
 
 def _lay_floor(spec: mujoco.MjSpec) -> float:
@@ -96,55 +95,29 @@ def _lay_floor(spec: mujoco.MjSpec) -> float:
     floors = [geom for geom in spec.worldbody.geoms if geom.type in kinds]
     for geom in floors:
         geom.material, geom.rgba = FLOOR, palette.PAPER.rgba()
-    return _top(spec, floors[0]) if floors else 0.0
-
-
-def _top(spec: mujoco.MjSpec, floor: mujoco.MjsGeom) -> float:
-    """Height of a plane, or of the highest bump of a field [m]."""
-    field = spec.hfield(floor.hfieldname) if floor.hfieldname else None
-    return float(floor.pos[2] + (0.0 if field is None else field.size[2]))
+    if not floors:
+        return 0.0
+    field = spec.hfield(floors[0].hfieldname) if floors[0].hfieldname else None
+    return float(floors[0].pos[2] + (0.0 if field is None else field.size[2]))
 
 
 def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:
     """A mesh for each piece of a mark, with all the triangles it will ever show."""
-    material = mesh_name(mark.name)
-    spec.add_material(name=material, rgba=mark.colour.rgba(mark.alpha), specular=0)
-    for name, drawing in mark.pieces:
-        sheet = drawing.shapes % SHEETS / SHEETS
-        _add_mesh(
-            spec, mesh_name(name), drawing.points, height + 0.9 * sheet * thickness
+    material, rgba = mesh_name(mark.name), mark.colour.rgba(mark.alpha)
+    spec.add_material(name=material, rgba=rgba, specular=0)
+    for piece, drawing in mark.pieces:
+        name, sheet = mesh_name(piece), drawing.shapes % SHEETS / SHEETS
+        z = height + 0.9 * sheet * thickness
+        corners = np.dstack([drawing.points, np.repeat(z[:, None], 3, axis=1)])
+        # The compiler wants four points at least; this triangle is never shown.
+        corners = np.concatenate([corners, corners[:1] + (1.0, 0.0, 0.0)])
+        spec.add_mesh(
+            name=name,
+            uservert=corners.ravel(),
+            userface=np.arange(3 * len(corners)),
+            usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(corners)),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
         )
-        spec.worldbody.add_geom(
-            name=mesh_name(name),
-            type=mujoco.mjtGeom.mjGEOM_MESH,
-            meshname=mesh_name(name),
-            material=material,
-            rgba=mark.colour.rgba(mark.alpha),  # not that of the file's defaults
-            group=0,
-            contype=0,
-            conaffinity=0,
-        )
-
-
-def _add_mesh(
-    spec: mujoco.MjSpec, name: str, triangles: np.ndarray, height: np.ndarray
-) -> None:
-    """Triangles seen from above, shape (N, 3, 2) [m], each at a height [m]."""
-    corners = np.dstack([triangles, np.repeat(height[:, None], 3, axis=1)])
-    # The compiler wants four points at least; this triangle is never shown.
-    corners = np.concatenate([corners, corners[:1] + (1.0, 0.0, 0.0)])
-    spec.add_mesh(
-        name=name,
-        uservert=corners.ravel(),
-        userface=np.arange(3 * len(corners)),
-        usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(corners)),
-        inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
-    )
-
-
-def _see_through(model: mujoco.MjModel, body: int) -> None:
-    for geom in np.flatnonzero(model.geom_bodyid == body):
-        material = model.geom_matid[geom]
-        if material >= 0:
-            model.geom_rgba[geom] = model.mat_rgba[material]
-        model.geom_rgba[geom, 3] *= BODY_ALPHA
+        mesh = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": name}
+        own = {**mesh, "material": material, "rgba": rgba}  # not the file's defaults
+        spec.worldbody.add_geom(name=name, group=0, contype=0, conaffinity=0, **own)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+from contextlib import closing
 from pathlib import Path
 
 import mujoco
@@ -31,10 +32,8 @@ def draw(piece: Piece) -> None:
     view = camera(walk, film_clock, view_of(piece.camera))
     captions = Captions(walk, film_clock, view)
     drawn = (grid(view, walk.reach), *marks(walk, film_clock, frames))
-    with (
-        OffscreenRenderer(walk, drawn, view, LOOKS[piece.look]) as renderer,
-        encoding(piece.path) as append,
-    ):
+    renderer = OffscreenRenderer(walk, drawn, view, LOOKS[piece.look])
+    with closing(renderer), encoding(piece.path) as append:
         for frame in frames:
             if frame == frames[0] or not _is_held(film_clock, view, frame):
                 row = int(film_clock.rows[frame])

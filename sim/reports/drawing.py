@@ -1,7 +1,5 @@
 """Inline SVG drawn by matplotlib: curves and numbers, while the page adds the words.
 
-Curves are reduced to few points without a visible change.
-
 Text remains text and has a class of its own, so that the page sets its size. On a
 telephone, where the drawing is smaller, the text is larger.
 """
@@ -11,16 +9,16 @@ from __future__ import annotations
 import io
 import logging
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from planner import Array
 from sim import palette
-from sim.motion.poses import spaced_rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,28 +26,16 @@ if TYPE_CHECKING:
 
 PAGE_WIDTH = 7.2  # [in] of a drawing over the whole page
 LEFT, RIGHT = 0.085, 0.985  # of the width, between which the axes lie
-LOOK: Mapping[Any, Any] = {
+LOOK: dict[Any, Any] = {
+    **palette.BASE_STYLE,
     "svg.fonttype": "none",
-    "svg.hashsalt": "stratawalk",  # the same drawing gives the same bytes
-    "font.size": 8,
     "font.family": "sans-serif",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.linewidth": 0.6,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": palette.GRID.hex,
-    "grid.linewidth": 0.5,
     "xtick.labelsize": 8,
     "ytick.labelsize": 8,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
     "lines.linewidth": 1.1,
-    "lines.solid_joinstyle": "round",
     "axes.formatter.useoffset": False,
 }
 BINS = 500  # of a time axis; each keeps its extremes
-SPACING = 1 / 600  # of a path's extent, between its points
 XLINK = "http://www.w3.org/1999/xlink"
 IDS = re.compile(r' id="(?!m|p|DejaVu)[^"#]*"')  # others are referred to
 HEAD = re.compile(r"<svg [^>]*viewBox=\"([^\"]*)\"[^>]*>")
@@ -91,7 +77,7 @@ def sheet(height: float, width: float = PAGE_WIDTH) -> Iterator[tuple[Figure, Ax
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    with rc_context(dict(LOOK)):
+    with rc_context(LOOK):
         figure = Figure(figsize=(width, height))
         FigureCanvasSVG(figure)
         low, high = 0.28 / height, 1 - 0.06 / height
@@ -108,21 +94,15 @@ def finish(figure: Figure, heading: str, keys: list[Key], note: str = "") -> Dra
     place = axes.get_position()
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None}, transparent=True)
-    box = (
-        place.x0, 1 - place.y1, place.x1, 1 - place.y0,
-        *axes.get_xlim(), *axes.get_ylim(),
-    )  # fmt: skip
-    return Drawing(_inline(text.getvalue(), heading), heading, keys, note, box)
-
-
-def _inline(svg: str, heading: str) -> str:
-    """The svg element alone, scaled by the page."""
-    body = svg[svg.index("<svg") :]
+    sides = place.x0, 1 - place.y1, place.x1, 1 - place.y0
+    box = (*sides, *axes.get_xlim(), *axes.get_ylim())
+    # The svg element alone, scaled by the page.
+    body = "<svg" + text.getvalue().partition("<svg")[2]
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
     body = IDS.sub("", body)
     label = f'role="img" aria-label="{heading}"'
     body = HEAD.sub(rf'<svg viewBox="\1" xmlns:xlink="{XLINK}" {label}>', body, count=1)
-    return re.sub(r"\n\s*", "\n", body)
+    return Drawing(re.sub(r"\n\s*", "\n", body), heading, keys, note, box)
 
 
 def extremes(values: Array, bins: int = BINS) -> Array:
@@ -133,14 +113,7 @@ def extremes(values: Array, bins: int = BINS) -> Array:
     columns = values.reshape(count, -1)
     edges = np.linspace(0, count, bins + 1).astype(int)
     kept = [np.array([0, count - 1])]
-    for start, stop in zip(edges[:-1], edges[1:], strict=True):
+    for start, stop in pairwise(edges):
         part = columns[start:stop]
         kept += [start + part.argmin(axis=0), start + part.argmax(axis=0)]
     return np.unique(np.concatenate(kept))
-
-
-def along(points: Array) -> Array:
-    """Rows of a path, (T, 2), about evenly apart, the last one among them."""
-    extent = float(np.ptp(points, axis=0).max()) or 1.0
-    rows = spaced_rows(points, SPACING * extent)
-    return np.unique(np.append(rows, len(points) - 1))

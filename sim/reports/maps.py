@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from planner import Array
+from sim.motion.poses import spaced_rows
 from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, Style
 from sim.pictures.inset import magnification
-from sim.reports.drawing import Drawing, Key, along, finish, sheet
+from sim.reports.drawing import Drawing, Key, finish, sheet
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 MM = 1e3
 MAP_WIDTH = 4.2  # [in]
+SPACING = 1 / 600  # of a path's extent, between its points
 SHARE = 0.3  # of the path's extent that the largest error takes
 FEWEST_ENDS = 8  # points at which the error is drawn
 HEIGHTS = (1.8, 4.2)  # [in]
@@ -25,19 +22,21 @@ HEIGHTS = (1.8, 4.2)  # [in]
 
 def plan_view(run: Run) -> Drawing:
     """Nominal path, every prediction and the achieved path of the body's centre."""
-    with sheet(_height(_points(run)), MAP_WIDTH) as (figure, axes):
-        _draw_obstacles(axes, run)
+    paths = {name: p[run.walking, :2] for name, p in run.predicted.items()}
+    achieved = run.achieved[run.walking, :2]
+    points = np.concatenate([run.nominal[:, :2], achieved, *paths.values()])
+    with sheet(_height(MM * points), MAP_WIDTH) as (figure, axes):
+        for outline in run.obstacles:
+            axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
         axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
-        achieved = _thin(run.achieved[run.walking, :2])
-        axes.plot(*achieved.T, **ACHIEVED.line(alpha=0.55))
+        axes.plot(*_thin(achieved).T, **ACHIEVED.line(alpha=0.55))
         keys = [Key.of(NOMINAL, "nominal path"), Key.of(ACHIEVED, "achieved")]
-        for name, poses in run.predicted.items():
-            line = _thin(poses[run.walking, :2])
-            axes.plot(*line.T, **PREDICTED[name].line())
-            keys.append(
-                Key.of(PREDICTED[name], f"predicted, {PREDICTIONS[name].label}")
-            )
-        _draw_goal(axes, run)
+        for name, path in paths.items():
+            mark, label = PREDICTED[name], f"predicted, {PREDICTIONS[name].label}"
+            axes.plot(*_thin(path).T, **mark.line())
+            keys.append(Key.of(mark, label))
+        ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
+        axes.plot(*np.multiply(MM, run.summary.goal[:2]), "o", markersize=8, **ring)
         axes.set_aspect("equal", adjustable="datalim")
         note = (
             "The ring is the goal. The body does not follow the nominal path itself "
@@ -92,14 +91,7 @@ def _ends(run: Run) -> tuple[Array, Array]:
     shares = np.linspace(0, 1, len(rows) + 1)[1:] * (len(run.nominal) - 1)
     along_path = np.arange(len(run.nominal))
     places = [np.interp(shares, along_path, axis) for axis in run.nominal[:, :2].T]
-    return rows, np.stack(places, axis=-1)
-
-
-def _points(run: Run) -> Array:
-    paths = [
-        poses[run.walking, :2] for poses in (run.achieved, *run.predicted.values())
-    ]
-    return MM * np.concatenate([run.nominal[:, :2], *paths])
+    return rows, np.transpose(places)
 
 
 def _height(points: Array) -> float:
@@ -109,15 +101,7 @@ def _height(points: Array) -> float:
 
 
 def _thin(points: Array) -> Array:
-    return MM * points[along(points)]
-
-
-def _draw_goal(axes: Axes, run: Run) -> None:
-    x, y, _ = run.summary.goal
-    ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
-    axes.plot(MM * x, MM * y, "o", markersize=8, **ring)
-
-
-def _draw_obstacles(axes: Axes, run: Run) -> None:
-    for outline in run.obstacles:
-        axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
+    """Points of a path about evenly apart [mm], the last one among them."""
+    extent = float(np.ptp(points, axis=0).max()) or 1.0
+    rows = spaced_rows(points, SPACING * extent)
+    return MM * points[np.unique(np.append(rows, len(points) - 1))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice, pairwise
 
 import mujoco
 import numpy as np
@@ -11,18 +12,9 @@ import shapely
 from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.motion.poses import length_up_to
+from sim.motion.poses import length_up_to, rotate
 from sim.motion.stability import support_polygons
-from sim.palette import (
-    EDGE,
-    FOOTPRINT,
-    GHOST,
-    GHOST_TORSO,
-    GOAL,
-    NOMINAL,
-    SPOT,
-    Colour,
-)
+from sim.palette import EDGE, FOOTPRINT, GHOST, GHOST_TORSO, GOAL, NOMINAL, SPOT, Colour
 from sim.runs.run import Run
 
 KIND = mujoco.mjtGeom
@@ -42,34 +34,23 @@ class Marks:
         self._ghost = mujoco.MjData(model)
         root = root_body(model, walk.model_file)
         self._address = int(model.jnt_qposadr[model.body_jntadr[root]])
-        self._body = self._of_robot(root)
+        moving = model.body_rootid[model.geom_bodyid] == root
+        self._body = np.flatnonzero(moving & (model.geom_rgba[:, 3] > 0)).tolist()
         self._torso = np.flatnonzero(model.geom_bodyid == root)
         self._still = [*self._paths(), self._goal()]
         self._prints = landings(walk)
 
     def at(self, row: int) -> list[mujoco.MjvGeom]:
         """All marks of a row, as MuJoCo draws them."""
-        walk = self._walk
-        come = walk.achieved[: row + 1, :2]
-        achieved = self._line(thinned(come), palette.ACHIEVED.colour, THICK, level=3)
-        moving = (
-            self._footprints(row),
-            achieved,
-            self._support(row),
-            self._shadow(row),
-        )
-        return [*self._still, *(geom for part in moving for geom in part)]
-
-    def _of_robot(self, root: int) -> list[int]:
-        """Geoms that move with the body and are seen."""
-        owners = self._model.body_rootid[self._model.geom_bodyid]
-        seen = self._model.geom_rgba[:, 3] > 0
-        return [int(i) for i in np.flatnonzero((owners == root) & seen)]
+        come = thinned(self._walk.achieved[: row + 1, :2])
+        achieved = self._line(come, palette.ACHIEVED.colour, THICK, level=3)
+        support, shadow = self._support(row), self._shadow(row)
+        return [*self._still, *self._footprints(row), *achieved, *support, *shadow]
 
     def _paths(self) -> Iterator[mujoco.MjvGeom]:
         walk = self._walk
         nominal = thinned(walk.nominal[:, :2])
-        yield from self._line(nominal, NOMINAL.colour, THICK, level=0, dashed=True)
+        yield from self._line(nominal, NOMINAL.colour, THICK, level=0, step=2)
         for level, (name, poses) in enumerate(walk.drawn.items(), start=1):
             colour = palette.PREDICTED[name].colour
             yield from self._line(thinned(poses[:, :2]), colour, THICK, level)
@@ -81,18 +62,12 @@ class Marks:
         return _geom(KIND.mjGEOM_CYLINDER, size, place, NOMINAL.colour.rgba(0.5))
 
     def _line(
-        self,
-        points: Array,
-        colour: Colour,
-        width: float,
-        level: int,
-        dashed: bool = False,
+        self, points: Array, colour: Colour, width: float, level: int, step: int = 1
     ) -> Iterator[mujoco.MjvGeom]:
         """Thin rods from point to point, a little above the floor."""
         reach = self._walk.reach
         places = np.insert(points, 2, HIGH * reach * (1 + 0.3 * level), axis=1)
-        for i in range(0, len(places) - 1, 2 if dashed else 1):
-            start, end = places[i], places[i + 1]
+        for start, end in islice(pairwise(places), 0, None, step):
             geom = _geom(KIND.mjGEOM_CAPSULE, np.ones(3), start, colour.rgba())
             radius = width * reach / 2
             mujoco.mjv_connector(geom, KIND.mjGEOM_CAPSULE, radius, start, end)
@@ -141,14 +116,9 @@ def _moved(qpos: Array, address: int, pose: Array, to: Array) -> Array:
     """Joint positions with the body moved from one pose in the plane to another."""
     moved, turn = qpos.copy(), to[2] - pose[2]
     place, attitude = slice(address, address + 2), slice(address + 3, address + 7)
-    cos, sin = np.cos(turn), np.sin(turn)
-    moved[place] = to[:2] + np.array([[cos, -sin], [sin, cos]]) @ (
-        qpos[place] - pose[:2]
-    )
+    moved[place] = to[:2] + rotate(qpos[place] - pose[:2], turn)
     about_z = np.array([np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)])
-    turned = np.empty(4)
-    mujoco.mju_mulQuat(turned, about_z, qpos[attitude])
-    moved[attitude] = turned
+    mujoco.mju_mulQuat(moved[attitude], about_z, qpos[attitude])
     return moved
 
 
@@ -163,10 +133,14 @@ def support(walk: Run, row: int) -> tuple[Array, Colour]:
 
 def landings(walk: Run) -> tuple[Array, Array]:
     """Rows in which a foot comes down, ascending, and which foot it is."""
-    before = np.zeros((1, walk.contact.shape[1]), bool)
-    landed = walk.contact & ~np.concatenate([before, walk.contact[:-1]])
-    rows, feet = np.nonzero(landed)
+    rows, feet = np.nonzero(np.diff(walk.contact.astype(int), axis=0, prepend=0) > 0)
     return rows, feet
+
+
+def middle_and_extent(walk: Run) -> tuple[Array, float]:
+    """Middle of the nominal path, (2,), and the longer side of its extent [m]."""
+    path = walk.nominal[:, :2]
+    return path.mean(axis=0), float(np.ptp(path, axis=0).max())
 
 
 def thinned(points: Array) -> Array:

@@ -16,12 +16,12 @@ from sim import palette
 from sim.pictures.clock import Playback
 from sim.pictures.legend import entries
 from sim.runs.run import Run
-from sim.viewing.marks import Marks
+from sim.viewing.marks import Marks, middle_and_extent
 
 REST = 0.008  # [s] between states that are sent
 PERCENT = 100.0
 CORNER = (330.0, 60.0)  # of the panel, beside the viewer's own [pixels]
-AGAIN = 1.0  # [s] after which the viewer is told again; it may have come later
+AGAIN = 1.0  # [s] after which controls are sent again to a viewer that came late
 SPEEDS = (0.25, 1.0, 2.0, 4.0, 8.0, 16.0)
 FLAGS = (mujoco.mjtVisFlag.mjVIS_CONTACTPOINT, mujoco.mjtVisFlag.mjVIS_CONTACTFORCE)
 
@@ -36,8 +36,8 @@ class Player(plugin.SimPlugin):
     def __init__(self, walk: Run, playback: Playback) -> None:
         self._walk, self._playback = walk, playback
         self._clock = time.perf_counter()
-        self._told: tuple[bool, float] | None = None
-        self._tell_at = self._clock
+        self._sent: tuple[bool, float] | None = None
+        self._send_at = self._clock
 
     @messages.handler
     def on_step(self, event: messages.StepEvent) -> bool:
@@ -50,7 +50,14 @@ class Player(plugin.SimPlugin):
         data.time = walk.time[row]
         data.qpos[:], data.qvel[:] = walk.qpos[row], walk.qvel[row]
         data.ctrl[:] = walk.ctrl[row]
-        self._tell()
+        # The viewer has buttons of its own, which follow what is changed on the panel.
+        state = self._playback.paused, self._playback.speed
+        if state != self._sent or self._clock > self._send_at:
+            self._sent, self._send_at = state, self._clock + AGAIN
+            names = sim.PauseState
+            paused = names.NORMAL_PAUSED if state[0] else names.UNPAUSED
+            controls = {"pause_state": paused, "speed": PERCENT * state[1]}
+            self.handle.send_to_viewer(messages.StepControlSnapshot(**controls))
         time.sleep(REST)
         return True
 
@@ -71,8 +78,8 @@ class Player(plugin.SimPlugin):
     def on_single_step(self, event: messages.SingleStepEvent) -> bool:
         """Go to the next recorded moment."""
         times = self._walk.time
-        row = min(row_at(self._walk, self._playback.time) + 1, len(times) - 1)
-        self._playback.go_to(float(times[row]))
+        row = row_at(self._walk, self._playback.time) + 1
+        self._playback.go_to(float(times[min(row, len(times) - 1)]))
         return True
 
     @messages.handler
@@ -80,19 +87,6 @@ class Player(plugin.SimPlugin):
         """Begin again."""
         self._playback.go_to(0.0)
         return True
-
-    def _tell(self) -> None:
-        """Tell the viewer's own buttons what was changed on the panel."""
-        state = self._playback.paused, self._playback.speed
-        if state != self._told or self._clock > self._tell_at:
-            self._told, self._tell_at = state, self._clock + AGAIN
-            paused = (
-                sim.PauseState.NORMAL_PAUSED if state[0] else sim.PauseState.UNPAUSED
-            )
-            speed = PERCENT * state[1]
-            self.handle.send_to_viewer(
-                messages.StepControlSnapshot(pause_state=paused, speed=speed)
-            )
 
 
 class Scene(plugin.ViewerPlugin):
@@ -107,8 +101,7 @@ class Scene(plugin.ViewerPlugin):
         for flag in FLAGS:
             self.viewer.vis_options.flags[flag] = 1
         walk, camera = self._walk, self.viewer.camera
-        middle = walk.nominal[:, :2].mean(axis=0)
-        extent = np.ptp(walk.nominal[:, :2], axis=0).max()
+        middle, extent = middle_and_extent(walk)
         camera.lookat[:] = (*middle, 0.0)
         camera.distance = 4.0 * walk.reach + extent
         camera.azimuth, camera.elevation = 120.0, -40.0

@@ -22,10 +22,10 @@ from sim.errors import UsageError
 from sim.folder import blamed_on, whole
 from sim.palette import ACHIEVED, FOOTPRINT, GOAL, NOMINAL, PREDICTED, Colour
 from sim.pictures.clock import FRAME_RATE, clock
-from sim.pictures.floor_drawing import CORNERS
+from sim.pictures.drawing import CORNERS
 from sim.pictures.legend import entries
 from sim.runs.run import Run, read_run
-from sim.viewing.marks import landings, support, thinned
+from sim.viewing.marks import landings, middle_and_extent, support, thinned
 
 if TYPE_CHECKING:
     from viser import FrameHandle, SceneApi, ViserServer
@@ -77,11 +77,12 @@ def _page(walk: Run, progress: Callable[[float], None]) -> str:
 def _recorded(server: ViserServer, walk: Run, progress: Callable[[float], None]) -> str:
     film = clock(walk.time, walk.scenario.playback)
     recorder = server.get_scene_serializer()
-    scene = server.scene
-    _draw_still(scene, walk)
-    robot = _Robot(scene, walk)
-    server.initial_camera.position = _eye(walk)
-    server.initial_camera.look_at = (*walk.nominal[:, :2].mean(axis=0), 0.0)
+    _draw_still(server.scene, walk)
+    robot = _Robot(server.scene, walk)
+    (x, y), extent = middle_and_extent(walk)
+    away = 1.4 * walk.reach + 0.6 * extent  # behind and above the walk
+    server.initial_camera.position = (x - 0.6 * away, y - away, 0.8 * away)
+    server.initial_camera.look_at = (x, y, 0.0)
     rows = film.rows[: film.moving + 1 : EVERY]
     for done, row in enumerate(rows):
         robot.go_to(int(row))
@@ -91,31 +92,18 @@ def _recorded(server: ViserServer, walk: Run, progress: Callable[[float], None])
 
 
 def _explained(page: str, walk: Run, playback: float) -> str:
-    """The page under a title of its own, and with a key of its colours."""
+    """The page under a title of its own, with a key of its colours to fold up."""
     before, _, rest = page.partition("<title>")
     body, end, after = rest.partition("</title>")[2].rpartition("</body>")
-    name = escape(f"{walk.scenario.name}, a replay")
-    explained = f"{_key(walk, playback)}\n{end}{after}"
-    return f"{before}<title>{name}</title>{body}{explained}"
-
-
-def _key(walk: Run, playback: float) -> str:
-    """The meaning of the colours as an element of the page; it can be folded up."""
     lines = "".join(
         f'<div><span style="{SWATCH.format(colour.hex)}"></span>{escape(label)}</div>'
         for label, colour in entries(walk)
     )
-    scenario = walk.scenario
+    name = escape(walk.scenario.name)
     speed = "in real time" if playback == 1 else f"{playback:g} times real time"
-    title = escape(f"{scenario.name}, {speed}")
-    return f'<details open style="{BOX}"><summary>{title}</summary>{lines}</details>'
-
-
-def _eye(walk: Run) -> tuple[float, float, float]:
-    """Where the camera is at first: behind and above the walk."""
-    x, y = walk.nominal[:, :2].mean(axis=0)
-    away = 1.4 * walk.reach + 0.6 * float(np.ptp(walk.nominal[:, :2], axis=0).max())
-    return x - 0.6 * away, y - away, 0.8 * away
+    summary = f"<summary>{name}, {speed}</summary>"
+    key = f'<details open style="{BOX}">{summary}{lines}</details>'
+    return f"{before}<title>{name}, a replay</title>{body}{key}\n{end}{after}"
 
 
 class _Robot:
@@ -125,9 +113,8 @@ class _Robot:
         self._scene, self._walk = scene, walk
         self._model = mujoco.MjModel.from_xml_path(str(walk.model_file))
         self._data = mujoco.MjData(self._model)
-        root = root_body(self._model, walk.model_file)
-        bodies = np.flatnonzero(self._model.body_rootid == root)
-        self._root = root
+        self._root = root_body(self._model, walk.model_file)
+        bodies = np.flatnonzero(self._model.body_rootid == self._root)
         self._bodies = [(int(body), self._add(int(body))) for body in bodies]
 
     def _add(self, body: int) -> FrameHandle:
@@ -163,9 +150,8 @@ def _draw_still(scene: SceneApi, walk: Run) -> None:
     """Floor, paths, goal and footprints, which do not move."""
     reach = walk.reach
     scene.set_up_direction("+z")
-    middle = walk.nominal[:, :2].mean(axis=0)
-    size = 8 * reach + 2 * float(np.ptp(walk.nominal[:, :2], axis=0).max())
-    cells = {"cell_size": 0.1, "section_size": 0.5}
+    middle, extent = middle_and_extent(walk)
+    size, cells = 8 * reach + 2 * extent, {"cell_size": 0.1, "section_size": 0.5}
     place = (*middle, 0.0)
     scene.add_grid("/floor", width=size, height=size, position=place, **cells)
     _line(scene, f"/{NOMINAL.label}", walk.nominal[:, :2], NOMINAL.colour, walk, WIDE)

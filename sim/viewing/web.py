@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unittest.mock import patch
@@ -26,7 +25,6 @@ from sim.viewing.marks import Marks
 if TYPE_CHECKING:
     from mujoco.studio.endpoints import ViewerEndpoint
     from mujoco.studio.viewer_handle import ViewerHandle
-    from mujoco.studio.web_viewer import WebViewer
 
 TORSO = 0.35  # opacity of the body
 DISC, ARROW = 0.1, 0.04  # of a contact and its force, in units of the model's size
@@ -44,11 +42,7 @@ def require_loopback(host: str, public: bool) -> None:
 
 
 def serve(
-    folder: Path,
-    host: str,
-    port: int,
-    speed: float,
-    started: Callable[[str], object],
+    folder: Path, host: str, port: int, speed: float, started: Callable[[str], object]
 ) -> None:
     """Show a run until interrupted; `started` is called with the page's address."""
     with blamed_on(folder):
@@ -56,7 +50,10 @@ def serve(
         _ = walk.ctrl  # from which contact forces follow
         model = looked_through(walk)
         playback = Playback(end=float(walk.time[-1]), speed=speed)
-    handle = _launch(walk, model, playback, (host, port), started)
+    bound = _bound(host, port)
+    name = "localhost" if host in LOOPBACK else host  # which browsers trust
+    page = f"http://{name}:{bound.getsockname()[1]}/"
+    handle = _launch(walk, model, playback, bound, lambda: started(page))
     with handle:
         handle.set_model(model)
         while handle.is_running():
@@ -81,49 +78,31 @@ def _launch(
     walk: Run,
     model: mujoco.MjModel,
     playback: Playback,
-    address: tuple[str, int],
-    started: Callable[[str], object],
+    bound: socket.socket,
+    started: Callable[[], object],
 ) -> ViewerHandle:
     """Start the viewer in a thread; its handle."""
-    from mujoco.studio import launch_thread, viewer_protocol
+    from mujoco.studio import launch_thread, viewer_protocol, web_viewer
     from mujoco.studio.app import App
 
     from sim.viewing.plugins import Panel, Player, Scene
 
-    host, port = address
-    bound = _bound(host, port)
-    logging.getLogger("WebServer").addFilter(lambda told: told.levelno > logging.INFO)
+    logging.getLogger("WebServer").addFilter(lambda line: line.levelno > logging.INFO)
     config = viewer_protocol.ViewerConfig(title=walk.scenario.name, gfx="web")
     plugins = [App(), Scene(walk, Marks(walk, model)), Panel(walk, playback)]
 
     def show(endpoint: ViewerEndpoint) -> None:
-        with _viewer_on(bound) as viewer:
-            window = viewer(config, endpoint, plugins=plugins)
-            started(f"http://{_named(host)}:{bound.getsockname()[1]}/")
+        # The viewer offers no choice of the interface that it listens on, nor silence.
+        with (
+            patch.object(web_viewer.web_server, "bind_public_socket", lambda *_: bound),
+            patch.object(web_viewer, "_print_url_banner", lambda *_: None),
+            patch.object(web_viewer, "print", lambda *_, **__: None, create=True),
+        ):
+            window = web_viewer.WebViewer(config, endpoint, plugins=plugins)
+            started()
             viewer_protocol.run_viewer_loop(window)
 
     return launch_thread.launch_thread(show, sim_plugins=[Player(walk, playback)])
-
-
-@contextmanager
-def _viewer_on(bound: socket.socket) -> Iterator[type[WebViewer]]:
-    """The class of viewers, silent and on a socket that is bound already.
-
-    The viewer itself offers no choice of the interface that it listens on.
-    """
-    from mujoco.studio import web_viewer
-
-    with (
-        patch.object(web_viewer.web_server, "bind_public_socket", lambda *_: bound),
-        patch.object(web_viewer, "_print_url_banner", lambda *_: None),
-        patch.object(web_viewer, "print", lambda *_, **__: None, create=True),
-    ):
-        yield web_viewer.WebViewer
-
-
-def _named(host: str) -> str:
-    """The host as an address of a page names it; browsers trust localhost."""
-    return "localhost" if host in LOOPBACK else host
 
 
 def _bound(host: str, port: int) -> socket.socket:

@@ -19,9 +19,8 @@ from sim.figures import (
     stability,
 )
 from sim.figures.diagonal import footprints
-from sim.figures.draw import draw
 from sim.figures.physics import Job, begun, perform
-from sim.figures.sheet import drawn, save
+from sim.figures.sheet import draw, drawn, save
 from sim.figures.stability import polygon_margin
 from sim.folder import RunFolder
 from sim.progress import silent

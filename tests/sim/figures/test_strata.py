@@ -1,5 +1,7 @@
 """Figs. 1 to 4 on the systems themselves: what they draw is what the algebra says."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -47,8 +49,8 @@ def test_a_graph_holds_the_strata_and_edges_of_the_system(name):
 def test_a_gait_is_drawn_along_edges_and_closes(name):
     problem, graph = graph_named(name)
     joined = {frozenset(edge) for edge in graph.joined}
-    assert graph.steps[0][0] == graph.steps[-1][1] == problem.system.bottom
-    assert all(frozenset(step) in joined for step in graph.steps)
+    assert graph.gait[0] == graph.gait[-1] == problem.system.bottom
+    assert all(frozenset(step) in joined for step in pairwise(graph.gait))
     axes = Figure().add_subplot()
     draw_graph(axes, graph)
     written = [text.get_text() for text in axes.texts]

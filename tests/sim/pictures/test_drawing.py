@@ -8,7 +8,7 @@ import pytest
 from sim.pictures.camera import HEIGHT, VIEW_DISTANCE, WIDTH, camera
 from sim.pictures.captions import describe
 from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, TAIL, clock
-from sim.pictures.floor_drawing import CORNERS, dashes, discs, join, polygons, ribbon
+from sim.pictures.drawing import CORNERS, dashes, discs, join, polygons, ribbon
 from tests.finished_runs import phase
 from tests.screen import on_screen
 

@@ -1,12 +1,9 @@
-"""Flat drawings on the floor, as triangles that appear and vanish with the frames.
-
-Ribbons, dashes, discs and polygons are turned into triangles.
-"""
+"""Flat drawings on the floor, as triangles that appear and vanish with the frames."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,14 +33,6 @@ class Drawing:
         start = int(np.searchsorted(self.frames, frame, side="left"))
         return start, stop - start
 
-    def pieces(self, size: int) -> tuple[Drawing, ...]:
-        """The drawing in pieces of so many triangles; a fleeting one stays whole."""
-        if self.fleeting:
-            return (self,)
-        cuts = range(size, len(self), size)
-        parts = (np.split(a, cuts) for a in (self.points, self.frames, self.shapes))
-        return tuple(Drawing(*part) for part in zip(*parts, strict=True))
-
     def __len__(self) -> int:
         return len(self.frames)
 
@@ -60,25 +49,28 @@ class Mark:
     @cached_property
     def pieces(self) -> tuple[tuple[str, Drawing], ...]:
         """Pieces of the drawing with their names; complete ones stay on the card."""
-        parts = self.drawing.pieces(PIECE)
-        return tuple((f"{self.name} {i}", part) for i, part in enumerate(parts))
+        whole = self.drawing  # as a fleeting one stays
+        cuts = [] if whole.fleeting else range(PIECE, len(whole), PIECE)
+        parts = (np.split(a, cuts) for a in (whole.points, whole.frames, whole.shapes))
+        return tuple(
+            (f"{self.name} {i}", replace(whole, points=p, frames=f, shapes=s))
+            for i, (p, f, s) in enumerate(zip(*parts, strict=True))
+        )
 
 
 def join(drawings: Iterable[Drawing], fleeting: bool = False) -> Drawing:
     """One drawing of several."""
     drawings = [drawing for drawing in drawings if len(drawing)]
     if not drawings:
-        return Drawing(
-            np.zeros((0, 3, 2)), np.zeros(0, int), np.zeros(0, int), fleeting
-        )
+        nothing = np.zeros(0, int)
+        return Drawing(np.zeros((0, 3, 2)), nothing, nothing, fleeting)
     counts = np.cumsum([0, *(drawing.shapes.max() + 1 for drawing in drawings)])
     shapes = [drawing.shapes + n for drawing, n in zip(drawings, counts, strict=False)]
     frames = np.concatenate([drawing.frames for drawing in drawings])
     order = np.argsort(frames, kind="stable")
     points = np.concatenate([drawing.points for drawing in drawings])
-    return Drawing(
-        points[order], frames[order], np.concatenate(shapes)[order], fleeting
-    )
+    numbers = np.concatenate(shapes)[order]
+    return Drawing(points[order], frames[order], numbers, fleeting)
 
 
 def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Drawing:
@@ -94,7 +86,9 @@ def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Dr
     # Half a width too long at both ends: no notches where the direction changes.
     start, end = line[:-1][moved] - along, line[1:][moved] + along
     corners = (start - across, end - across, end + across, start + across)
-    return _quadrangles(np.stack(corners, axis=1), frames[1:][moved])
+    halves = np.stack(corners, axis=1)[:, [[0, 1, 2], [0, 2, 3]]]  # (N, 2, 3, 2)
+    shapes = np.repeat(np.arange(len(halves)), 2)
+    return Drawing(halves.reshape(-1, 3, 2), np.repeat(frames[1:][moved], 2), shapes)
 
 
 def dashes(line: Array, period: float, width: float) -> Drawing:
@@ -125,14 +119,7 @@ def polygons(outlines: Iterable[Array], frames: Iterable[int]) -> Drawing:
     fans = []
     for outline, frame in zip(outlines, frames, strict=True):
         n = max(len(outline) - 2, 0)
-        fan = np.stack(
-            [np.repeat(outline[:1], n, 0), outline[1:-1], outline[2:]], axis=1
-        )
+        first = np.repeat(outline[:1], n, 0)
+        fan = np.stack([first, outline[1:-1], outline[2:]], axis=1)
         fans.append(Drawing(fan, np.full(n, frame), np.zeros(n, int)))
     return join(fans)
-
-
-def _quadrangles(corners: Array, frames: Array) -> Drawing:
-    halves = corners[:, [[0, 1, 2], [0, 2, 3]]]  # (N, 2, 3, 2)
-    shapes = np.repeat(np.arange(len(corners)), 2)
-    return Drawing(halves.reshape(-1, 3, 2), np.repeat(frames, 2), shapes)
