@@ -13,9 +13,8 @@ from multiprocessing import active_children, get_context
 import numpy as np
 
 from planner import Array, Flow
-from sim.evaluation.achieved import Achieved
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
-from sim.evaluation.motions import commanded_angles
+from sim.evaluation.motions import Achieved, commanded_angles
 from sim.evaluation.summary import Summary
 from sim.interruption import deaf
 from sim.motion.poses import rotate
