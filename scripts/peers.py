@@ -187,21 +187,19 @@ def sampled(
         name = task.fields[min(int(abs(chosen[0])), count - 1)]
         return name, math.copysign(duration, chosen[0])
 
-    def propagate(state: Any, chosen: Any, duration: float, result: Any) -> None:
-        x = np.array([state[i] for i in range(size)]) * task.scale
-        name, h = stroke(chosen, duration)
-        x = (x + h * rates[name](x + h / 2 * rates[name](x))) / task.scale
-        for i in range(size):
-            result[i] = float(x[i])
-
-    def placed(values: Array) -> Any:
-        state = space.allocState()
+    def set_to(state: Any, values: Array) -> Any:
         for i, value in enumerate(values.tolist()):
             state[i] = value
         return state
 
+    def propagate(state: Any, chosen: Any, duration: float, result: Any) -> None:
+        x = np.array([state[i] for i in range(size)]) * task.scale
+        name, h = stroke(chosen, duration)
+        set_to(result, (x + h * rates[name](x + h / 2 * rates[name](x))) / task.scale)
+
     setup.setStatePropagator(propagate)
-    setup.setStartAndGoalStates(placed(start), placed(goal), GOAL_REGION * way)
+    ends = (set_to(space.allocState(), values) for values in (start, goal))
+    setup.setStartAndGoalStates(*ends, GOAL_REGION * way)
     information = setup.getSpaceInformation()
     speeds = [np.abs(rates[name](start * task.scale) / task.scale) for name in rates]
     information.setPropagationStepSize(SAMPLING_STEP * way / float(np.max(speeds)))
@@ -218,10 +216,8 @@ def reeds_shepp(goal: Sequence[float], radius: float) -> float:
     from ompl import base
 
     space = base.ReedsSheppStateSpace(radius)
-    ends = []
-    for x, y, yaw in ((0.0, 0.0, 0.0), goal):
-        state = space.allocState()
+    ends = [space.allocState(), space.allocState()]
+    for state, (x, y, yaw) in zip(ends, ((0.0, 0.0, 0.0), goal), strict=True):
         state.setXY(x, y)
         state.setYaw(yaw)
-        ends.append(state)
     return float(space.distance(*ends))

@@ -22,10 +22,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from planner.support import whole_file
+from scripts.endings import ROOT
 from scripts.pages import parser_of
 from sim import Scenario
 
-ROOT = Path(__file__).resolve().parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```$)", re.DOTALL | re.MULTILINE)
 SETTINGS_TABLE = re.compile(
     r"(?<=^<!-- settings -->\n).*?(?=^<!-- end of settings -->$)",
@@ -34,26 +34,15 @@ SETTINGS_TABLE = re.compile(
 COMMAND = re.compile(r"^\$ stratawalk (.*)\n((?:(?!\$ ).*\n)+)", re.MULTILINE)
 
 
-def printed(words: Sequence[str]) -> str:
-    """What a command prints in an empty folder, where it must not fail."""
-    with TemporaryDirectory() as folder:
-        done = subprocess.run(
-            [sys.executable, "-m", "sim.cli", *words],
-            cwd=folder,
-            env=os.environ | {"PYTHONPATH": str(ROOT)},
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-    if done.returncode:
-        raise SystemExit(f"ended with {done.returncode}: {shlex.join(words)}")
-    return done.stdout.rstrip("\n") + "\n"
-
-
 def shown_again(command: re.Match[str]) -> str:
-    """A command line with what it prints now."""
+    """A command line with what it prints now in an empty folder; it must not fail."""
     line = command[1]
     print(line, flush=True)
-    return f"$ stratawalk {line}\n{printed(shlex.split(line, comments=True))}"
+    words = [sys.executable, "-m", "sim.cli", *shlex.split(line, comments=True)]
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    with TemporaryDirectory() as folder:
+        printed = subprocess.check_output(words, cwd=folder, env=env, text=True)
+    return f"$ stratawalk {line}\n" + printed.rstrip("\n") + "\n"
 
 
 def settings_table() -> str:

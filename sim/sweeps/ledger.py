@@ -69,11 +69,9 @@ def read_ledger(path: Path) -> dict[str, Outcome]:
     A line that cannot be read counts as not written: its point is walked again.
     """
     known: dict[str, Outcome] = {}
-    if path.exists():
-        with path.open("rb") as file:
-            for line in file:
-                with suppress(ValueError, TypeError):
-                    outcome = Outcome(**json.loads(line))
-                    if line.endswith(b"\n"):
-                        known[outcome.digest] = outcome
+    with suppress(FileNotFoundError), path.open("rb") as file:
+        for line in (line for line in file if line.endswith(b"\n")):
+            with suppress(ValueError, TypeError):
+                outcome = Outcome(**json.loads(line))
+                known[outcome.digest] = outcome
     return known

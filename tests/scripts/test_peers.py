@@ -130,7 +130,7 @@ def test_without_an_optimum_no_ratio_is_claimed(monkeypatch):
 
 
 def test_the_command_runs_the_script_where_there_is_one(monkeypatch, tmp_path, capfd):
-    monkeypatch.setattr("sim.errors.ROOT", tmp_path)
+    monkeypatch.setattr("sim.commands.bench.ROOT", tmp_path)
     assert cli.main(["bench", "--peers"]) == 2
     assert "run it in a checkout of the project" in capfd.readouterr().err
     (tmp_path / "scripts").mkdir()
