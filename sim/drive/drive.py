@@ -15,8 +15,7 @@ from planner import Array
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
 from sim.errors import SimulationError, UsageError
-from sim.motion.command_clock import command_at, step_of
-from sim.motion.schedule import Schedule
+from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 
@@ -33,23 +32,20 @@ class Drive:
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = _zero_offsets(setup, len(self._joints))
+        scenario = setup.scenario
+        self._delay = round(scenario.command_delay / scenario.timestep)  # steps
         self._held: Array | None = None  # the command in force
         self._late: Array | None = None  # commands that have not reached the servos
-        self._lifts = _lift_places(setup)
+        joints, lifts = setup.robot.card.joints, setup.robot.lift_joints
+        self._lifts = [joints.index(joint) for joint in lifts]  # legs ascending
         self._lift_counts = LiftCounts(setup.as_planned, self.feeds_forward)
 
     @property
     def plain(self) -> bool:
         """Whether the commands are the intended angles and nothing else."""
-        servo, offset = self._servo, bool(self._offset.any())
-        changed = servo.rate or servo.resolution or offset or self._delay
+        servo, delay = self._servo, self._delay
+        changed = servo.rate or servo.resolution or self._offset.any() or delay
         return not (changed or self.feeds_forward)
-
-    @property
-    def _delay(self) -> int:
-        """Physics steps from a command to its effect."""
-        scenario = self._setup.scenario
-        return round(scenario.command_delay / scenario.timestep)
 
     @property
     def feeds_forward(self) -> bool:
@@ -120,21 +116,22 @@ class Drive:
         count = schedule.stop - schedule.start if steps is None else steps
         for begin in range(0, count, STRETCH):
             rows = np.arange(begin, min(begin + STRETCH, count))
-            yield self._delayed(self._held_commands(schedule, torques, rows))
-
-    def _delayed(self, given: Array) -> Array:
-        """Rows as they reach the servos; the first one is there from the start."""
-        if self._late is None:
-            self._late = np.repeat(given[:1], self._delay, axis=0)
-        both = np.concatenate([self._late, given])
-        self._late = both[len(given) :]
-        return both[: len(given)]
+            given = self._held_commands(schedule, torques, rows)
+            if self._late is None:  # the first one is there from the start
+                self._late = np.repeat(given[:1], self._delay, axis=0)
+            both = np.concatenate([self._late, given])
+            self._late = both[len(given) :]
+            yield both[: len(given)]
 
     def _held_commands(
         self, schedule: Schedule, torques: FeedForward | None, rows: Array
     ) -> Array:
         """Each command in force from the step at which it is given to the next one."""
-        given, row = np.unique(self._given(schedule.start + rows), return_inverse=True)
+        given = schedule.start + rows  # step of the command in force in each step
+        if self._servo.rate:
+            pace = self._servo.rate * self._setup.limits.timestep  # commands a step
+            given = step_of(command_at(given, pace), pace)
+        given, row = np.unique(given, return_inverse=True)
         fresh = given >= schedule.start
         ctrl = np.empty((len(given), self._setup.model.nu))
         ctrl[fresh] = self._ctrl(schedule, torques, given[fresh] - schedule.start)
@@ -143,13 +140,6 @@ class Drive:
         ctrl[~fresh] = self._held
         self._held = ctrl[-1].copy()
         return np.ascontiguousarray(ctrl[row])
-
-    def _given(self, steps: Array) -> Array:
-        """Step at which the command was given that is in force during each step."""
-        if not self._servo.rate:
-            return steps
-        pace = self._servo.rate * self._setup.limits.timestep  # commands a step
-        return step_of(command_at(steps, pace), pace)
 
     def _ctrl(
         self, schedule: Schedule, torques: FeedForward | None, rows: Array
@@ -187,9 +177,3 @@ def _zero_offsets(setup: Setup, joints: int) -> Array:
     if isinstance(spread, tuple):
         return np.array(spread)
     return np.random.default_rng(setup.scenario.draw).uniform(-spread, spread, joints)
-
-
-def _lift_places(setup: Setup) -> Array:
-    """Places of the lift joints among all leg joints, legs in ascending order."""
-    joints = setup.robot.card.joints
-    return np.array([joints.index(joint) for joint in setup.robot.lift_joints])

@@ -35,8 +35,8 @@ SPACING = 0.005  # [s]; between knots
 class FeedForward:
     """Smooth torques of all actuators along a stretch of a schedule."""
 
-    torque: Array
-    spacing: int
+    torque: Array  # at knots, the first one at the stretch's first step, (K, nu) [N m]
+    spacing: int  # steps between knots
 
     def at(self, rows: Array) -> Array:
         """Torques at steps of the stretch, shape (n, nu)."""
@@ -46,13 +46,6 @@ class FeedForward:
         part = (where - before)[:, None]
         torque: Array = (1 - part) * self.torque[before] + part * self.torque[after]
         return torque
-
-    @property
-    def largest(self) -> tuple[int, int, float]:
-        """Step, actuator and size of the largest torque."""
-        sizes = np.abs(self.torque)
-        knot, actuator = np.unravel_index(sizes.argmax(), sizes.shape)
-        return int(knot) * self.spacing, int(actuator), float(sizes.max())
 
 
 def smoothed(torque: Array, timestep: float) -> FeedForward:
@@ -101,12 +94,10 @@ def leg_actuators(setup: Setup) -> Array:
 
 
 def carried_torque(setup: Setup) -> float:
-    """Torque of the whole weight at the end of the longest leg [N m]."""
-    return _reach(setup) * setup.robot.weight_in(setup.model)
+    """Torque of the whole weight at the end of the longest leg [N m].
 
-
-def _reach(setup: Setup) -> float:
-    """Longest distance of a foot from its swing axis, its way per radian [m]."""
-    stance = setup.kinematics.standing
-    own = np.linalg.norm(stance.rates, axis=-1) / np.abs(setup.robot.swing_gain)
-    return float(own.max())
+    A leg is as long as its foot's way per radian of its swing.
+    """
+    rates = np.linalg.norm(setup.kinematics.standing.rates, axis=-1)
+    reach = float((rates / np.abs(setup.robot.swing_gain)).max())
+    return reach * setup.robot.weight_in(setup.model)

@@ -69,9 +69,15 @@ class LiftCounts:
         It is chosen such that rounding is clearest: no standing leg on any stratum is
         near the middle between two counts. Of the gaps between all remainders the one
         is taken that makes counts change least from stratum to stratum, then the
-        widest.
+        widest. Counts before rounding are NaN for legs in the air; every leg stands on
+        one stratum at least.
         """
-        loads = self._loads  # (S, F)
+        robot, rows = self.setup.robot, list[Array]()
+        for stratum in sorted(set(robot.card.gait)):
+            down = np.array([group in stratum for group in robot.groups])
+            counts = robot.raise_sign * (self._standing + self._bent(down))
+            rows.append(np.where(down[robot.group_of_leg], counts, np.nan))
+        loads = np.stack(rows)  # of standing legs on each stratum of the gait, (S, F)
         remainders = np.unique(loads[np.isfinite(loads)] % 1)
         gaps = np.diff(remainders, append=remainders[0] + 1)
         shifts = (1 - remainders - gaps / 2) % 1 - 0.5
@@ -82,38 +88,20 @@ class LiftCounts:
             return float(changes.sum()), -float(gaps[place])
 
         best = min(range(len(gaps)), key=cost)
-        shift: Array = self.setup.robot.raise_sign * shifts[best]
+        shift: Array = robot.raise_sign * shifts[best]
         return shift
-
-    @property
-    def _loads(self) -> Array:
-        """Counts before rounding of standing legs on each stratum of the gait, (S, F).
-
-        They are NaN for legs in the air; every leg stands on one stratum at least.
-        """
-        robot, rows = self.setup.robot, list[Array]()
-        for stratum in sorted(set(robot.card.gait)):
-            down = np.array([group in stratum for group in robot.groups])
-            counts = robot.raise_sign * (self._standing + self._bent(down))
-            rows.append(np.where(down[robot.group_of_leg], counts, np.nan))
-        return np.stack(rows)
 
     def _bent(self, down: Array) -> Array:
         """Counts by which loads bend each lift joint, while some groups stand, (F,)."""
         if not self.feed_forward:
             return np.zeros(len(self.setup.robot.legs))
-        key = down.tobytes()
+        key, setup = down.tobytes(), self.setup
         if key not in self._known:
-            self._known[key] = self._bent_by_loads(down)
+            torque = lift_torques(setup, down[setup.robot.group_of_leg])
+            joints = [actuator_of(setup.model, j) for j in setup.robot.lift_joints]
+            stiffness = setup.model.actuator_gainprm[joints, 0]
+            self._known[key] = torque / (stiffness * setup.servo.resolution)
         return self._known[key]
-
-    def _bent_by_loads(self, down: Array) -> Array:
-        setup = self.setup
-        torque = lift_torques(setup, down[setup.robot.group_of_leg])
-        joints = [actuator_of(setup.model, j) for j in setup.robot.lift_joints]
-        stiffness = setup.model.actuator_gainprm[joints, 0]
-        bent: Array = torque / (stiffness * setup.servo.resolution)
-        return bent
 
 
 def lift_torques(setup: Setup, down: Array) -> Array:
@@ -122,23 +110,17 @@ def lift_torques(setup: Setup, down: Array) -> Array:
     On three feet the loads are determined; on more, feet stand as on equal springs.
     `down`, shape (F,), says which feet stand.
     """
-    robot, stance = setup.robot, setup.kinematics.standing
+    robot, stance, model = setup.robot, setup.kinematics.standing, setup.model
     loads = np.zeros(len(robot.legs))
     feet, center = stance.feet[down], stance.center_of_mass
     shares = static_loads(feet[None], center[None])[0]
-    loads[down] = shares * robot.weight_in(setup.model)
+    loads[down] = shares * robot.weight_in(model)
     rise = stance.gives[:, 2] * robot.raise_sign  # of each foot by its joint [m/rad]
-    torque: Array = own_torques(setup) - loads * rise
-    return torque
-
-
-def own_torques(setup: Setup) -> Array:
-    """Torque that holds each leg's own weight in the air, shape (F,) [N m]."""
-    model = setup.model
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_forward(model, data)
-    joints = [actuator_of(model, joint) for joint in setup.robot.lift_joints]
+    joints = [actuator_of(model, joint) for joint in robot.lift_joints]
     places = model.jnt_dofadr[model.actuator_trnid[joints, 0]]
-    torque: Array = data.qfrc_bias[places].copy()
+    own = data.qfrc_bias[places]  # holds each leg's own weight in the air
+    torque: Array = own - loads * rise
     return torque

@@ -10,9 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.motion.schedule import Scheduler
-from sim.physics.engine import Engine
-from sim.physics.measure import Sensors
-from sim.physics.recording import Recorder
+from sim.physics.recording import recorded
 from sim.preparation.setup import Setup
 
 LONGEST_STAND = 10.0  # [s]
@@ -31,12 +29,8 @@ def creep_floor(setup: Setup, duration: float) -> float:
     schedule = scheduler.finish()
     held, end = (phase.stop for phase in schedule.phases)
     last = min(round(1.0 / setup.limits.timestep), end)
-    sensors = Sensors(setup.model, setup.robot)
-    recorder = Recorder(Engine(setup.model), sensors, end)
-    inspections = np.unique([held, end - last, end])
-    for _ in recorder.play(setup.commands(schedule), inspections):
-        pass
-    recording = recorder.finish()
+    commands, looks = setup.commands(schedule), np.unique([held, end - last, end])
+    recording = recorded(setup.model, setup.robot, commands, end, looks)
     begin, before, after = (
         float(recording.slip_after(step).sum()) for step in (held, end - last, end)
     )

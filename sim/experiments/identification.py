@@ -12,9 +12,7 @@ predicts this stroke, and not beyond.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -25,10 +23,8 @@ from models.motion import FailedField, MeasuredField
 from planner import Array, Flow
 from sim.errors import SimulationError
 from sim.motion.poses import relative, tilt
-from sim.motion.schedule import MotionLimits, Schedule, Scheduler
-from sim.physics.engine import Engine
-from sim.physics.measure import Sensors
-from sim.physics.recording import Moments, Recorder, Recording
+from sim.motion.schedule import Scheduler
+from sim.physics.recording import Moments, recorded
 from sim.preparation.effort import check_effort
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent
@@ -39,6 +35,8 @@ POSE_ROWS = 400  # poses read during a swing
 SPEED = 0.5  # [rad/s], at least
 ACCELERATION = 5.0  # [rad/s^2], at least
 HOLD = 0.5  # [s], at most; a robot has settled by then
+TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
+FINE = 200  # parts of the way in which predictions are summed
 
 
 def identify(setup: Setup, progress: Progress = silent) -> IdentifiedTwists:
@@ -59,17 +57,29 @@ def identify(setup: Setup, progress: Progress = silent) -> IdentifiedTwists:
 
 
 def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
-    """The field, with the range in which an opposite stroke agrees with it."""
+    """The field, with the range in which an opposite stroke agrees with it.
+
+    The stroke goes at most to the ends of the joint range. It is refused if the field
+    does not even predict it within its span.
+    """
     farthest = whole_range(setup, field.direction)
-    stroke = partial(swing, setup, name)
-    reach = confirmed_reach(setup, field, stroke, farthest)
+    way, pose = _stroke_back(setup, name, (farthest, field.span))
+    ways = np.linspace(0.0, np.abs(way).max(), FINE)
+    share = _shares(setup, field, ways, way, pose)
+    if (worst := share[ways <= field.span].max()) > TOLERATED:
+        raise MeasurementError(
+            f"a stroke in the opposite direction departs from its prediction by "
+            f"{100 * worst:.0f} % of its motion"
+        )
+    beyond = np.flatnonzero(share > TOLERATED)
+    reach = float(ways[beyond[0] - 1] if len(beyond) else ways[-1])
     return replace(field, reach=max(reach, field.span))
 
 
 def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:
     """One experiment: the field's twists along its swing, from both ends' poses."""
     direction = setup.equations.swings[field]
-    span = _span(setup, direction)
+    span = min(SPAN, whole_range(setup, direction))
     way, pose, slip = swing(setup, field, span)
     return MeasuredField(
         stratum=stratum,
@@ -87,7 +97,13 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
     the slip of all feet on the whole way [m]. Refused if the robot falls, or stands on
     other feet than those of the stratum.
     """
-    direction, limits = setup.equations.swings[field], _brisk(setup.limits)
+    direction = setup.equations.swings[field]
+    limits = replace(  # those of the walk, unless it would be slow
+        setup.limits,
+        swing_speed=max(setup.limits.swing_speed, SPEED),
+        swing_acceleration=max(setup.limits.swing_acceleration, ACCELERATION),
+        hold=min(setup.limits.hold, HOLD),
+    )
     stratum = setup.equations.system.stratum_of[field]
     scheduler = Scheduler(limits, setup.at_rest)
     scheduler.hold(limits.hold)
@@ -95,8 +111,10 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
         scheduler.flow(flow, setup.equations.swings[flow.field])
     scheduler.flow(Flow(stratum, field, 2 * span), direction)
     schedule = scheduler.finish()
-    begin = schedule.phases[-1].start
-    recording = _record(setup, schedule, begin)
+    check_effort(setup, schedule.stop)
+    begin, steps = schedule.phases[-1].start, schedule.phases[-1].steps
+    commands, every = setup.commands(schedule), max(steps // POSE_ROWS, 1)
+    recording = recorded(setup.model, setup.robot, commands, every, np.array([begin]))
     moments = recording.moments
     on_the_way = moments.at(recording.marks.sampled & (moments.step > begin))
     _check(setup, stratum, on_the_way)
@@ -105,16 +123,6 @@ def swing(setup: Setup, field: str, span: float) -> tuple[Array, Array, float]:
     way = setup.channels.swing(qpos) @ d / (d @ d)
     slip = float((moments.slip[-1] - recording.slip_after(begin)).sum())
     return way, setup.pose(qpos), slip
-
-
-def _brisk(limits: MotionLimits) -> MotionLimits:
-    """Limits of an experiment: those of the walk, unless it would be slow."""
-    return replace(
-        limits,
-        swing_speed=max(limits.swing_speed, SPEED),
-        swing_acceleration=max(limits.swing_acceleration, ACCELERATION),
-        hold=min(limits.hold, HOLD),
-    )
 
 
 def _check(setup: Setup, stratum: str, way: Moments) -> None:
@@ -130,11 +138,6 @@ def _check(setup: Setup, stratum: str, way: Moments) -> None:
         if foot:
             where = "in the air" if down else "on the ground"
             raise MeasurementError(f"on S{stratum} the foot of leg {leg} stays {where}")
-
-
-def _span(setup: Setup, direction: tuple[float, ...]) -> float:
-    """How far to swing to measure, within the range of every group that moves."""
-    return min(SPAN, whole_range(setup, direction))
 
 
 def whole_range(setup: Setup, direction: tuple[float, ...]) -> float:
@@ -162,16 +165,6 @@ def _approach(setup: Setup, direction: tuple[float, ...], amount: float) -> list
     return flows
 
 
-def _record(setup: Setup, schedule: Schedule, begin: int) -> Recording:
-    check_effort(setup, schedule.stop)
-    engine, sensors = Engine(setup.model), Sensors(setup.model, setup.robot)
-    every = max(schedule.phases[-1].steps // POSE_ROWS, 1)
-    recorder = Recorder(engine, sensors, every)
-    for _ in recorder.play(setup.commands(schedule), np.array([begin])):
-        pass
-    return recorder.finish()
-
-
 def _fit(
     way: Array, pose: Array, span: float
 ) -> tuple[Polynomial, Polynomial, Polynomial]:
@@ -181,54 +174,24 @@ def _fit(
     velocity is turned into the body's frame and fitted once more.
     """
     yaw = np.unwrap(pose[:, 2])
-    x, y, theta = (_polynomial(way, c, DEGREE) for c in (pose[:, 0], pose[:, 1], yaw))
+    x, y, theta = (Polynomial.fit(way, c, DEGREE) for c in (*pose.T[:2], yaw))
     grid = span * np.cos(np.linspace(np.pi, 0, 4 * DEGREE))
     vx, vy, turn = (p.deriv()(grid) for p in (x, y, theta))
     cos, sin = np.cos(theta(grid)), np.sin(theta(grid))
     forward, left = cos * vx + sin * vy, cos * vy - sin * vx
     first, second, third = (
-        _polynomial(grid, values, DEGREE - 1) for values in (forward, left, turn)
+        Polynomial.fit(grid, values, DEGREE - 1) for values in (forward, left, turn)
     )
     return first, second, third
 
 
-def _polynomial(x: Array, values: Array, degree: int) -> Polynomial:
-    fitted: Polynomial = Polynomial.fit(x, values, degree)
-    return fitted
-
-
-TOLERATED = 0.2  # of a stroke's motion; up to 0.12 measured on shipped robots
-FINE = 200  # parts of the way in which predictions are summed
-Stroke = Callable[[float], tuple[Array, Array, float]]
-
-
-def confirmed_reach(
-    setup: Setup, field: MeasuredField, stroke: Stroke, farthest: float
-) -> float:
-    """The range in which a field predicts a stroke in the opposite direction [rad].
-
-    The stroke swings the field through the physics from minus its argument to it, at
-    most to the end of the joint range. Refused if the field does not even predict it
-    within its span.
-    """
-    way, pose = _stroke_back(stroke, (farthest, field.span))
-    ways = np.linspace(0.0, np.abs(way).max(), FINE)
-    share = _shares(setup, field, ways, way, pose)
-    within = ways <= field.span
-    if (worst := share[within].max()) > TOLERATED:
-        raise MeasurementError(
-            f"a stroke in the opposite direction departs from its prediction by "
-            f"{100 * worst:.0f} % of its motion"
-        )
-    beyond = np.flatnonzero(share > TOLERATED)
-    return float(ways[beyond[0] - 1] if len(beyond) else ways[-1])
-
-
-def _stroke_back(stroke: Stroke, spans: tuple[float, ...]) -> tuple[Array, Array]:
+def _stroke_back(
+    setup: Setup, name: str, spans: tuple[float, ...]
+) -> tuple[Array, Array]:
     """The longest stroke that succeeds, its ways ascending."""
     for span in spans:
         try:
-            way, pose, _ = stroke(-span)
+            way, pose, _ = swing(setup, name, -span)
         except (MeasurementError, SimulationError) as error:
             refusal = error
             continue

@@ -9,7 +9,7 @@ import numpy as np
 
 from planner import Array
 from sim.errors import UsageError
-from sim.motion.command_clock import SLACK, command_at, step_of
+from sim.motion.schedule import SLACK, command_at, step_of
 from sim.physics.engine import STRETCH
 
 

@@ -51,7 +51,8 @@ def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Comman
     """Angles, contacts and stability margin at steps (T,) of a schedule, from 0."""
     swing, lift = schedule.angles(rows)
     phase = schedule.phase_of(rows)
-    contact = _contact(schedule, phase, kinematics)
+    planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
+    contact = np.array(planted)[phase]
     stance = kinematics.stance(swing, lift)
     margin = stability_margin(stance.feet, contact, stance.center_of_mass)
     return Commanded(phase, swing, contact, margin)
@@ -107,11 +108,6 @@ def _clock(schedule: Schedule, loaded: Array, phase: Array, swing: Array) -> Arr
     length = np.where(loaded, (change**2).sum(axis=1), 1.0)
     gone = ((swing - begin[phase]) * change[phase]).sum(axis=1) / length[phase]
     return before[phase] + np.where(loaded[phase], gone, 0.0)
-
-
-def _contact(schedule: Schedule, phase: Array, kinematics: Kinematics) -> Array:
-    planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
-    return np.array(planted)[phase]
 
 
 def inspections(schedule: Schedule) -> Array:

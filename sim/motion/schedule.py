@@ -151,13 +151,13 @@ class Schedule:
     @cached_property
     def _timing(self) -> Array:
         """First step, number of steps and rise of every phase, shape (3, phases)."""
-        timing = [(p.start, p.steps, self._rise(p)) for p in self.phases]
+        timing = []
+        for phase in self.phases:
+            rise = 0 if phase.kind == "hold" else phase.steps // 2
+            if phase.kind == "swing":
+                _, rise = self.limits.swing_steps(phase.direction, phase.amount)
+            timing.append((phase.start, phase.steps, rise))
         return np.array(timing, dtype=int).reshape(-1, 3).T
-
-    def _rise(self, phase: Phase) -> int:
-        if phase.kind == "swing":
-            return self.limits.swing_steps(phase.direction, phase.amount)[1]
-        return 0 if phase.kind == "hold" else phase.steps // 2
 
     @cached_property
     def trajectories(self) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
@@ -166,20 +166,14 @@ class Schedule:
         Each is the angle of every group as a phase begins and its change during the
         phase, shape (phases, G) [rad].
         """
-        moved = np.array(
-            [np.multiply(p.direction, p.amount) for p in self.phases]
-        ).reshape(-1, len(self.begin.swing))
-        swings = np.array([[p.kind == "swing"] for p in self.phases], dtype=bool)
-        swings = swings.reshape(-1, 1)
+        begin, limits = self.begin, self.limits
+        moves = [np.multiply(p.direction, p.amount) for p in self.phases]
+        moved = np.array(moves).reshape(-1, len(begin.swing))
+        swings = np.array([p.kind == "swing" for p in self.phases], bool)[:, None]
+        raised = np.array([g not in begin.stratum for g in limits.groups])
         return (
-            _trajectory(np.array(self.begin.swing), np.where(swings, moved, 0.0)),
-            _trajectory(self._lifted(self.begin.stratum), np.where(swings, 0.0, moved)),
-        )
-
-    def _lifted(self, stratum: str) -> Array:
-        groups = self.limits.groups
-        return np.array(
-            [0.0 if g in stratum else self.limits.lift_angle for g in groups]
+            _trajectory(np.array(begin.swing), np.where(swings, moved, 0.0)),
+            _trajectory(raised * limits.lift_angle, np.where(swings, 0.0, moved)),
         )
 
 
@@ -225,7 +219,8 @@ class Scheduler:
         raised = [g for g in groups if g not in self._stratum]
         for group in (g for g in raised if g in stratum):
             self._move("land", group, -self._limits.lift_angle)
-            self._stratum = _ordered(self._stratum + group, groups)
+            standing = self._stratum + group
+            self._stratum = "".join(g for g in groups if g in standing)
         for group in (g for g in self._stratum if g not in stratum):
             self._stratum = self._stratum.replace(group, "")
             self._move("lift", group, self._limits.lift_angle)
@@ -243,22 +238,24 @@ class Scheduler:
         steps: int,
         field: str = "",
     ) -> None:
-        if steps == 0:
-            return
-        self._phases.append(
-            Phase(
-                kind,
-                self._stratum,
-                direction,
-                amount,
-                self._step,
-                steps,
-                self.segment,
-                field,
-            )
-        )
-        self._step += steps
+        if steps:
+            when = self._step, steps, self.segment
+            phase = Phase(kind, self._stratum, direction, amount, *when, field)
+            self._phases.append(phase)
+            self._step += steps
 
 
-def _ordered(stratum: str, groups: Sequence[str]) -> str:
-    return "".join(g for g in groups if g in stratum)
+SLACK = 1e-9  # of a number of a command or step, for rounding
+
+
+def command_at(step: Array, pace: float) -> Array:
+    """Numbers of the commands in force during steps, at a pace of commands a step.
+
+    Servos get command k at the first physics step at or after k / pace.
+    """
+    return np.floor(step * pace + SLACK).astype(int)
+
+
+def step_of(command: Array, pace: float) -> Array:
+    """Physics steps at which commands of these numbers are given."""
+    return np.ceil(command / pace - SLACK).astype(int)

@@ -92,16 +92,12 @@ def _part(model: mujoco.MjModel, geom: int) -> Part:
             f"geom {name or geom} can collide, and its shape covers no definite floor; "
             "make it a sphere, a capsule, a box, a cylinder, an ellipsoid or a mesh"
         )
-    is_mesh = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH
-    points = _hull(core.points) if is_mesh else core.points
+    points = core.points
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:  # its hull collides
+        from scipy.spatial import ConvexHull
+
+        points = points[ConvexHull(points).vertices]
     return Part(name, geom, points, core.radius)
-
-
-def _hull(points: Array) -> Array:
-    """Corners of the convex hull, which is what collides of a mesh, shape (k, 3)."""
-    from scipy.spatial import ConvexHull
-
-    return points[ConvexHull(points).vertices]
 
 
 @dataclass(frozen=True)

@@ -75,7 +75,11 @@ class Engine:
 
         Raises SimulationError if a command is not finite, or the simulation diverges.
         """
-        self._check_commands(ctrl)
+        finite = np.isfinite(ctrl)
+        if not finite.all():
+            step, channel = np.argwhere(~finite)[0].tolist()
+            name = self.model.actuator(channel).name
+            raise self._failure(f"command of {name!r} is {ctrl[step, channel]}", step)
         parts, done = [], 0
         while done < len(ctrl):
             parts.append(self._play(ctrl[done : done + self._piece]))
@@ -100,15 +104,6 @@ class Engine:
         a_step = (time.perf_counter() - began) / len(ctrl)
         self._piece = min(max(int(BUSY_TIME / a_step), 1), 4 * self._piece, STRETCH)
         return record
-
-    def _check_commands(self, ctrl: Array) -> None:
-        finite = np.isfinite(ctrl)
-        if not finite.all():
-            step, channel = np.argwhere(~finite)[0]
-            name = self.model.actuator(int(channel)).name
-            raise self._failure(
-                f"command of {name!r} is {ctrl[step, channel]}", int(step)
-            )
 
     def _check_warnings(self, record: Record) -> None:
         now = self._batch.warning

@@ -13,8 +13,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
+import mujoco
 import numpy as np
 
+from models import Robot
 from planner import Array
 from sim.motion.stability import LeastMargin, carrying
 from sim.physics.engine import Engine, State
@@ -189,7 +191,6 @@ class Recorder:
             self._pending = [states.at(slice(count, None))]
         if count:
             moments = self._decided(states.at(slice(count)), contact[:count])
-            self._note_changes(moments)
             self._keep(moments, last)
 
     def _decided(self, states: Sensed, contact: Array) -> Moments:
@@ -207,15 +208,12 @@ class Recorder:
             slip=slip - steps,  # a state's own speed is yet to come
         )
 
-    def _note_changes(self, states: Moments) -> None:
-        contact = states.contact
+    def _keep(self, states: Moments, last: bool) -> None:
+        step, contact = states.step, states.contact
         before = ~contact[:1] if self._contact is None else self._contact
         changed = np.diff(np.vstack([before, contact]), axis=0).any(axis=1)
         self._contacts.append(ContactLog(states.step[changed], contact[changed]))
         self._contact = contact[-1:].copy()
-
-    def _keep(self, states: Moments, last: bool) -> None:
-        step = states.step
         walking = states.at(slice(int(step.searchsorted(self.walk_starts)), None))
         if len(walking.step):
             feet = carrying(walking.point, walking.contact, walking.center_of_mass)
@@ -230,6 +228,20 @@ class Recorder:
         kept = np.flatnonzero(sampled | inspected)
         self._kept.append(states.at(kept))
         self._marks.append(Marks(sampled[kept], inspected[kept]))
+
+
+def recorded(
+    model: mujoco.MjModel,
+    robot: Robot,
+    commands: Iterable[Array],
+    sample_every: int,
+    inspections: Array,
+) -> Recording:
+    """What comes of commands on a model, from its start to the end of the commands."""
+    recorder = Recorder(Engine(model), Sensors(model, robot), sample_every)
+    for _ in recorder.play(commands, inspections):
+        pass
+    return recorder.finish()
 
 
 def _joined(parts: list[T]) -> Iterator[Array]:

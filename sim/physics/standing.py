@@ -9,6 +9,8 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -56,19 +58,26 @@ def _check_standing(
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     mujoco.mj_forward(model, data)
     _refuse_obstacles(model, data)
-    _refuse(robot, _lying(robot, model, data))
-    height = data.qpos[_height(robot, model)]
+    standing = _Standing(robot, model, data)
+    _refuse(robot, standing.lying())
+    height = robot.root_address_in(model) + 2
+    before = float(data.qpos[height])
     for _ in range(0, min(round(SETTLING / model.opt.timestep), MOST_STEPS), CHUNK):
         mujoco.mj_step(model, data, nstep=CHUNK)  # a large model is slow
     if any(warning.number for warning in data.warning):
         return
-    sag = float(height - data.qpos[_height(robot, model)])
     rise = float(kinematics.lifting.rise(np.array(lift_angle)).min())
-    _refuse(robot, _tipped(robot, data))
-    _refuse(robot, _lying(robot, model, data))
-    _refuse(robot, _aloft(robot, model, data))
-    _refuse(robot, _sagged(sag, rise))
-    _refuse(robot, _too_soft(robot, model, data))
+    _refuse(robot, standing.tipped())
+    _refuse(robot, standing.lying())
+    _refuse(robot, standing.aloft())
+    if (sag := before - float(data.qpos[height])) > rise:
+        what = (
+            f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
+            f"{1e3 * rise:.1f} mm only"
+        )
+        remedy = "stiffen its servos (servo_stiffness), or lift higher (lift_height)"
+        _refuse(robot, [(what, remedy)])
+    _refuse(robot, standing.too_soft())
 
 
 def _blame_the_timestep(
@@ -118,123 +127,96 @@ def _refuse_obstacles(model: mujoco.MjModel, data: mujoco.MjData) -> None:
                 )
 
 
-def _height(robot: Robot, model: mujoco.MjModel) -> int:
-    return robot.root_address_in(model) + 2
+@dataclass(frozen=True)
+class _Standing:
+    """A robot that stands or not; its problems are pairs of what and a remedy."""
 
+    robot: Robot
+    model: mujoco.MjModel
+    data: mujoco.MjData
 
-def _tipped(robot: Robot, data: mujoco.MjData) -> Iterator[tuple[str, str]]:
-    up = data.body(robot.root).xmat[8]
-    tilt = float(np.arccos(np.clip(up, -1, 1)))
-    if tilt > UPRIGHT:
-        yield (
-            f"it tilts by {np.rad2deg(tilt):.3g} degrees in {data.time:.2g} s",
-            "put its feet around its centre of mass, or stiffen its servos",
-        )
-
-
-def _sagged(sag: float, rise: float) -> Iterator[tuple[str, str]]:
-    if sag > rise:
-        yield (
-            f"its legs give way by {1e3 * sag:.1f} mm, and a lifted foot rises by "
-            f"{1e3 * rise:.1f} mm only",
-            "stiffen its servos (servo_stiffness), or lift higher (lift_height)",
-        )
-
-
-def _too_soft(
-    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
-) -> Iterator[tuple[str, str]]:
-    """Lift servos that their load would bend by more than they are to lift."""
-    load = np.abs(data.qfrc_bias - data.qfrc_constraint)
-    for leg in robot.card.legs.values():
-        stiffness = model.actuator_gainprm[actuator_of(model, leg.lift), 0]
-        torque = load[model.joint(leg.lift).dofadr[0]]
-        if torque > stiffness * robot.card.lift_angle:
+    def tipped(self) -> Iterator[tuple[str, str]]:
+        up = self.data.body(self.robot.root).xmat[8]
+        tilt = float(np.arccos(np.clip(up, -1, 1)))
+        if tilt > UPRIGHT:
             yield (
-                f"joint {leg.lift!r} bears {torque:.3g} N m, for which its servo of "
-                f"{stiffness:.3g} N m/rad has to bend by more than lift_angle = "
-                f"{robot.card.lift_angle:g}",
-                f"stiffen it (servo_stiffness), to {10 * torque / UPRIGHT:.2g} or so",
+                f"it tilts by {np.rad2deg(tilt):.3g} degrees in {self.data.time:.2g} s",
+                "put its feet around its centre of mass, or stiffen its servos",
             )
 
+    def too_soft(self) -> Iterator[tuple[str, str]]:
+        """Lift servos that their load would bend by more than they are to lift."""
+        robot, model = self.robot, self.model
+        load = np.abs(self.data.qfrc_bias - self.data.qfrc_constraint)
+        for leg in robot.card.legs.values():
+            stiffness = model.actuator_gainprm[actuator_of(model, leg.lift), 0]
+            torque = load[model.joint(leg.lift).dofadr[0]]
+            if torque > stiffness * robot.card.lift_angle:
+                yield (
+                    f"joint {leg.lift!r} bears {torque:.3g} N m, for which its servo "
+                    f"of {stiffness:.3g} N m/rad has to bend by more than lift_angle = "
+                    f"{robot.card.lift_angle:g}",
+                    f"stiffen it (servo_stiffness), to {10 * torque / UPRIGHT:.2g} or "
+                    "so",
+                )
 
-def _lying(
-    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
-) -> Iterator[tuple[str, str]]:
-    """Contacts of parts that are no feet, or with things that are not the floor."""
-    feet, floor = _feet(robot, model), _floor(robot, model)
-    for own, other in _touched(robot, model, data):
-        if own not in feet:
+    def lying(self) -> Iterator[tuple[str, str]]:
+        """Contacts of parts that are no feet, or with things that are not the floor."""
+        model, watched = self.model, contact_sensor(self.robot.card.feet[0])
+        floor = int(model.sensor_objid[model.sensor(watched).id])
+        for own, other in self._touched():
+            if own not in self._feet:
+                yield (
+                    f"{self._name(own)} lies on {self._name(other)}",
+                    "lift the body off it, or make that geom a foot",
+                )
+            elif other != floor:
+                yield (
+                    f"foot {model.geom(own).name!r} stands on {self._name(other)}, "
+                    f"which is not the floor, {self._name(floor)}",
+                    "leave one of the two out, or make the former a horizontal plane",
+                )
+
+    def aloft(self) -> Iterator[tuple[str, str]]:
+        """Legs whose feet touch nothing."""
+        feet = self._feet
+        aloft = {*self.robot.legs} - {feet.get(own) for own, _ in self._touched()}
+        if not aloft:
+            return
+        what = f"the foot of leg {min(aloft)} touches nothing"
+        for one, other in self._contacts(robots=2):
             yield (
-                f"{_name(model, own)} lies on {_name(model, other)}",
-                "lift the body off it, or make that geom a foot",
+                f"{what}, while {self._name(one)} and {self._name(other)} of it push "
+                "against each other",
+                "make room between them, or let them pass through each other "
+                "(<exclude>)",
             )
-        elif other != floor:
-            yield (
-                f"foot {model.geom(own).name!r} stands on {_name(model, other)}, which "
-                f"is not the floor, {_name(model, floor)}",
-                "leave one of the two out, or make the former a horizontal plane",
-            )
+        yield what, "correct its angles in keyframe 'start', or the geoms of its foot"
 
+    @cached_property
+    def _feet(self) -> dict[int, int]:
+        """The leg of every foot geom."""
+        legs = self.robot.card.legs
+        return {self.model.geom(g).id: leg for leg in legs for g in legs[leg].foot}
 
-def _aloft(
-    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
-) -> Iterator[tuple[str, str]]:
-    """Legs whose feet touch nothing."""
-    feet, touched = _feet(robot, model), _touched(robot, model, data)
-    aloft = set(robot.legs) - {feet[own] for own, _ in touched if own in feet}
-    if not aloft:
-        return
-    what = f"the foot of leg {min(aloft)} touches nothing"
-    if jammed := _jammed(robot, model, data):
-        one, other = (_name(model, geom) for geom in jammed)
-        yield (
-            f"{what}, while {one} and {other} of it push against each other",
-            "make room between them, or let them pass through each other (<exclude>)",
-        )
-    yield what, "correct its angles in keyframe 'start', or the geoms of its foot"
+    def _touched(self) -> Iterator[tuple[int, int]]:
+        """Geoms of the robot in contact with others but obstacles, judged elsewhere."""
+        for own, other in self._contacts(robots=1):
+            if not self.model.geom(other).name.startswith(PREFIX):
+                yield own, other
 
+    def _contacts(self, robots: int) -> Iterator[tuple[int, int]]:
+        """Pairs of geoms that push, so many of them the robot's, which come first."""
+        root, model = self.model.body(self.robot.root).id, self.model
+        for contact in self.data.contact:
+            alien = {
+                int(g): model.body_rootid[model.geom_bodyid[g]] != root
+                for g in contact.geom
+            }
+            if contact.efc_address >= 0 and sum(alien.values()) == 2 - robots:
+                one, other = sorted(alien, key=alien.__getitem__)
+                yield one, other
 
-def _jammed(
-    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
-) -> tuple[int, int] | None:
-    """Two parts of the robot that are in contact with each other."""
-    root = model.body(robot.root).id
-    for contact in data.contact:
-        one, other = (int(geom) for geom in contact.geom)
-        owners = {int(model.body_rootid[model.geom_bodyid[g]]) for g in (one, other)}
-        if contact.efc_address >= 0 and owners == {root}:
-            return one, other
-    return None
-
-
-def _feet(robot: Robot, model: mujoco.MjModel) -> dict[int, int]:
-    """The leg of every foot geom."""
-    legs = robot.card.legs
-    return {model.geom(name).id: leg for leg in legs for name in legs[leg].foot}
-
-
-def _floor(robot: Robot, model: mujoco.MjModel) -> int:
-    """The geom that contact sensors watch the feet against."""
-    foot = robot.card.feet[0]
-    return int(model.sensor_objid[model.sensor(contact_sensor(foot)).id])
-
-
-def _touched(
-    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
-) -> Iterator[tuple[int, int]]:
-    """Geoms of the robot in contact with others; obstacles are for others to judge."""
-    root = model.body(robot.root).id
-    for contact in data.contact:
-        pair = [int(geom) for geom in contact.geom]
-        own = [g for g in pair if model.body_rootid[model.geom_bodyid[g]] == root]
-        others = [g for g in pair if g not in own]
-        if contact.efc_address < 0 or len(own) != 1:
-            continue
-        if not model.geom(others[0]).name.startswith(PREFIX):
-            yield own[0], others[0]
-
-
-def _name(model: mujoco.MjModel, geom: int) -> str:
-    name = model.geom(geom).name
-    return f"geom {name!r}" if name else "a geom without a name"
+    def _name(self, geom: int) -> str:
+        name = self.model.geom(geom).name
+        return f"geom {name!r}" if name else "a geom without a name"

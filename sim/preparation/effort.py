@@ -66,14 +66,11 @@ def _memory() -> int:
 
 def _slowest(scenario: Scenario) -> str:
     """The setting that lengthens the walk most, compared with its default."""
-
-    def longer(name: str, power: float) -> float:
-        given, default = getattr(scenario, name), SETTINGS[name].default
-        ratio: float = (default / given) ** power
-        return ratio
-
-    powers = {"timestep": 1.0, "swing_speed": 1.0, "swing_acceleration": 0.5}
-    powers["hold"] = -1.0
-    name = max(powers, key=lambda name: longer(name, powers[name]))
+    powers = {"timestep": 1, "swing_speed": 1, "swing_acceleration": 0.5, "hold": -1}
+    longer = {
+        name: (SETTINGS[name].default / getattr(scenario, name)) ** power
+        for name, power in powers.items()
+    }
+    name = max(longer, key=longer.__getitem__)
     verb = "lower" if powers[name] < 0 else "raise"
     return f"{verb} {name}, now {getattr(scenario, name):g}"

@@ -36,27 +36,16 @@ SHOWN_MOVE = 1e-3  # [m]; less of a move at the start is not shown
 
 @dataclass(frozen=True, eq=False)
 class Inspected:
-    """A robot that stands, with what can be said of it.
-
-    Attributes:
-        robot: The robot.
-        kinematics: Its kinematics.
-        lift_angle: Angle that raises its feet [rad].
-        let_down: How far it had to be lowered onto the floor [m].
-        equations: Its equations; None if its gait gives it none.
-        mobility: What its swings can do; None without equations.
-        changed: What is changed in its file before it walks, a sentence each.
-        lacks: What it lacks, a sentence each, with what would change that.
-    """
+    """A robot that stands, with what can be said of it."""
 
     robot: Robot
     kinematics: Kinematics
-    lift_angle: float
-    let_down: float
-    equations: Equations | None
-    mobility: Mobility | None
-    changed: tuple[str, ...] = ()
-    lacks: tuple[str, ...] = ()
+    lift_angle: float  # that raises its feet [rad]
+    let_down: float  # how far it had to be lowered onto the floor [m]
+    equations: Equations | None  # None if its gait gives it none
+    mobility: Mobility | None  # what its swings can do; None without equations
+    changed: tuple[str, ...] = ()  # in its file before it walks, a sentence each
+    lacks: tuple[str, ...] = ()  # a sentence each, with what would change that
 
     @classmethod
     def of(cls, setup: Setup) -> Inspected:
@@ -135,8 +124,15 @@ def facts(subject: Inspected) -> Facts:
             "highest": lifting.highest,
         },
         "legs": {
-            str(leg): _leg(robot, leg, foot)
-            for leg, foot in zip(robot.legs, stance.feet, strict=True)
+            str(leg): {
+                "foot": foot.tolist(),
+                "swing": {"joint": card.swing, "range": list(robot.span(card.swing))},
+                "lift": {"joint": card.lift, "range": list(robot.span(card.lift))},
+                "held": dict(card.hold),
+            }
+            for leg, card, foot in zip(
+                robot.legs, robot.leg_cards, stance.feet, strict=True
+            )
         },
         "groups": {
             name: {
@@ -163,27 +159,21 @@ def facts(subject: Inspected) -> Facts:
     }
 
 
-def _leg(robot: Robot, leg: int, foot: np.ndarray) -> Facts:
-    card = robot.card.legs[leg]
-    return {
-        "foot": [float(c) for c in foot],
-        "swing": {"joint": card.swing, "range": list(robot.span(card.swing))},
-        "lift": {"joint": card.lift, "range": list(robot.span(card.lift))},
-        "held": dict(card.hold),
-    }
-
-
 def describe(robot: Facts) -> str:
     """The facts in lines for a terminal."""
     lift = robot["lift"]
     margins = (f"S{name} {1e3 * m:.1f} mm" for name, m in robot["margins"].items())
+    lowered, down = [], robot["let_down"]
+    if abs(down) >= SHOWN_MOVE:  # what was done about one above or in the floor
+        how = "let down onto" if down > 0 else "lifted out of"
+        lowered = [f"{'start':12}{how} the floor by {1e3 * abs(down):.1f} mm"]
     lines = [
         f"{robot['name']}: {robot['description']}".rstrip(": "),
         f"{'weight':12}{robot['mass']:.3f} kg, {1e3 * robot['weight_height']:.1f} mm "
         "above the floor",
         f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
         f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
-        *_let_down(robot["let_down"]),
+        *lowered,
         f"{'gait':12}{' '.join(robot['gait'])}",
         f"{'margins':12}{', '.join(margins)}",
         "",
@@ -198,25 +188,12 @@ def describe(robot: Facts) -> str:
         lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
     for name, (forward, left, yaw) in robot["fields"].items():
         lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
-    lines += _strokes(robot["strokes"])
+    if costs := [f"{n:.3g} a unit of {name}" for name, n in robot["strokes"].items()]:
+        lines += ["", f"{'strokes':12}{', '.join(costs)}"]
     for heading in ("changed", "lacks"):
         for k, sentence in enumerate(robot[heading]):
             lines.append(f"{'' if k else heading:12}{sentence}")
     return "\n".join(lines)
-
-
-def _strokes(strokes: dict[str, float]) -> list[str]:
-    """What a metre or a radian of each direction takes."""
-    costs = [f"{count:.3g} a unit of {name}" for name, count in strokes.items()]
-    return ["", f"{'strokes':12}{', '.join(costs)}"] if costs else []
-
-
-def _let_down(height: float) -> list[str]:
-    """What was done about a robot that is put above or into the floor."""
-    if abs(height) < SHOWN_MOVE:
-        return []
-    how = "let down onto" if height > 0 else "lifted out of"
-    return [f"{'start':12}{how} the floor by {1e3 * abs(height):.1f} mm"]
 
 
 def _leg_line(number: str, leg: Facts) -> str:

@@ -32,23 +32,20 @@ def schedule_flows(
     ]
     if setup.scenario.overlap_recovery:
         moves = overlapped(moves, setup.robot.groups)
-    *before, after = _entered(setup, moves)
-    for entered, (number, flow, direction) in zip(before, moves, strict=True):
+    bottom, gait = setup.robot.card.bottom, setup.scenario.gait
+    flows = [flow for _, flow, _ in moves]
+    entered: Sequence[tuple[str, ...]] = [*((f.stratum,) for f in flows), (bottom,)]
+    if gait:
+        system = setup.equations.system
+        entered = gait_steps(system, flows, gait, (bottom, bottom))
+    *before, after = entered
+    for strata, (number, flow, direction) in zip(before, moves, strict=True):
         scheduler.segment = number
-        for stratum in entered:
+        for stratum in strata:
             scheduler.enter(stratum)
         scheduler.flow(flow, direction)
     for stratum in after:
         scheduler.enter(stratum)
-
-
-def _entered(setup: Setup, moves: Sequence[Move]) -> Sequence[tuple[str, ...]]:
-    """Strata entered before each flow and after the last one."""
-    bottom, gait = setup.robot.card.bottom, setup.scenario.gait
-    if not gait:
-        return [*((flow.stratum,) for _, flow, _ in moves), (bottom,)]
-    flows = [flow for _, flow, _ in moves]
-    return gait_steps(setup.equations.system, flows, gait, (bottom, bottom))
 
 
 def overlapped(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:

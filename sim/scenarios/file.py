@@ -84,7 +84,17 @@ def scenario_from(
     values = deepcopy(_renamed(table, where))
     for key, value in _renamed(overrides, where).items():
         _replace(values, key, value)
-    return _decode(values, where)
+    if "strata" in values:
+        what = "a system of strata is no scenario"
+        raise UsageError(what, where, "use the commands plan and check on it")
+    for key in values:
+        if key not in KEYS:
+            raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
+    if "path" not in values:
+        raise UsageError("path is missing", where, "give path")
+    standing = shapes.decode(values.get("obstacles", ()))
+    path = nominal.decode(values["path"])
+    return Scenario(**{**values, "path": path, "obstacles": standing})
 
 
 def anchor(table: Values, folder: Path) -> None:
@@ -177,20 +187,6 @@ def _replace(table: Values, key: str, value: object) -> None:
             raise UsageError(f"unknown key {key!r}", "--set", did_you_mean(key, KEYS))
         table = inner
     table[last] = value
-
-
-def _decode(table: Values, where: str) -> Scenario:
-    if "strata" in table:
-        what = "a system of strata is no scenario"
-        raise UsageError(what, where, "use the commands plan and check on it")
-    for key in table:
-        if key not in KEYS:
-            raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
-    if "path" not in table:
-        raise UsageError("path is missing", where, "give path")
-    standing = shapes.decode(table.get("obstacles", ()))
-    path = nominal.decode(table["path"])
-    return Scenario(**{**table, "path": path, "obstacles": standing})
 
 
 def _renamed(table: Table, where: str) -> Values:

@@ -224,15 +224,11 @@ class Settings:
             )
 
 
-def _declared() -> Mapping[str, Setting]:
-    kinds = get_type_hints(Settings, include_extras=True)
-    return {
-        item.name: Setting(item.name, kinds[item.name], item.default, **item.metadata)
-        for item in fields(Settings)
-    }
-
-
-SETTINGS = _declared()
+_KINDS = get_type_hints(Settings, include_extras=True)
+SETTINGS: Mapping[str, Setting] = {
+    item.name: Setting(item.name, _KINDS[item.name], item.default, **item.metadata)
+    for item in fields(Settings)
+}
 """What is declared about every setting, by its name."""
 FORMER = {item.formerly: name for name, item in SETTINGS.items() if item.formerly}
 """The names of settings by those that they had before."""

@@ -117,7 +117,11 @@ class Walker:
             return
         check_effort(self.setup, schedule.stop)
         began, length = time.perf_counter(), schedule.stop - schedule.start
-        torques = self._rehearsed(schedule)
+        torques = None  # to make up for, if servos have them
+        if self._rehearsal is not None:
+            rehearsed = self._rehearsal.torques(schedule)
+            self._drive.require_strength(schedule, rehearsed)
+            torques = rehearsed if self._drive.feeds_forward else None
         self._stretches.append(Stretch(schedule, self.pose, torques))
         self._shape = schedule.end
         pieces = self._commands(schedule, torques)
@@ -134,11 +138,3 @@ class Walker:
         if self._cache is no_cache or not self._drive.plain:
             return pieces
         return self._cache(f"commands from step {schedule.start}", lambda: list(pieces))
-
-    def _rehearsed(self, schedule: Schedule) -> FeedForward | None:
-        """Torques to make up for, once they are known to be within what servos have."""
-        if self._rehearsal is None:
-            return None
-        torques = self._rehearsal.torques(schedule)
-        self._drive.require_strength(schedule, torques)
-        return torques if self._drive.feeds_forward else None

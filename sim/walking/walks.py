@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from models import Robot, equations
-from planner import Array, Plan
-from planner.planning import Step
+from planner import Plan
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import seen_from
 from sim.motion.schedule import LegState, Scheduler
@@ -94,16 +93,11 @@ def replanned(walker: Walker) -> int:
         require_sound_flows(setup, step.plan.segments(), legs)
         walker.go(list(step.plan.segments()), first=segment)
         if missing is not None:
-            missed = _missed(setup, step, swing, seen_from(pose, walker.pose))
+            twists = twist_model(setup, setup.scenario.steered_on)
+            predicted = segment_ends(setup, step.plan, twists, swing)[-1]
+            missed = seen_from(pose, walker.pose) - predicted
             missing = missing + LEARNED * (missed - missing)
     return saturated
-
-
-def _missed(setup: Setup, step: Step, swing: tuple[float, ...], walked: Array) -> Array:
-    """Where a segment ended, less where it was predicted to, shape (3,)."""
-    twists = twist_model(setup, setup.scenario.steered_on)
-    missed: Array = walked - segment_ends(setup, step.plan, twists, swing)[-1]
-    return missed
 
 
 def expected_steps(setup: Setup, planned: Plan | None) -> int:

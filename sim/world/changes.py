@@ -23,13 +23,7 @@ def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
     """One sentence for each change."""
     spec = robot.read()
     feet = [spec.geom(name) for name in robot.card.feet]
-    return tuple(
-        (
-            *_drives(robot, spec),
-            *_margins(feet),
-            *_friction(feet, scenario),
-        )
-    )
+    return (*_drives(robot, spec), *_feet(feet, scenario))
 
 
 def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
@@ -56,15 +50,12 @@ def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
         )
 
 
-def _margins(feet: list[mujoco.MjsGeom]) -> Iterator[str]:
+def _feet(feet: list[mujoco.MjsGeom], scenario: Scenario) -> Iterator[str]:
     if wide := [foot.name for foot in feet if foot.margin or foot.gap]:
         yield (
             f"feet {_listed(wide)} have a contact margin, which would push them off "
             "the floor before they touch; it is set to 0"
         )
-
-
-def _friction(feet: list[mujoco.MjsGeom], scenario: Scenario) -> Iterator[str]:
     own = sorted({float(foot.friction[0]) for foot in feet} - {scenario.friction, 1.0})
     if own and scenario.foot_friction is None:
         yield (

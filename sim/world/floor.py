@@ -14,7 +14,6 @@ import numpy as np
 
 from models import ModelError, Robot
 from models.description import FOLDER, compile_model
-from planner import Array
 from sim.scenarios.scenario import Scenario
 
 BUMPS = "bumps"  # name of the height field
@@ -57,31 +56,30 @@ def ensure_floor(spec: mujoco.MjSpec, robot: Robot) -> Floor:
     It is the highest horizontal plane that all feet can touch; the shipped scene joins
     a robot that has none. A plane that is neither floor nor wall is refused.
     """
-    _check_feet(spec, robot)
-    planes = _planes(spec, robot)
-    level = [p for p in planes if p.tilt < LEVEL]
-    floors = [p for p in level if not p.out_of_reach]
-    if floors:
-        return _adopt(max(floors, key=lambda p: p.height), spec, robot)
-    for plane in planes:
-        _refuse_half_a_floor(plane, robot)
-    return _join_scene(spec, robot)
-
-
-def _feet(spec: mujoco.MjSpec, robot: Robot) -> list[mujoco.MjsGeom]:
-    return [spec.geom(name) for name in robot.card.feet]
-
-
-def _check_feet(spec: mujoco.MjSpec, robot: Robot) -> None:
-    for foot in _feet(spec, robot):
+    feet = [spec.geom(name) for name in robot.card.feet]
+    for foot in feet:
         if not (foot.contype or foot.conaffinity):
             raise ModelError(
                 f"foot {foot.name!r} never touches anything: {robot.path}; its contype "
                 "and conaffinity are 0, give it contype or name another geom"
             )
+    planes = _planes(spec, robot, feet)
+    floors = [p for p in planes if p.tilt < LEVEL and not p.out_of_reach]
+    if not floors:
+        for plane in planes:
+            _refuse_half_a_floor(plane, robot)
+        return _join_scene(spec, feet)
+    plane = max(floors, key=lambda p: p.height)
+    floor, own = plane.geom, scene().geom("floor")
+    floor.name = floor.name or "floor"
+    floor.solref, floor.solimp = own.solref, own.solimp
+    floor.priority = 1 + max(0, *(foot.priority for foot in feet))
+    return Floor(str(floor.name), plane.height)
 
 
-def _planes(spec: mujoco.MjSpec, robot: Robot) -> list[_Plane]:
+def _planes(
+    spec: mujoco.MjSpec, robot: Robot, feet: list[mujoco.MjsGeom]
+) -> list[_Plane]:
     """Planes that do not move, with their places at the start."""
     model = compile_model(spec, str(robot.path))  # numbers the geoms
     data = mujoco.MjData(model)
@@ -91,23 +89,14 @@ def _planes(spec: mujoco.MjSpec, robot: Robot) -> list[_Plane]:
         fixed = model.body_weldid[model.geom_bodyid[geom.id]] == 0
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE and fixed:
             up = np.clip(data.geom_xmat[geom.id, 8], -1, 1)
-            apart = [f.name for f in _feet(spec, robot) if not _meet(geom, f)]
+            apart = [
+                foot.name
+                for foot in feet
+                if not geom.contype & foot.conaffinity | foot.contype & geom.conaffinity
+            ]
             height = float(data.geom_xpos[geom.id, 2])
             planes.append(_Plane(geom, height, float(np.arccos(up)), apart))
     return planes
-
-
-def _meet(geom: mujoco.MjsGeom, other: mujoco.MjsGeom) -> bool:
-    """Whether the engine detects contacts of two geoms."""
-    return bool(geom.contype & other.conaffinity or other.contype & geom.conaffinity)
-
-
-def _adopt(plane: _Plane, spec: mujoco.MjSpec, robot: Robot) -> Floor:
-    floor, own = plane.geom, scene().geom("floor")
-    floor.name = floor.name or "floor"
-    floor.solref, floor.solimp = own.solref, own.solimp
-    floor.priority = 1 + max(0, *(foot.priority for foot in _feet(spec, robot)))
-    return Floor(str(floor.name), plane.height)
 
 
 def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
@@ -125,11 +114,11 @@ def _refuse_half_a_floor(plane: _Plane, robot: Robot) -> None:
     )
 
 
-def _join_scene(spec: mujoco.MjSpec, robot: Robot) -> Floor:
+def _join_scene(spec: mujoco.MjSpec, feet: list[mujoco.MjsGeom]) -> Floor:
     joined = scene()
     joined.option.timestep = spec.option.timestep  # otherwise the two would conflict
     floor = joined.geom("floor")
-    for foot in _feet(spec, robot):
+    for foot in feet:
         floor.contype |= foot.conaffinity
         floor.conaffinity |= foot.contype
         floor.priority = max(floor.priority, foot.priority + 1)
@@ -143,29 +132,24 @@ def add_bumps(spec: mujoco.MjSpec, floor: Floor, scenario: Scenario) -> None:
 
     Their tops are where the plane was, so that no foot starts within a bump.
     """
+    from scipy.ndimage import gaussian_filter  # slow to import, and seldom needed
+
     way = scenario.path.curve.at(np.linspace(0.0, 1.0, 101))[:, :2]
     low, high = way.min(axis=0) - MARGIN, way.max(axis=0) + MARGIN
     sides = np.clip(np.ceil((high - low) / CELL), 2, MOST_HEIGHTS).astype(int)
     half = (high - low) / 2
+    drawn = np.random.default_rng([scenario.draw, 1]).standard_normal(sides[::-1])
+    smooth = gaussian_filter(drawn, WIDE, mode="nearest")
+    heights = (smooth - smooth.min()) / np.ptp(smooth)  # a row for each y
     spec.add_hfield(
         name=BUMPS,
         ncol=int(sides[0]),
         nrow=int(sides[1]),
         size=[*half.tolist(), scenario.bumps, DEEP],
-        userdata=_heights(sides, scenario.draw).ravel().tolist(),
+        userdata=heights.ravel().tolist(),
     )
     geom = spec.geom(floor.name)
     geom.type = mujoco.mjtGeom.mjGEOM_HFIELD
     geom.hfieldname = BUMPS
     geom.pos = [*((low + high) / 2).tolist(), floor.height - scenario.bumps]
     geom.quat = [1.0, 0.0, 0.0, 0.0]
-
-
-def _heights(sides: Array, draw: int) -> Array:
-    """Heights from 0 to 1, a row for each y, (rows, columns)."""
-    from scipy.ndimage import gaussian_filter  # slow to import, and seldom needed
-
-    drawn = np.random.default_rng([draw, 1]).standard_normal((sides[1], sides[0]))
-    smooth = gaussian_filter(drawn, WIDE, mode="nearest")
-    heights: Array = (smooth - smooth.min()) / np.ptp(smooth)
-    return heights

@@ -32,36 +32,21 @@ def add_imperfections(
     spec: mujoco.MjSpec, robot: Robot, floor: str, scenario: Scenario
 ) -> None:
     """Add those that a scenario asks for."""
-    _require_offsets(robot, scenario)
+    _require_counts(robot, scenario)
     if scenario.floor_stiffness is not None:
-        _soften(spec.geom(floor), scenario.floor_stiffness)
+        # A softer floor is damped less, in proportion. The damping of a stiffer one
+        # stays, since the engine stops sliding feet by it: more would be unstable at
+        # the timesteps of walks.
+        stiffness, geom = scenario.floor_stiffness, spec.geom(floor)
+        before, damping = geom.solref
+        geom.solref = [-stiffness, damping * min(stiffness / -before, 1.0)]
     if slack := scenario.backlash + scenario.dead_band:
         rigid = _mobility(spec, robot)
         _loosen(spec, robot, slack)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
-    if scenario.payload is not None:
-        _load(spec.body(robot.root), *scenario.payload)
-    if scenario.slope is not None:
-        _tilt(spec, *scenario.slope)
-    if scenario.foot_friction is not None:
-        _set_foot_friction(spec, robot, spec.geom(floor), scenario)
-
-
-def _require_offsets(robot: Robot, scenario: Scenario) -> None:
-    given = scenario.zero_offset
-    joints = len(robot.card.joints)
-    if isinstance(given, tuple) and len(given) != joints:
-        raise UsageError(
-            f"zero_offset has {len(given)} values for {joints} joints",
-            f"scenario {scenario.name!r}",
-            "give one for each joint, leg by leg, swing before lift",
-        )
-
-
-def _load(root: mujoco.MjsBody, mass: float, x: float, y: float, z: float) -> None:
-    """A small ball of the mass, which touches nothing, as a body of its own."""
-    if mass:
-        root.add_body(name=PAYLOAD, pos=[x, y, z]).add_geom(
+    if scenario.payload is not None and scenario.payload[0]:
+        mass, *place = scenario.payload
+        spec.body(robot.root).add_body(name=PAYLOAD, pos=place).add_geom(
             name=PAYLOAD,
             type=mujoco.mjtGeom.mjGEOM_SPHERE,
             size=[0.005, 0, 0],
@@ -69,23 +54,28 @@ def _load(root: mujoco.MjsBody, mass: float, x: float, y: float, z: float) -> No
             contype=0,
             conaffinity=0,
         )
+    if scenario.slope is not None:
+        angle, direction = scenario.slope  # what pulls down leans, not the plane z = 0
+        downhill = sin(angle) * cos(direction), sin(angle) * sin(direction)
+        size = float(np.linalg.norm(spec.option.gravity))
+        spec.option.gravity = [size * part for part in (*downhill, -cos(angle))]
+    if scenario.foot_friction is not None:
+        _set_foot_friction(spec, robot, spec.geom(floor), scenario.foot_friction)
 
 
-def _tilt(spec: mujoco.MjSpec, angle: float, direction: float) -> None:
-    """The floor stays the plane z = 0; what pulls down leans instead."""
-    size = float(np.linalg.norm(spec.option.gravity))
-    downhill = sin(angle) * cos(direction), sin(angle) * sin(direction)
-    spec.option.gravity = [size * part for part in (*downhill, -cos(angle))]
-
-
-def _soften(floor: mujoco.MjsGeom, stiffness: float) -> None:
-    """Stiffness of the contact; a softer one is damped less, in proportion.
-
-    The damping of a stiffer one stays, since the engine stops sliding feet by it: more
-    would be unstable at the timesteps of walks.
-    """
-    before, damping = floor.solref
-    floor.solref = [-stiffness, damping * min(stiffness / -before, 1.0)]
+def _require_counts(robot: Robot, scenario: Scenario) -> None:
+    joints, legs = len(robot.card.joints), len(robot.legs)
+    for name, count, what, order in (
+        ("zero_offset", joints, "joints", "joint, leg by leg, swing before lift"),
+        ("foot_friction", legs, "feet", "leg, in the order of their numbers"),
+    ):
+        given = getattr(scenario, name)
+        if isinstance(given, tuple) and len(given) != count:
+            raise UsageError(
+                f"{name} has {len(given)} values for {count} {what}",
+                f"scenario {scenario.name!r}",
+                f"give one for each {order}",
+            )
 
 
 def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:
@@ -112,19 +102,12 @@ def _mobility(spec: mujoco.MjSpec, robot: Robot) -> float:
 
 
 def _set_foot_friction(
-    spec: mujoco.MjSpec, robot: Robot, floor: mujoco.MjsGeom, scenario: Scenario
+    spec: mujoco.MjSpec, robot: Robot, floor: mujoco.MjsGeom, values: tuple[float, ...]
 ) -> None:
     """Friction of each foot, which then counts instead of the floor's.
 
     All that a contact has is taken from one geom, so feet get the floor's stiffness.
     """
-    values = scenario.foot_friction or ()
-    if len(values) != len(robot.legs):
-        raise UsageError(
-            f"foot_friction has {len(values)} values for {len(robot.legs)} feet",
-            f"scenario {scenario.name!r}",
-            "give one for each leg, in the order of their numbers",
-        )
     for leg, value in zip(robot.legs, values, strict=True):
         for name in robot.card.legs[leg].foot:
             foot = spec.geom(name)

@@ -40,28 +40,26 @@ def explicitness(model: mujoco.MjModel) -> float:
     mujoco.mj_fullM(model, data, inertia)
     start = data.qpos.copy()
 
+    def forces() -> Array:  # of springs, dampers and servos on every freedom, (nv,)
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        mujoco.mj_fwdActuation(model, data)
+        total: Array = data.qfrc_passive + data.qfrc_actuator
+        return total
+
     def moved(step: Array) -> Array:
         data.qpos[:] = start
         mujoco.mj_integratePos(model, data.qpos, step, 1.0)
-        return _forces(model, data)
+        return forces()
 
     def moving(velocity: Array) -> Array:
         data.qpos[:], data.qvel[:] = start, velocity
-        return _forces(model, data)
+        return forces()
 
     stiffness = _falls(moved, model.nv)
     damping = _falls(moving, model.nv) - np.diag(model.dof_damping)
     change = np.linalg.solve(inertia, h * damping + h**2 / 2 * stiffness)
     return float(np.linalg.eigvals(change).real.max())
-
-
-def _forces(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    """What springs, dampers and servos do to every degree of freedom, shape (nv,)."""
-    mujoco.mj_fwdPosition(model, data)
-    mujoco.mj_fwdVelocity(model, data)
-    mujoco.mj_fwdActuation(model, data)
-    forces: Array = data.qfrc_passive + data.qfrc_actuator
-    return forces
 
 
 def _falls(forces: Callable[[Array], Array], size: int) -> Array:

@@ -49,8 +49,10 @@ class World:
 
 def build(robot: Robot, scenario: Scenario) -> World:
     """Robot and world, self-contained."""
-    spec = robot.read()
-    _set_options(spec, scenario.timestep)
+    spec, own = robot.read(), scene().option
+    for name in ("integrator", "cone", "impratio", "jacobian"):
+        setattr(spec.option, name, getattr(own, name))
+    spec.option.timestep = scenario.timestep
     floor = ensure_floor(spec, robot)
     _set_contact(spec, robot, floor.name, scenario.friction)
     ensure_servos(spec, robot, servo_settings(scenario, robot.card))
@@ -73,14 +75,6 @@ def load(world: World) -> mujoco.MjModel:
     return compile_model(spec, MODEL)
 
 
-def _set_options(spec: mujoco.MjSpec, timestep: float) -> None:
-    """The solver settings of `scene.xml` for every robot, with the run's timestep."""
-    own = scene().option
-    for name in ("integrator", "cone", "impratio", "jacobian"):
-        setattr(spec.option, name, getattr(own, name))
-    spec.option.timestep = timestep
-
-
 def _set_contact(spec: mujoco.MjSpec, robot: Robot, floor: str, value: float) -> None:
     """Sliding friction of floor and feet, of which the engine takes the floor's.
 
@@ -101,29 +95,17 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     """
     for key in list(spec.keys):
         spec.delete(key)
-    qpos, down = Kinematics(robot).level_qpos, _above(robot, floor)
+    kinematics, place = Kinematics(robot), 0
+    down = float(kinematics.standing.height.min() - floor.height)
+    down = down if abs(down) > AJAR else 0.0
+    qpos = kinematics.level_qpos
     qpos[robot.root_address + 2] -= down
-    for place in _added(spec):
-        qpos = np.insert(qpos, place, 0.0)
-    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))
-    return down
-
-
-def _added(spec: mujoco.MjSpec) -> list[int]:
-    """Places in qpos of the joints that stand for backlash, ascending."""
-    places, at = [], 0
     for joint in spec.joints:
         if joint.name.startswith(BACKLASH):
-            places.append(at)
-        at += SIZES.get(joint.type, 1)
-    return places
-
-
-def _above(robot: Robot, floor: Floor) -> float:
-    """How far the lowest foot is above the floor; 0 where it is next to nothing [m]."""
-    stance = Kinematics(robot).standing
-    above = float(stance.height.min() - floor.height)
-    return above if abs(above) > AJAR else 0.0
+            qpos = np.insert(qpos, place, 0.0)
+        place += SIZES.get(joint.type, 1)
+    spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))
+    return down
 
 
 def _ctrl(spec: mujoco.MjSpec, robot: Robot) -> list[float]:

@@ -12,12 +12,8 @@ from models import Robot
 CONTACT_FIELDS = 10  # found 1, force 3, position 3, relative velocity 3
 SELF_CONTACT = "self_contact"  # sensor of any contact of the robot with itself
 _DATA = mujoco.mjtConDataField
-_FIELDS = (
-    _DATA.mjCONDATA_FOUND,
-    _DATA.mjCONDATA_FORCE,
-    _DATA.mjCONDATA_POS,
-    _DATA.mjCONDATA_LINVEL,
-)
+_FOUND, _FORCE = 1 << int(_DATA.mjCONDATA_FOUND), 1 << int(_DATA.mjCONDATA_FORCE)
+_PLACE, _SPEED = 1 << int(_DATA.mjCONDATA_POS), 1 << int(_DATA.mjCONDATA_LINVEL)
 _MANY = 4  # contacts of a foot, of which the engine tells
 _SLOTS = {mujoco.mjtGeom.mjGEOM_SPHERE: 1, mujoco.mjtGeom.mjGEOM_CAPSULE: 2}
 
@@ -31,6 +27,7 @@ def ensure_sensors(
     """
     slots = {} if uneven else _SLOTS
     for geom in robot.card.feet:
+        most = slots.get(spec.geom(geom).type, _MANY)
         _ensure(
             spec,
             name=contact_sensor(geom),
@@ -39,11 +36,7 @@ def ensure_sensors(
             objname=floor,
             reftype=mujoco.mjtObj.mjOBJ_GEOM,
             refname=geom,
-            intprm=[
-                sum(1 << int(field) for field in _FIELDS),
-                0,
-                slots.get(spec.geom(geom).type, _MANY),
-            ],
+            intprm=[_FOUND | _FORCE | _PLACE | _SPEED, 0, most],
         )
     _ensure(
         spec,
@@ -52,7 +45,6 @@ def ensure_sensors(
         objtype=mujoco.mjtObj.mjOBJ_BODY,
         objname=robot.root,
     )
-
     _ensure(
         spec,
         name=SELF_CONTACT,
@@ -61,7 +53,7 @@ def ensure_sensors(
         objname=robot.root,
         reftype=mujoco.mjtObj.mjOBJ_XBODY,
         refname=robot.root,
-        intprm=[1 << int(_DATA.mjCONDATA_FOUND), 0, 1],
+        intprm=[_FOUND, 0, 1],
     )
 
 

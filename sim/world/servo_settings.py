@@ -14,38 +14,22 @@ SOFT_STIFFNESS = 300.0  # [N m/rad]; docs/fidelity.md has the errors of softer s
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServoSettings:
-    """Servos as they are simulated; None leaves a number to the robot's file.
+    """Servos as they are simulated; None leaves a number to the robot's file."""
 
-    Attributes:
-        name: `ideal`, or the make.
-        stiffness: Torque an error [N m/rad].
-        damping: Torque a speed [N m s/rad].
-        damping_ratio: Damping against the critical one, where it is not given as such.
-        torque: Largest torque [N m]; None for no limit but the file's.
-        speed: Speed at which no torque is left [rad/s].
-        rate: Commands a second; 0 for one a physics step.
-        resolution: Angle of a count [rad]; 0 for none.
-        feed_forward: Whether commands make up for what loads bend; None decides by the
-            stiffness.
-    """
-
-    name: str
-    stiffness: float | None
-    damping: float | None
-    damping_ratio: float | None
-    torque: float | None
-    speed: float | None
-    rate: float
-    resolution: float
-    feed_forward: bool | None
+    name: str  # `ideal`, or the make
+    stiffness: float | None  # torque an error [N m/rad]
+    damping: float | None  # torque a speed [N m s/rad]
+    damping_ratio: float | None  # against the critical one, where no damping is given
+    torque: float | None  # largest [N m]; None for no limit but the file's
+    speed: float | None  # at which no torque is left [rad/s]
+    rate: float  # commands a second; 0 for one a physics step
+    resolution: float  # angle of a count [rad]; 0 for none
+    feed_forward: bool | None  # whether to make up for loads; None by the stiffness
 
     def feeds_forward(self, stiffness: float) -> bool:
         """Whether commands make up for loads, on servos of a stiffness [N m/rad]."""
-        return (
-            stiffness < SOFT_STIFFNESS
-            if self.feed_forward is None
-            else self.feed_forward
-        )
+        soft, asked = stiffness < SOFT_STIFFNESS, self.feed_forward
+        return soft if asked is None else asked
 
     def table(self, simulated: tuple[float, float] | None) -> dict[str, object]:
         """As summary.json has it."""

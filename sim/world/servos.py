@@ -38,7 +38,8 @@ def ensure_servos(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> No
     for joint in robot.card.joints:
         servo = _only_servo(spec, joint) or _add_servo(spec, robot, joint)
         servo.dyntype = mujoco.mjtDyn.mjDYN_NONE
-        _gear_down(servo)
+        if servo.gear[0] != 1:
+            _gear_down(servo)
         _tune(servo, asked)
 
 
@@ -108,10 +109,7 @@ def _add_servo(spec: mujoco.MjSpec, robot: Robot, joint: str) -> mujoco.MjsActua
 
 def _gear_down(servo: mujoco.MjsActuator) -> None:
     """Replace a servo behind a gear by its equal on the joint itself."""
-    gear = servo.gear[0]
-    if gear == 1:
-        return
-    servo.gear[0] = 1
+    gear, servo.gear[0] = servo.gear[0], 1
     servo.gainprm[0] *= gear**2
     servo.biasprm[1] *= gear**2
     if servo.biasprm[2] < 0:  # otherwise it is a damping ratio, which no gear changes

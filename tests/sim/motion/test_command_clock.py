@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.motion.command_clock import command_at, step_of
+from sim.motion.schedule import command_at, step_of
 
 
 @pytest.mark.parametrize("rate", [50.0, 60.0, 333.0, 1000.0])
