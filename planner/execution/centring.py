@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import accumulate, groupby, product
+from itertools import product
 
 from planner.numerics.arrays import Array
 from planner.systems.flows import Flow
@@ -35,13 +35,11 @@ class _Visit:
     @cached_property
     def runs(self) -> list[tuple[str, float]]:
         """Fields of the strokes in turn, each with its whole duration."""
-        joined = groupby(
-            (flow for _, flow in self.strokes), key=lambda flow: flow.field
-        )
-        durations = (
-            (name, accumulate(f.duration for f in run)) for name, run in joined
-        )
-        return [(name, list(sums)[-1]) for name, sums in durations]
+        runs = list[tuple[str, float]]()
+        for _, flow in self.strokes:
+            before = runs.pop()[1] if runs and runs[-1][0] == flow.field else 0.0
+            runs.append((flow.field, before + flow.duration))
+        return runs
 
     def load(self, rates: Mapping[str, float]) -> tuple[float, float] | None:
         """Middle and end of a coordinate's strokes, from their start; None if none."""

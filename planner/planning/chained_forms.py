@@ -14,9 +14,11 @@ slope of the next against z1.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import permutations
+from typing import cast
 
 import numpy as np
 import sympy as sp
@@ -72,10 +74,10 @@ class ChainedForm:
 
     @cached_property
     def _value(self) -> Callable[..., list[float]]:
-        compiled: Callable[..., list[float]] = sp.lambdify(
-            self.system.state, self.coordinates, modules="numpy", cse=True
+        state, z = self.system.state, self.coordinates
+        return cast(
+            Callable[..., list[float]], sp.lambdify(state, z, "numpy", cse=True)
         )
-        return compiled
 
     def at(self, x: ArrayLike) -> Array:
         """Coordinates z of a configuration, both of shape (n,)."""
@@ -127,10 +129,8 @@ def chained_form(
     if outputs is not None:
         return _formed(system, columns, outputs)
     for along, across in permutations(system.state, 2):
-        try:
+        with suppress(PlannerError):
             return _formed(system, columns, FlatOutputs(along, across))
-        except PlannerError:
-            continue
     raise PlannerError(
         "no two coordinates are flat outputs of a chained form; declare functions that "
         "are, or plan with elements"

@@ -33,9 +33,8 @@ def stratum_at(system: StratifiedSystem, x: ArrayLike) -> str:
 
     def is_on(stratum: str) -> bool:
         level_set = system.level_set(stratum)
-        return not level_set.functions or bool(
-            np.abs(level_set.value(state)).max() <= ON_GROUND
-        )
+        free = not level_set.functions
+        return free or bool(np.abs(level_set.value(state)).max() <= ON_GROUND)
 
     on = list(filter(is_on, system.strata))
     if not on:
@@ -119,8 +118,7 @@ def _joined(
     """The plan with feet set down after its first stay and raised before its last."""
     flows = list(planned.flows)
     first = _stay(flows, planned.depart)
-    last = len(flows) - _stay(flows[::-1], planned.arrive)
-    last = max(first, last)
+    last = max(first, len(flows) - _stay(flows[::-1], planned.arrive))
     joined = [*flows[:first], *landing, *flows[first:last], *lifting, *flows[last:]]
     shifted = [
         end + len(landing) * (end >= first) + len(lifting) * (end > last)

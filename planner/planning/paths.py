@@ -73,6 +73,8 @@ def waypoints(points: Sequence[ArrayLike]) -> Path:
         >>> waypoints([(0, 0), (1, 0), (1, 1)]).corners
         (0.5,)
     """
+    if len(points) < 2:
+        raise ValueError(f"a path needs at least 2 points, got {len(points)}")
     knots, where = _by_length(_configurations(points))
     if len(knots) == 1:
         return Path(lambda s: np.repeat(knots, s.size, axis=0))
@@ -112,7 +114,7 @@ def ellipse(start: ArrayLike, semi_axes: tuple[float, float]) -> Path:
         >>> ellipse((0, 0), (2, 1))(0.25)
         array([-2.,  1.])
     """
-    (origin,) = _configurations([start], least=1)
+    (origin,) = _configurations([start])
     if origin.size < 2:
         raise ValueError(f"an ellipse needs two coordinates, got {origin.size}")
     a, b = semi_axes
@@ -165,9 +167,7 @@ def recut(path: Path, cuts: Array) -> Path:
     return Path(lambda s: path.at(np.interp(s, even, cuts)), tuple(kept.tolist()))
 
 
-def _configurations(points: Sequence[ArrayLike], least: int = 2) -> Array:
-    if len(points) < least:
-        raise ValueError(f"a path needs at least {least} points, got {len(points)}")
+def _configurations(points: Sequence[ArrayLike]) -> Array:
     rows = [np.asarray(point, dtype=float) for point in points]
     for k, row in enumerate(rows):
         if row.ndim != 1 or row.shape != rows[0].shape:
