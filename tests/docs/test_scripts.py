@@ -12,6 +12,7 @@ from scripts import (
     show_outputs,
     torture,
 )
+from sim import load_scenario
 
 PAGE = """Before.
 
@@ -60,25 +61,36 @@ def test_pictures_of_brackets_are_drawn(tmp_path):
 def test_short_walks_are_drawn_by_how_they_were_planned(tmp_path):
     ways = ("printed", "shortest", "optimised")
     studies = {
-        name: [short_walks.Point(name, way, "", 80.0, 0.02, 0.1) for way in ways]
-        for name in short_walks.SCENARIOS
+        name: [short_walks.Point(way, 80.0, 0.02, 0.1) for way in ways]
+        for name in short_walks.SEGMENTS
     }
     picture = tmp_path / "walks.svg"
     short_walks.draw(studies, picture)
     assert picture.read_text().count('id="axes_') == len(studies)
 
 
-def test_a_plan_is_told_by_its_time_and_its_path_deviation():
-    changes = {"path.goal": [0.02, 0.0, 0.0], "segments": 2}
-    point = short_walks.planned("line", "printed", "2", changes)
-    assert point.seconds > 1.0
-    assert 0.0 < point.position < 0.02
-    assert f"{point.seconds:9.1f}" in str(point)
+def test_a_plan_is_shown_by_its_time_and_its_path_deviation(monkeypatch, capsys):
+    short = {"path.goal": [0.02, 0.0, 0.0], "segments": 2}
+    monkeypatch.setattr(
+        short_walks,
+        "load_scenario",
+        lambda name, more: load_scenario(name, short | more),
+    )
+    monkeypatch.setattr(short_walks, "SEGMENTS", {"line": (2,)})
+    monkeypatch.setattr(short_walks, "WIDER", ())
+    points = short_walks.study("line")
+    shown = capsys.readouterr().out.splitlines()
+    assert [point.way for point in points] == ["printed", "shortest", "printed"]
+    for point, line in zip(points, shown, strict=True):
+        assert point.seconds > 1.0
+        assert 0.0 < point.position < 0.02
+        assert f"{point.way}, " in line
+        assert f"{point.seconds:9.1f}{1e3 * point.position:16.1f}" in line
 
 
 def test_a_row_of_the_planners_table_says_what_the_page_says(monkeypatch):
     """The peers' columns are left out: they take seconds each, and may be missing."""
-    cells = planner_table.row("heisenberg").split(" | ")
+    cells = [str(cell) for cell in planner_table.row("heisenberg")]
     page = (show_outputs.ROOT / "docs" / "planner-table.md").read_text()
     (shown,) = (line for line in page.splitlines() if line.startswith("| heisenberg |"))
     assert cells[:8] == shown.strip("| ").split(" | ")[:8]
