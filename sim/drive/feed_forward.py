@@ -2,13 +2,10 @@
 
 A servo is a spring: a joint that bears a torque rests away from its command by torque
 over stiffness, and a moving one lags by damping times speed over stiffness. Commands
-ahead of the intended angles by as much leave the joints where they should be.
-
-The torques are measured by walking beforehand on very stiff servos, whose joints are
-where they should be; they include the friction between standing feet. They do not
-depend on where on the floor the robot is, so that a walk that is planned on the way is
-rehearsed stretch by stretch. The rehearsing robot has no imperfections, because those
-of the walking robot are not known.
+ahead of the intended angles by as much leave the joints where they should be. The
+torques, friction between standing feet included, are measured by walking beforehand,
+stretch by stretch, on very stiff servos and without the imperfections of the walking
+robot, which are not known.
 """
 
 from __future__ import annotations

@@ -1,16 +1,13 @@
 """Counts of lift joints, such that standing feet keep their load; and their torques.
 
-On servos with counts, one count of a lift joint moves its foot about as far as the
-foot's load bends the servo. A standing leg whose joint changed by a count whenever its
-load changed a little would lift off. A lift joint therefore keeps one count for as long
-as the same feet stand. A foot that lifts off or touches down crosses the heights at
-which it may touch in a single command, and the standing feet change their counts in
-that same command, while the load is transferred.
-
-By how much loads bend the servos follows from statics. Rounding it to counts depends on
-the height of the body, on which nothing else depends: the height is chosen such that
-counts change least from one set of standing feet to another, because every change
-displaces the body.
+One count of a lift joint moves its foot about as far as the foot's load bends the
+servo, so that a standing leg whose joint changed by a count with its load would lift
+off. A lift joint therefore keeps one count for as long as the same feet stand. A foot
+that lifts off or touches down crosses the heights at which it may touch in a single
+command, in which the standing feet change their counts, too. How much loads bend the
+servos follows from statics; the height of the body, on which nothing else depends, is
+chosen such that the rounded counts change least from one set of standing feet to
+another.
 """
 
 from __future__ import annotations

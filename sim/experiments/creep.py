@@ -1,8 +1,7 @@
 """Creep floor: the slip of a robot that merely stands.
 
 Soft contacts let a loaded foot creep, more slowly as the stresses between the feet
-relax. It is measured on a robot that stands for as long as the walk takes. Long stands
-are cut off and extrapolated at the rate of their last second.
+relax. It is measured on a robot that stands for as long as the walk takes.
 """
 
 from __future__ import annotations

@@ -1,13 +1,10 @@
 """Identification: a robot's fields measured by short experiments.
 
-Each experiment follows one field of one stratum. It brings the legs through the air to
-one end of the field's swing, steps onto the stratum, swings to the other end, and reads
-the pose of the body meanwhile. No model of the contacts is involved. Below `SPEED` the
-physics does not depend on speed, so that slower experiments are not needed.
-
-A stroke that was not used to measure a field confirms it. It goes in the opposite
-direction and over the whole range of the joints; a measured field is used as far as it
-predicts this stroke, and not beyond.
+Each experiment brings the legs through the air to one end of a field's swing, steps
+onto its stratum, swings to the other end, and reads the pose of the body meanwhile,
+without any model of the contacts. Below `SPEED` the physics does not depend on speed. A
+stroke in the opposite direction over the whole range of the joints confirms the field;
+it is used as far as it predicts this stroke, and not beyond.
 """
 
 from __future__ import annotations

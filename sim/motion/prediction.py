@@ -1,12 +1,10 @@
 """Predictions for a schedule: pose, slip and stability margin at any step.
 
-Ideal, quasi-static and identified predictions are the same computation with different
-twist models. The body stands still during lift-offs and touchdowns and stays level.
-
-Least margins and clearances of a walk are taken over `inspections`: the end of every
-phase and steps at even distances before it, in which legs swing by at most 0.02 rad, so
-that they do not depend on how often states are recorded. A smooth minimum is missed by
-at most the length of a leg times half of 0.01 squared, which is five micrometres.
+All predictions are the same computation with different twist models; the body stays
+level, and still during lift-offs and touchdowns. Least margins and clearances of a walk
+are taken over `inspections`: the end of every phase and steps before it in which legs
+swing by at most 0.02 rad, however often states are recorded. A smooth minimum is missed
+by at most the length of a leg times half of 0.01 squared, which is five micrometres.
 """
 
 from __future__ import annotations

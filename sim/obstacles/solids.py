@@ -1,9 +1,8 @@
 """Solid parts of a robot seen from above, the floor below them, and its outline.
 
 Every part is a convex core widened by a radius: a point for a sphere, a segment for a
-capsule, the hull of its corners for a box or a mesh. Distances are therefore exact, and
-nothing round is approximated by polygons. Cylinders and ellipsoids are covered by the
-capsule and the box around them.
+capsule, the hull of its corners for a box or a mesh, so that distances are exact.
+Cylinders and ellipsoids are covered by the capsule and the box around them.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """Walks in the physics: open loop, or planned again from every pose that is reached.
 
-The result is a `Walk`; `evaluation` compares it with its predictions.
-
-A robot that is not as it should be misses every segment by much the same: its feet are
-not where they should be, its floor leans. Planning from the pose makes good what was
-missed, one segment late. What is likely to be missed can be allowed for beforehand; for
-that, all segments bring the legs back to angle 0, as otherwise only the last one does.
+A robot that is not as it should be misses every segment by much the same. Planning from
+the pose makes good what was missed, one segment late; what is likely to be missed can
+be allowed for beforehand, for which all segments bring the legs back to angle 0, as
+otherwise only the last one does.
 """
 
 from __future__ import annotations

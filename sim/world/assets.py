@@ -1,9 +1,8 @@
 """Files that belong to a robot: its MJCF and card, meshes, textures, height fields.
 
 What model.xml names is gathered from wherever the MJCF, its includes and its attached
-parts keep it, so that a model that is written to another folder finds its own copies.
-The robot's own files are copied unchanged beside model.xml, whose numbers MuJoCo
-rounds: a rerun from the copies is planned with the same digits.
+parts keep it. The robot's own files are copied unchanged beside model.xml, whose
+numbers MuJoCo rounds: a rerun from the copies is planned with the same digits.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Position servos of the leg joints: the robot's own, or those of its card.
 
-Motors and other actuators of a leg joint are removed in favour of its servo, those that
-move it by a tendon or a site included, and equations that couple leg joints no longer
-hold. A servo behind a gear is replaced by the same servo on the joint itself, so that
-commands are angles. `Channels` assigns the servos to legs.
+Motors and all other actuators that move a leg joint give way to its servo, and
+equations that couple leg joints no longer hold. A servo behind a gear is replaced by
+the same servo on the joint itself, so that commands are angles.
 """
 
 from __future__ import annotations
