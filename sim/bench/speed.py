@@ -23,13 +23,12 @@ import numpy as np
 from planner.support import best_so_far, limited
 from sim.bench import planner_speed
 from sim.bench.row import Row, median, paired, seconds
-from sim.motion.schedule import Scheduler
 from sim.optimisation.judging import Judge
 from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder
 from sim.planning.open_loop import plan_open_loop
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup, prepare
 from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
@@ -91,9 +90,8 @@ def _stop_if_found(stage: str, done: float) -> None:
 
 def simulation(setup: Setup) -> Iterator[Row]:
     """The simulate stage against a bare Python loop over the same commands."""
-    scheduler = Scheduler(setup.limits, setup.at_rest)
-    schedule_flows(setup, scheduler, plan_open_loop(setup).segments())
-    ctrl = np.concatenate(list(setup.commands(scheduler.finish(), STEPS)))
+    schedule = scheduled(setup, plan_open_loop(setup).segments())
+    ctrl = np.concatenate(list(setup.commands(schedule, STEPS)))
 
     def staged() -> None:
         sensors = Sensors(setup.model, setup.robot)

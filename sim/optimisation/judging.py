@@ -20,11 +20,11 @@ from planner.execution import stepped
 from sim.experiments.predictions import twist_model
 from sim.motion.path_deviation import PathDeviation, path_deviation
 from sim.motion.prediction import Predictor, inspections
-from sim.motion.schedule import Schedule, Scheduler
+from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import surroundings
 from sim.planning.bounds import ClearanceBound
 from sim.planning.forecast import ForeseenStretch
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 from sim.scenarios.predictions import IDEAL, QUASI_STATIC
 
@@ -133,9 +133,7 @@ class Judge:
 
     def schedule(self, segments: Sequence[Sequence[Flow]]) -> Schedule:
         """The commands of flows, without holds."""
-        scheduler = Scheduler(self.setup.limits, self.setup.at_rest)
-        schedule_flows(self.setup, scheduler, segments)
-        return scheduler.finish()
+        return scheduled(self.setup, segments)
 
     def _predictor(self, schedule: Schedule) -> Predictor:
         return Predictor(schedule, real_twists(self.setup), self.setup.kinematics)

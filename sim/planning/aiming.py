@@ -9,6 +9,7 @@ the nominal path. The resulting plan is still open loop.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import accumulate
 
 import numpy as np
 
@@ -30,22 +31,13 @@ def plan_along(
     setup: Setup, path: Path, coordinates: Coordinates | None = None
 ) -> Plan:
     """One plan for a whole path, in the scenario's coordinates if none are given."""
-    return plan(
-        setup.extended,
-        path,
-        setup.scenario.segments,
-        execution=replace(
-            setup.execution(), coordinates=coordinates or setup.coordinates
-        ),
-    )
+    followed = coordinates or setup.coordinates
+    execution = replace(setup.execution(), coordinates=followed)
+    return plan(setup.extended, path, setup.scenario.segments, execution=execution)
 
 
 def plan_towards(
-    setup: Setup,
-    segment: int,
-    target: Array,
-    pose: Array,
-    swing: tuple[float, ...],
+    setup: Setup, segment: int, target: Array, pose: Array, swing: tuple[float, ...]
 ) -> Step:
     """Plan one segment from the pose reached to a target, both in the start frame.
 
@@ -64,10 +56,6 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     coordinates were chosen anew in each round, the prediction would jump. It still
     jumps where a bracket changes its sign; there a segment may end beside the path by
     a small part of its length.
-
-    Raises:
-        PlannerError: If there is no plan, or one of the plans leaves the joint range.
-        ConvergenceError: If no aim makes the prediction meet the nominal path.
     """
     nominal = setup.nominal()
     goals = np.array([nominal(s)[:3] for s in grid(nominal, setup.scenario.segments)])
@@ -107,10 +95,6 @@ def steer_towards(
 
     A segment that the joint range cuts short is left as it is. Where the prediction
     jumps because other words become cheaper, the closest attempt is taken.
-
-    Raises:
-        PlannerError: If the target cannot be approached from there.
-        ConvergenceError: If no aim makes the prediction meet it.
     """
     wanted = relative(pose, target)
     aim, best, least = wanted, None, np.inf
@@ -153,9 +137,7 @@ def segment_ends(
 
 def _path(setup: Setup, start: Array, aims: Array) -> Path:
     """Straight from aim to aim, each taking an equal share of s."""
-    poses = [start]
-    for aim in aims:
-        poses.append(compose(poses[-1], aim))
+    poses = accumulate(aims, compose, initial=start)
     knots = np.array([setup.state(pose) for pose in poses])
     where = np.linspace(0.0, 1.0, len(knots))
 

@@ -6,9 +6,8 @@ scenario. The planner decides how finely, from the slack that this module comput
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -33,24 +32,17 @@ NOMINAL_SAMPLES = 400  # of the nominal path, spread over its segments
 FINEST_SEGMENT = 1e-3  # of the path; shorter segments would not be followed either
 
 
-class Bound(Protocol):
-    """A lower bound on a quantity along a walk."""
-
-    def slack(self, setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
-        """Slack in each segment; a bound that no division can keep is refused."""
-        ...
-
-
 def within_bounds(setup: Setup) -> Setup:
     """Divide the nominal path until the predicted motion keeps the scenario's bounds.
 
-    A scenario that sets no bounds is left as it is.
-
-    Raises:
-        BoundError: If they cannot be kept; it says where, and what could be.
-        PlannerError: If there is no plan.
+    A scenario that sets no bounds is left as it is. The error of bounds that cannot be
+    kept says where, and what could be.
     """
-    bounds = tuple(_bounds(setup))
+    scenario, bounds = setup.scenario, list[MarginBound | ClearanceBound]()
+    if scenario.min_margin is not None:
+        bounds.append(MarginBound(scenario.min_margin))
+    if scenario.obstacles and scenario.min_clearance >= 0:
+        bounds.append(ClearanceBound(surroundings(setup), scenario.min_clearance))
     if not bounds:
         return setup
 
@@ -65,30 +57,28 @@ def within_bounds(setup: Setup) -> Setup:
         except ResolutionError as error:
             if np.diff(cuts)[list(error.segments)].min() < FINEST_SEGMENT:
                 raise
-            return [_unresolved(tried, error.segments)]
+            unresolved = np.zeros(len(cuts) - 1)
+            unresolved[list(error.segments)] = 1.0
+            return [_left_out("resolution", unresolved)]
         if min((stage.fraction for stage in stages), default=1.0) < 1:
-            return [_cut_short(tried, stages)]
+            beyond = np.zeros(len(cuts) - 1)
+            for stage in stages:
+                beyond[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
+            return [_left_out("joint range", beyond)]
         return [bound.slack(tried, stages) for bound in bounds]
 
-    cuts = grid(setup.scenario.path.curve, setup.scenario.segments)
+    cuts = grid(scenario.path.curve, scenario.segments)
     return setup.recut(subdivide(cuts, slacks))
 
 
 def _reach(setup: Setup) -> Slack:
     """Slack of the joint range in each segment [rad]."""
-    planned = plan(
-        setup.extended,
-        setup.nominal(),
-        setup.scenario.segments,
-        execution=Execution(
-            stance=setup.stance, static_stability=setup.equations.static_stability
-        ),
-    )
+    stability, segments = setup.equations.static_stability, setup.scenario.segments
+    execution = Execution(stance=setup.stance, static_stability=stability)
+    planned = plan(setup.extended, setup.nominal(), segments, execution=execution)
     shape, flows = setup.extended.shape, planned.flows
-    segment = np.repeat(
-        np.arange(len(planned.segment_ends)),
-        np.diff(planned.segment_ends, prepend=0),
-    )
+    lengths = np.diff(planned.segment_ends, prepend=0)
+    segment = np.repeat(np.arange(len(lengths)), lengths)
     standing, walking = np.inf, np.full(len(planned.segment_ends), np.inf)
     for name, (low, high) in setup.equations.limits.items():
         angle = shape.trajectory(shape.names.index(name), flows, 0.0)[1:]
@@ -100,27 +90,9 @@ def _reach(setup: Setup) -> Slack:
     return Slack("joint range", 0.0, full, walking, law=1.0)
 
 
-def _unresolved(setup: Setup, segments: Sequence[int]) -> Slack:
-    """Segments to be divided because no inputs follow the path along them."""
-    walking = np.zeros(setup.scenario.segments)
-    walking[list(segments)] = -1.0
-    return Slack("resolution", 0.0, np.ones_like(walking), walking, law=1.0)
-
-
-def _cut_short(setup: Setup, stages: Sequence[ForeseenStretch]) -> Slack:
-    """Part of each segment that lies beyond the joint range."""
-    too_long = np.zeros(setup.scenario.segments)
-    for stage in stages:
-        too_long[stage.schedule.phases[-1].segment] = 1 / stage.fraction - 1
-    return Slack("joint range", 0.0, np.ones_like(too_long), -too_long, law=1.0)
-
-
-def _bounds(setup: Setup) -> Iterable[Bound]:
-    scenario = setup.scenario
-    if scenario.min_margin is not None:
-        yield MarginBound(scenario.min_margin)
-    if scenario.obstacles and scenario.min_clearance >= 0:
-        yield ClearanceBound(surroundings(setup), scenario.min_clearance)
+def _left_out(bound: str, parts: Array) -> Slack:
+    """Slack where parts of the segments, (segments,), are not followed for a reason."""
+    return Slack(bound, 0.0, np.ones_like(parts), -parts, law=1.0)
 
 
 @dataclass(frozen=True)
@@ -136,13 +108,11 @@ class MarginBound:
             segment = stage.segment(stage.rows)
             np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
         if margins.min() >= self.least:
-            room = np.ones(setup.scenario.segments)
-            return self._slack(room, margins)
+            return self._slack(np.ones_like(margins), margins)
         stratum, most = _standing_margin(setup)
         if most <= self.least:
             raise self._refusal(stratum, most, float(margins.min()))
-        standing = np.full(setup.scenario.segments, most - self.least)
-        return self._slack(standing, margins)
+        return self._slack(np.full_like(margins, most - self.least), margins)
 
     def _slack(self, standing: Array, margins: Array) -> Slack:
         left = margins - self.least
@@ -183,14 +153,14 @@ class ClearanceBound:
         standing = self._standing(setup)
         walking = np.full(setup.scenario.segments, np.inf)
         for stage in stages:
-            rows, clearance = self._swept(stage)
-            np.minimum.at(walking, stage.segment(rows), clearance)
+            segment = stage.segment(stage.rows[:-1])
+            np.minimum.at(walking, segment, self._swept(stage))
         room, left = standing - self.least, walking - self.least
         return Slack("min_clearance", self.least, room, left, unit="m")
 
     def least_of(self, stage: ForeseenStretch) -> float:
         """Least clearance of a stretch of motion [m]."""
-        return float(self._swept(stage)[1].min())
+        return float(self._swept(stage).min())
 
     def _standing(self, setup: Setup) -> Array:
         """Clearance along the nominal path on any stratum, shape (segments,) [m]."""
@@ -222,11 +192,10 @@ class ClearanceBound:
             f"{missing:.1f} mm more room there, or lower min_clearance"
         )
 
-    def _swept(self, stage: ForeseenStretch) -> tuple[Array, Array]:
-        """Rows, and a lower bound on the clearance after each of them, (T,) [m]."""
+    def _swept(self, stage: ForeseenStretch) -> Array:
+        """A lower bound on the clearance after each row but the last, (T - 1,) [m]."""
         rows = stage.rows
-        clearance = self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
-        return rows[:-1], clearance
+        return self._between(stage, np.stack([rows[:-1], rows[1:]], axis=1))
 
     def _between(self, stage: ForeseenStretch, pairs: Array) -> Array:
         """A lower bound of the clearance between pairs of rows, shape (K, 2).

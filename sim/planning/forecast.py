@@ -18,9 +18,9 @@ from planner import Array
 from planner.support import tick
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor, inspections
-from sim.motion.schedule import Schedule, Scheduler
+from sim.motion.schedule import Schedule
 from sim.planning.open_loop import plan_open_loop, plan_segment, segment_target
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
 
@@ -60,22 +60,13 @@ class ForeseenStretch:
 
 
 def foresee(setup: Setup) -> list[ForeseenStretch]:
-    """The stretches of a walk in time order: one open loop, or one for each segment.
-
-    Raises:
-        PlannerError: If there is no plan.
-    """
+    """The stretches of a walk in time order: one open loop, or one for each segment."""
     twists = twist_model(setup, setup.scenario.steered_on)
-    stages = _replanned if setup.scenario.replan else _open_loop
-    return list(stages(setup, twists))
-
-
-def _open_loop(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
-    scheduler = Scheduler(setup.limits, setup.at_rest)
-    schedule_flows(setup, scheduler, plan_open_loop(setup).segments())
-    schedule = scheduler.finish()
-    if schedule.phases:
-        yield ForeseenStretch(Predictor(schedule, twists, setup.kinematics))
+    if setup.scenario.replan:
+        return list(_replanned(setup, twists))
+    schedule = scheduled(setup, plan_open_loop(setup).segments())
+    predictor = Predictor(schedule, twists, setup.kinematics)
+    return [ForeseenStretch(predictor)] if schedule.phases else []
 
 
 def _replanned(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
@@ -83,9 +74,7 @@ def _replanned(setup: Setup, twists: TwistModel) -> Iterator[ForeseenStretch]:
     for segment in range(setup.scenario.segments):
         tick()
         step = plan_segment(setup, segment, pose, shape.swing)
-        scheduler = Scheduler(setup.limits, shape, segment=segment)
-        schedule_flows(setup, scheduler, step.plan.segments())
-        schedule = scheduler.finish()
+        schedule = scheduled(setup, step.plan.segments(), shape, segment)
         predictor = Predictor(schedule, twists, setup.kinematics, tuple(pose))
         shape = schedule.end
         if schedule.phases:

@@ -13,8 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from models import TwistModel
-from planner import Array, Flow, Plan, merged, rollout
+from planner import Flow, Plan, merged, rollout
 from planner.planning import Step, grid, require_segments
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import compose, nearest_turn, relative
@@ -29,30 +28,26 @@ RANGE_ROUNDING = 1e-9  # [rad], beyond the joint range
 def plan_open_loop(setup: Setup) -> Plan:
     """One plan for the whole path.
 
-    Raises:
-        PlannerError: If there is none, or it leaves the joint range.
+    Errors of printed words nearly cancel from one segment to the next, so that plans on
+    the ideal fields need no aiming; those of the shortest words add up.
     """
-    _require_segments(setup)
+    scenario = setup.scenario
+    require_segments(scenario.segments, scenario.path.curve)
     if setup.servo.resolution:
         return _on_counts(setup)
-    twists = _steered_on(setup)
-    if twists is None:
+    if scenario.steer == "ideal" and scenario.words == "printed":
         return plan_along(setup, setup.nominal())
-    return steer_along(setup, twists)
+    return steer_along(setup, twist_model(setup, scenario.steered_on))
 
 
 def plan_replanned(setup: Setup) -> Plan:
-    """All segments, each planned from the state that the exact kinematics reached.
-
-    Raises:
-        PlannerError: If a target cannot be approached.
-    """
+    """All segments, each planned from the state that the exact kinematics reached."""
     groups, state, plans = len(setup.robot.groups), setup.nominal()(0.0), list[Plan]()
     for segment in range(setup.scenario.segments):
         pose, swing = state[:3], tuple(state[3 : 3 + groups])
         plans.append(plan_segment(setup, segment, pose, swing).plan)
         state = rollout(plans[-1])[-1]
-    return joined(setup, plans)
+    return _joined(setup, plans)
 
 
 def plan_segment(
@@ -62,18 +57,12 @@ def plan_segment(
     swing: tuple[float, ...],
     missing: np.ndarray | None = None,
 ) -> Step:
-    """Plan one segment from the pose reached to its end on the nominal path.
+    """Plan a segment, from 0 on, from the pose reached to its end on the nominal path.
 
-    The predicted end meets the target. The error of the paper's words is not left to
-    the next segment, since there may be none.
-
-    Args:
-        setup: What to walk.
-        segment: Its number, from 0.
-        pose: Pose reached, in the start frame, shape (3,).
-        swing: Angle of every group [rad].
-        missing: By how much it is expected to end off its prediction, seen from where
-            it starts, shape (3,); it is aimed as much to the other side.
+    The predicted end meets the target; the error of the paper's words is not left to
+    the next segment, since there may be none. Where it is expected to end off its
+    prediction by what is missing, shape (3,), seen from where it starts, it is aimed as
+    much to the other side. The groups swing by angles in radians.
     """
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
@@ -81,7 +70,7 @@ def plan_segment(
         target = compose(here, relative(here, target) - missing)
     twists = twist_model(setup, setup.scenario.steered_on)
     step = steer_towards(setup, twists, segment, target, here, swing)
-    return on_counts(setup, step, swing)
+    return _step_on_counts(setup, step, swing)
 
 
 def _on_counts(setup: Setup) -> Plan:
@@ -96,39 +85,21 @@ def _on_counts(setup: Setup) -> Plan:
     for segment in range(setup.scenario.segments):
         plan = plan_segment(setup, segment, pose, swing).plan
         pose = compose(pose, segment_ends(setup, plan, twists, swing)[-1])
-        swing = angles_after(setup, plan, swing)
+        moves = ((setup.equations.swings[f.field], f.duration) for f in plan.flows)
+        changes = [np.multiply(*move) for move in moves]
+        swing = tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
         plans.append(plan)
-    return joined(setup, plans)
+    return _joined(setup, plans)
 
 
 def segment_target(setup: Setup, segment: int) -> np.ndarray:
-    """Pose of the nominal path at the end of a segment, shape (3,).
-
-    Raises:
-        PlannerError: If segments cut the path's corners.
-    """
-    _require_segments(setup)
-    nominal = setup.nominal()
-    return nominal(grid(nominal, setup.scenario.segments)[segment + 1])[:3]
+    """Pose of the nominal path at the end of a segment, shape (3,)."""
+    nominal, segments = setup.nominal(), setup.scenario.segments
+    require_segments(segments, setup.scenario.path.curve)
+    return nominal(grid(nominal, segments)[segment + 1])[:3]
 
 
-def _require_segments(setup: Setup) -> None:
-    require_segments(setup.scenario.segments, setup.scenario.path.curve)
-
-
-def _steered_on(setup: Setup) -> TwistModel | None:
-    """The prediction to steer on; None where the planner's own is enough.
-
-    Errors of printed words nearly cancel from one segment to the next; those of the
-    shortest words add up.
-    """
-    scenario = setup.scenario
-    if scenario.steer == "ideal" and scenario.words == "printed":
-        return None
-    return twist_model(setup, scenario.steered_on)
-
-
-def on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
+def _step_on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
     """A step whose flows end on counts; as it is where servos have none."""
     if not setup.servo.resolution:
         return step
@@ -146,17 +117,6 @@ def on_counts(setup: Setup, step: Step, swing: tuple[float, ...]) -> Step:
     return replace(step, plan=plan)
 
 
-def angles_after(
-    setup: Setup, plan: Plan, swing: tuple[float, ...]
-) -> tuple[float, ...]:
-    """Angle of every group after a plan, from that before it [rad]."""
-    changes: list[Array] = [
-        np.multiply(setup.equations.swings[flow.field], flow.duration)
-        for flow in plan.flows
-    ]
-    return tuple(np.sum([np.array(swing), *changes], axis=0).tolist())
-
-
 def _count(setup: Setup, group: int, angle: float) -> float:
     """The angle nearest to one of a group at which its legs are on counts.
 
@@ -168,7 +128,11 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     gain = robot.swing_gain[fastest]
     joint = robot.card.legs[robot.legs[fastest]].swing
     standing = robot.standing_angle(joint)
-    resolution *= _counts_in_common(np.abs(robot.swing_gain[legs] / gain))
+    gains = np.abs(robot.swing_gain[legs] / gain)
+    for counts in range(1, MOST_COUNTS + 1):  # of the fastest, at which all are on some
+        if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
+            resolution *= counts
+            break
     low, high = setup.equations.limits[f"phi_{robot.groups[group]}"]
     count = np.round((standing + gain * angle) / resolution)
     around = (resolution * (count + np.array([0, 1, -1])) - standing) / gain
@@ -176,23 +140,14 @@ def _count(setup: Setup, group: int, angle: float) -> float:
     return float(around[within][np.abs(around[within] - angle).argmin()])
 
 
-def _counts_in_common(gains: Array) -> int:
-    """Counts of the fastest leg after which all legs of a group are on counts; or 1."""
-    for counts in range(1, MOST_COUNTS + 1):
-        if np.abs(counts * gains - np.round(counts * gains)).max() < ON_COUNT:
-            return counts
-    return 1
-
-
-def joined(setup: Setup, plans: list[Plan]) -> Plan:
+def _joined(setup: Setup, plans: list[Plan]) -> Plan:
     """Plans of consecutive segments as one."""
     nominal = setup.nominal()
-    between: Array = nominal.at(grid(nominal, setup.scenario.segments))
     return replace(
         plans[0],
         flows=tuple(flow for plan in plans for flow in plan.flows),
         segment_ends=tuple(np.cumsum([len(plan.flows) for plan in plans]).tolist()),
         inputs=np.concatenate([plan.inputs for plan in plans]),
         hall_coordinates=np.concatenate([plan.hall_coordinates for plan in plans]),
-        nominal=between,
+        nominal=nominal.at(grid(nominal, setup.scenario.segments)),
     )

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol, TypeVar
 
-from planner import Plan
-from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup
 from sim.preparation.shared import PLAN, WORLD, Shared
 
@@ -52,9 +50,3 @@ def world_cache(setup: Setup, shared: Shared | None) -> Cache:
         return no_cache
     key = scenario.key(*WORLD)
     return lambda kind, make: shared.cached(kind, key, make)
-
-
-def shared_plan(setup: Setup, shared: Shared) -> Plan:
-    """The plan of a shareable walk."""
-    key = setup.scenario.key(*PLAN)
-    return shared.cached("plan", key, lambda: plan_open_loop(setup))

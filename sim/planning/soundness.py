@@ -6,7 +6,7 @@ as planned; no prediction of the body's motion is involved.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import nullcontext
 
 import mujoco
@@ -16,9 +16,9 @@ from planner import Array, Flow, Plan
 from planner.support import tick, unlimited
 from sim.errors import SimulationError
 from sim.motion.prediction import inspections
-from sim.motion.schedule import LegState, Schedule, Scheduler
+from sim.motion.schedule import LegState, Schedule
 from sim.motion.stability import stability_margin
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 
 TIPPING = -1e-6  # [m], of a margin that is less than rounding
@@ -33,9 +33,6 @@ def require_sound(setup: Setup, planned: Plan) -> None:
 
     A search may have used up the time to plan in, and what it ends with is looked at
     all the same. A scenario that allows unstable plans is passed over.
-
-    Raises:
-        SimulationError: It says when, and where.
     """
     searched = setup.scenario.optimise != "none"
     with unlimited() if searched else nullcontext():
@@ -48,9 +45,7 @@ def require_sound_flows(
     """The same for flows from some state of the legs; times count from their start."""
     if setup.scenario.allow_unstable:
         return
-    scheduler = Scheduler(setup.limits, begin)
-    schedule_flows(setup, scheduler, segments)
-    schedule = scheduler.finish()
+    schedule = scheduled(setup, segments, begin)
     if schedule.phases:
         rows = inspections(schedule) - 1 - schedule.start
         _refuse_tipping(setup, schedule, rows)
@@ -65,12 +60,11 @@ def _refuse_tipping(setup: Setup, schedule: Schedule, rows: Array) -> None:
     worst = int(margin.argmin())
     if margin[worst] < TIPPING:
         stratum = schedule.phases[phase[worst]].stratum
-        raise SimulationError(
+        raise _refusal(
             f"the plan tips the robot over: its margin on S{stratum} is predicted as "
             f"{1e3 * margin[worst]:.1f} mm",
-            f"{setup.scenario.name} on {setup.robot.name}, "
-            f"{_time(setup, rows[worst]):.1f} s after the start",
-            f"more segments swing the legs less; {ALLOW}",
+            setup,
+            rows[worst],
         )
 
 
@@ -83,12 +77,11 @@ def _refuse_collisions(setup: Setup, schedule: Schedule, rows: Array) -> None:
     for row, angle in zip(rows[chosen], angles[chosen], strict=True):
         for (one, other), depth in apart(angle[:groups], angle[groups:]).items():
             names = (_name(setup.model, geom) for geom in (one, other))
-            raise SimulationError(
+            raise _refusal(
                 f"the plan makes legs collide: {' and '.join(names)} overlap by "
                 f"{1e3 * depth:.1f} mm",
-                f"{setup.scenario.name} on {setup.robot.name}, "
-                f"{_time(setup, row):.1f} s after the start",
-                f"more segments swing the legs less; {ALLOW}",
+                setup,
+                row,
             )
 
 
@@ -116,20 +109,19 @@ class Collisions:
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_collision(model, data)
-        return dict(self._own())
-
-    def _own(self) -> Iterator[tuple[tuple[int, int], float]]:
-        model = self._model
-        root = model.body(self._setup.robot.root).id
-        for contact in self._data.contact[: self._data.ncon]:
-            geoms = sorted(int(geom) for geom in contact.geom)
-            own = all(model.body_rootid[model.geom_bodyid[g]] == root for g in geoms)
-            if own and contact.dist < 0 and not contact.exclude:
-                yield (geoms[0], geoms[1]), -float(contact.dist)
+        root, found = model.body(robot.root).id, Pairs()
+        for contact in data.contact[: data.ncon]:
+            one, other = sorted(int(geom) for geom in contact.geom)
+            own = model.body_rootid[model.geom_bodyid[[one, other]]] == root
+            if own.all() and contact.dist < 0 and not contact.exclude:
+                found[one, other] = -float(contact.dist)
+        return found
 
 
-def _time(setup: Setup, row: int) -> float:
-    return float(row) * setup.limits.timestep
+def _refusal(what: str, setup: Setup, row: int) -> SimulationError:
+    time = float(row) * setup.limits.timestep
+    where = f"{setup.scenario.name} on {setup.robot.name}, {time:.1f} s after the start"
+    return SimulationError(what, where, f"more segments swing the legs less; {ALLOW}")
 
 
 def _name(model: mujoco.MjModel, geom: int) -> str:

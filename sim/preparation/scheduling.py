@@ -12,7 +12,7 @@ import numpy as np
 
 from planner import Flow
 from planner.systems import gait_steps
-from sim.motion.schedule import Scheduler
+from sim.motion.schedule import LegState, Schedule, Scheduler
 from sim.preparation.setup import Setup
 
 Move = tuple[int, Flow, tuple[float, ...]]
@@ -46,6 +46,18 @@ def schedule_flows(
         scheduler.flow(flow, direction)
     for stratum in after:
         scheduler.enter(stratum)
+
+
+def scheduled(
+    setup: Setup,
+    segments: Iterable[Iterable[Flow]],
+    begin: LegState | None = None,
+    segment: int = 0,
+) -> Schedule:
+    """The commands of segments alone, from a state of the legs, by default at rest."""
+    scheduler = Scheduler(setup.limits, begin or setup.at_rest, segment=segment)
+    schedule_flows(setup, scheduler, segments)
+    return scheduler.finish()
 
 
 def overlapped(moves: Sequence[Move], groups: Sequence[str]) -> list[Move]:

@@ -38,59 +38,32 @@ Offer = tuple[str, Callable[[], float]]  # a change in words, and what is missed
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """The plan of a problem.
-
-    Attributes:
-        plan: The plan.
-        fallback: Why the stratified plan stands instead of an optimised one; None where
-            nothing else was asked for.
-    """
+    """A plan, and why it is the stratified one where an optimised one was asked for."""
 
     plan: Plan
     fallback: str | None = None
 
 
 class Problem(ABC):
-    """What is to be reached, and by which plans.
+    """What is to be reached, and by which plans."""
 
-    Attributes:
-        objective: What is to be least: time, strokes or switches; none for a
-            stratified plan.
-        replan: Whether each segment is planned from where the one before ended.
-        words: Flows of a segment: printed, shortest or symmetric.
-        segments: Number of pieces of the path.
-        plan_time: Time that planning may take [s].
-        extended: The extended system.
-        path: Configurations to follow.
-        coordinates: Hall coordinates to follow.
-        is_exact: Whether plans of any number of segments meet the goal.
-    """
-
-    objective: str
-    replan: bool
-    words: str
+    objective: str  # time, strokes or switches; none for a stratified plan
+    replan: bool  # plan each segment from where the one before ended
+    words: str  # flows of a segment: printed, shortest or symmetric
     segments: int
-    plan_time: float
+    plan_time: float  # [s], that planning may take
     extended: ExtendedSystem
     path: Path
     coordinates: Coordinates
-    is_exact: bool = False
+    is_exact: bool = False  # plans of any number of segments meet the goal
 
     @property
     @abstractmethod
     def stratified(self) -> Plan:
-        """The plan by the algorithm of Sec. 5.2.
-
-        Raises:
-            PlannerError: If there is none.
-        """
+        """The plan by the algorithm of Sec. 5.2."""
 
     def check(self, plan: Plan) -> None:  # noqa: B027 a system has no body to check
-        """Refuse a plan that cannot be carried out.
-
-        Raises:
-            SimulationError: It says why.
-        """
+        """Refuse a plan that cannot be carried out, with a `SimulationError`."""
 
     @property
     def has_fallback(self) -> bool:
@@ -99,12 +72,7 @@ class Problem(ABC):
 
     @abstractmethod
     def shortest(self) -> Plan:
-        """The best plan that the optimiser finds.
-
-        Raises:
-            BoundError: If none keeps the tolerances.
-            BudgetError: If the time is over before there is one.
-        """
+        """The best plan that the optimiser finds within tolerances and time."""
 
     @abstractmethod
     def worth(self, plan: Plan) -> float:
@@ -115,15 +83,8 @@ class Problem(ABC):
         """How far a plan ends off the goal, as a share of the way there."""
 
     @abstractmethod
-    def changed(
-        self,
-        *,
-        words: str | None = None,
-        degree: int | None = None,
-        segments: int | None = None,
-        replan: bool | None = None,
-    ) -> Problem:
-        """The same problem with other options; those that are None stay."""
+    def changed(self, degree: int = 0, **options: object) -> Problem:
+        """The same problem with another degree, words, segments or replanning."""
 
     @abstractmethod
     def attempt(self, share: float = 1.0) -> float:
@@ -141,13 +102,8 @@ class Problem(ABC):
         """Plan, check and optimise.
 
         The stratified plan is the first guess of an optimised one, and stands where
-        nothing shorter is found.
-
-        Raises:
-            PlannerError: If there is no plan.
-            BoundError: If no plan keeps the tolerances; it says which would be kept.
-            BudgetError: If the time is over before there is one.
-            SimulationError: If the plan cannot be carried out.
+        nothing shorter is found. The errors are those of planning, of bounds that no
+        plan keeps, of time, and of plans that cannot be carried out.
         """
         if self.objective == "none":
             return self._checked(self.stratified)
@@ -187,58 +143,42 @@ class Problem(ABC):
         return self.reason() or str(self._tried(miss))
 
     def _tried(self, miss: float) -> Trials:
-        return tried(self.remedies(), miss, self.plan_time)
+        return tried(self._remedies(), miss, self.plan_time)
 
-    def remedies(self) -> Iterator[Offer]:
+    def _remedies(self) -> Iterator[Offer]:
         """Changes to try where a plan ends far off, the cheapest first."""
 
-        def offer(option: str, change: Callable[[], Problem]) -> Offer:
-            return option, lambda: change().attempt()
+        def offer(option: str, degree: int = 0, **options: object) -> Offer:
+            return option, lambda: self.changed(degree, **options).attempt()
 
         if self.words == "printed":
-            yield offer("--words symmetric", partial(self.changed, words="symmetric"))
+            yield offer("--words symmetric", words="symmetric")
         degree = self.extended.steering.degree + 1
-        yield offer(f"--degree {degree}", partial(self.changed, degree=degree))
+        yield offer(f"--degree {degree}", degree)
         for count in (times * self.segments for times in TIMES_FINER):
-            yield offer(f"--segments {count}", partial(self.changed, segments=count))
+            yield offer(f"--segments {count}", segments=count)
         if not self.replan:
-            yield offer("--replan", partial(self.changed, replan=True))
+            yield offer("--replan", replan=True)
         yield from self.own_remedies()
         if not self.replan:
             yield "half of the way", partial(self.attempt, 0.5)
 
 
 @dataclass(frozen=True, slots=True)
-class Remedy:
-    """A change that was tried.
-
-    Attributes:
-        change: What was changed, as on the command line where there is an option.
-        miss: How far the plan ends off its goal then, as a share of the way.
-    """
-
-    change: str
-    miss: float
-
-    def __str__(self) -> str:
-        return f"{self.change} ends {100 * self.miss:.2g} % off"
-
-
-@dataclass(frozen=True, slots=True)
 class Trials:
     """Changes that were tried in turn.
 
-    Attributes:
-        helpful: Those that help, the best first.
-        useless: Those that do not, or give no plan.
+    Those that help have what the plan misses then, as a share of the way, and stand in
+    its order; the useless ones help too little, or give no plan.
     """
 
-    helpful: tuple[Remedy, ...]
+    helpful: dict[str, float]
     useless: tuple[str, ...]
 
     def __str__(self) -> str:
         if self.helpful:
-            return "; ".join(map(str, self.helpful[:ENOUGH]))
+            best = list(self.helpful.items())[:ENOUGH]
+            return "; ".join(f"{name} ends {100 * off:.2g} % off" for name, off in best)
         if self.useless:
             return f"nothing that was tried: {', '.join(self.useless)}"
         return "nothing could be tried in time"
@@ -250,12 +190,12 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
     The miss is a share of the way, infinite where there is no plan. Trying takes no
     longer than planning may take [s], and ends where enough was found.
     """
-    found: list[Remedy] = []
+    found: dict[str, float] = {}
     useless: list[str] = []
     end = time.monotonic() + min(seconds, TRIAL_TIME)
     for change, attempt in offers:
         left = end - time.monotonic()
-        if left <= 0 or sum(remedy.miss <= FAR_OFF for remedy in found) >= ENOUGH:
+        if left <= 0 or sum(off <= FAR_OFF for off in found.values()) >= ENOUGH:
             break
         try:
             with limited(left):
@@ -265,8 +205,8 @@ def tried(offers: Iterable[Offer], miss: float, seconds: float) -> Trials:
         except (PlannerError, StratawalkError, ValueError):
             reached = math.inf  # no plan at all
         if reached <= LEFT_BY_HELP * miss and reached < math.inf:
-            found.append(Remedy(change, reached))
+            found[change] = reached
         else:
             useless.append(change)
-    found.sort(key=lambda remedy: remedy.miss)
-    return Trials(tuple(found), tuple(useless))
+    best = sorted(found.items(), key=lambda item: item[1])
+    return Trials(dict(best), tuple(useless))

@@ -13,30 +13,27 @@ from models import mobility_of
 from planner import Array, Plan, PlannerError, play
 from planner.optimisation import Optimiser
 from planner.planning import recut
+from sim.motion.path_deviation import PathDeviation, path_deviation
 from sim.motion.poses import wrap
-from sim.optimisation.formulation import (
-    Coarse,
-    criterion_of,
-    own_deviation,
-    task_of,
-    tolerances,
-)
+from sim.optimisation.first_guess import FLOW_SAMPLES, Coarse
+from sim.optimisation.formulation import criterion_of, task_of
 from sim.optimisation.judging import Judge
 from sim.planning.aiming import plan_along
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop, plan_replanned
 from sim.planning.routes import routed
-from sim.planning.sharing import is_shareable, shared_plan, walk_cache
+from sim.planning.sharing import is_shareable, walk_cache
 from sim.planning.soundness import require_sound
 from sim.preparation.effort import check_distance
 from sim.preparation.reach import explained, immobile, require_reach
 from sim.preparation.setup import GoalOffset, Setup
-from sim.preparation.shared import Shared
+from sim.preparation.shared import PLAN, Shared
 from sim.problems.problem import Offer, Problem, Solution
 from sim.progress import Progress, silent
 from sim.scenarios.scenario import Scenario
 
 WIDER = 1.5  # times the joint range
+LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
 ROUNDED = 1.0 + 1e-9  # times a tolerance, within which it is kept
 
 
@@ -82,10 +79,7 @@ class ScenarioProblem(Problem):
     ) -> ScenarioProblem:
         """The problem of a setup, with a path that its robot can follow within bounds.
 
-        Raises:
-            UsageError: If the path is too long.
-            SimulationError: If a direction in which it leads is out of reach.
-            PlannerError: If there is no path, or no division of it keeps the bounds.
+        Paths that are too long, out of reach, or within no bounds are refused.
         """
         check_distance(setup)
         robot, described = setup.robot, setup.equations
@@ -109,7 +103,11 @@ class ScenarioProblem(Problem):
         if self.replan:
             return plan_replanned(self.setup)
         if self.shared is not None and is_shareable(self.setup):
-            return shared_plan(self.setup, self.shared)
+            key, make = (
+                self.setup.scenario.key(*PLAN),
+                partial(plan_open_loop, self.setup),
+            )
+            return self.shared.cached("plan", key, make)
         return plan_open_loop(self.setup)
 
     def check(self, plan: Plan) -> None:
@@ -121,11 +119,6 @@ class ScenarioProblem(Problem):
         """Plan, check and optimise; a robot that cannot go there is told why."""
         with explained(self.setup.robot, self.setup.equations):
             return super().solve()
-
-    @property
-    def has_fallback(self) -> bool:
-        """Whether the stratified plan's own motion stays within the tolerances."""
-        return self.centre._keeps_tolerances
 
     def shortest(self) -> Plan:
         """The plan of least time, strokes or switches that was found."""
@@ -140,21 +133,12 @@ class ScenarioProblem(Problem):
         end = play(plan.system, plan.flows, self.path(0.0))[-1]
         return miss_of(self.setup, end[:3], np.array(self.setup.scenario.path.goal))
 
-    def changed(
-        self,
-        *,
-        words: str | None = None,
-        degree: int | None = None,
-        segments: int | None = None,
-        replan: bool | None = None,
-    ) -> ScenarioProblem:
-        """The same problem with other options."""
-        given = {"words": words, "segments": segments, "replan": replan}
-        new = {name: value for name, value in given.items() if value is not None}
-        if replan:
-            new |= {"optimise": "none", "correct": 1}
-        extended = self.extended if degree is None else self.extended.to_degree(degree)
-        scenario = replace(self.setup.scenario, **new)  # type: ignore[arg-type]
+    def changed(self, degree: int = 0, **options: object) -> ScenarioProblem:
+        """The same problem with another degree, words, segments or replanning."""
+        if "replan" in options:
+            options |= {"optimise": "none", "correct": 1}
+        extended = self.extended.to_degree(degree) if degree else self.extended
+        scenario = replace(self.setup.scenario, **options)  # type: ignore[arg-type]
         setup = replace(self.setup, scenario=scenario, extended=extended)
         return ScenarioProblem(setup, self.progress)
 
@@ -187,24 +171,36 @@ class ScenarioProblem(Problem):
         robot, described = self.setup.robot, self.setup.equations
         return "; ".join(immobile(robot, mobility_of(robot, described)))
 
+    @property
+    def has_fallback(self) -> bool:
+        """Whether the stratified plan's own motion stays within the tolerances."""
+        own = self.centre._own_deviation
+        position, yaw = (ROUNDED * within for within in self.centre._within)
+        return own is not None and own.position <= position and own.yaw <= yaw
+
     @cached_property
-    def _first_plan(self) -> Plan | None:
+    def _own_deviation(self) -> PathDeviation | None:
+        """The stratified plan's from the nominal path, by the fields it is of."""
         try:
-            return self.stratified
+            plan = self.stratified
         except PlannerError:
             return None
+        states = play(plan.system, plan.flows, plan.start, FLOW_SAMPLES)
+        return path_deviation(self.setup.scenario.path.curve, states[:, :3])
 
     @cached_property
     def _within(self) -> tuple[float, float]:
-        return tolerances(self.setup, self._first_plan)
+        """Largest deviation of the walk from the path [m], and from its yaw [rad].
 
-    @cached_property
-    def _keeps_tolerances(self) -> bool:
-        if self._first_plan is None:
-            return False
-        found = own_deviation(self.setup, self._first_plan)
-        position, yaw = (ROUNDED * within for within in self._within)
-        return found.position <= position and found.yaw <= yaw
+        Where none is given, that of the stratified plan stands.
+        """
+        scenario, own = self.setup.scenario, self._own_deviation
+        position, yaw = scenario.path_tolerance, scenario.yaw_tolerance
+        if position is None:
+            position = max(LEAST_POSITION, own.position if own else 0.0)
+        if yaw is None:
+            yaw = max(LEAST_YAW, own.yaw if own else 0.0)
+        return position, yaw
 
     @cached_property
     def _optimiser(self) -> Optimiser:

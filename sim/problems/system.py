@@ -28,26 +28,20 @@ from planner.optimisation import (
 )
 from planner.planning import chained_form, set_down
 from sim.errors import UsageError
-from sim.optimisation.formulation import CHEAP, FLOW_SAMPLES, PATH_POINTS, Coarse
+from sim.optimisation.first_guess import CHEAP, FLOW_SAMPLES, Coarse
 from sim.problems.problem import Problem
 
 LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan deviates less
 PLAN_TIME = 300.0  # [s]
+PATH_POINTS = 1001  # that a plan's deviation is measured from
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
 
 class SystemProblem(Problem):
-    """A system's problem, to be planned.
+    """A system's problem, to be planned within so many seconds.
 
-    Args:
-        problem: What to reach.
-        replan: Whether each segment is aimed to end where it should, not near it.
-        objective: What is to be least: time, strokes or switches, or none.
-        chained: Whether it is steered in chained form, which is exact.
-        plan_time: Time that planning may take [s].
-
-    Raises:
-        UsageError: The objective is unknown.
+    What is least is time, strokes, switches or none. Each segment that is replanned is
+    aimed to end where it should, not near it; a system in chained form ends there.
     """
 
     def __init__(
@@ -57,7 +51,6 @@ class SystemProblem(Problem):
         replan: bool = False,
         objective: str = "none",
         chained: bool = False,
-        plan_time: float = PLAN_TIME,
     ) -> None:
         if objective not in (*OBJECTIVES, "none"):
             wanted = f"give {', '.join(OBJECTIVES)} or none"
@@ -65,7 +58,7 @@ class SystemProblem(Problem):
         self.problem, self.replan, self.is_exact = problem, replan, chained
         self.objective = "none" if chained else objective
         self.words, self.segments = problem.words, problem.segments
-        self.plan_time = plan_time
+        self.plan_time = PLAN_TIME
         self.form = chained_form(problem.system, problem.flat) if chained else None
         self.extended = self.form.model if self.form else problem.extended
         self.path = line(*(set_down(problem.system, x) for x in problem.states))
@@ -83,19 +76,12 @@ class SystemProblem(Problem):
         distance = math.dist(plan.start, plan.goal)
         return math.dist(rollout(plan)[-1], plan.goal) / distance if distance else 0.0
 
-    def changed(
-        self,
-        *,
-        words: str | None = None,
-        degree: int | None = None,
-        segments: int | None = None,
-        replan: bool | None = None,
-    ) -> SystemProblem:
-        """The same problem with other options."""
-        given = {"words": words, "degree": degree, "segments": segments}
-        new = {name: value for name, value in given.items() if value is not None}
-        problem = replace(self.problem, **new)  # type: ignore[arg-type]
-        return SystemProblem(problem, replan=self.replan if replan is None else replan)
+    def changed(self, degree: int = 0, **options: object) -> SystemProblem:
+        """The same problem with another degree, words, segments or replanning."""
+        replan = bool(options.pop("replan", self.replan))
+        options["degree"] = degree or self.problem.degree
+        problem = replace(self.problem, **options)  # type: ignore[arg-type]
+        return SystemProblem(problem, replan=replan)
 
     def attempt(self, share: float = 1.0) -> float:
         """What a stratified plan for the first part of the line misses of its end."""
@@ -130,12 +116,8 @@ class SystemProblem(Problem):
         problem, system = self.problem, self.problem.system
         names = [str(symbol) for symbol in system.state]
         stages = cycle(system, problem.elements)
-        airs = {
-            recovery.field
-            for stage in stages
-            for recovery in stage.recoveries
-            if stage.stratum != system.bottom
-        }
+        raised = (stage for stage in stages if stage.stratum != system.bottom)
+        airs = {recovery.field for stage in raised for recovery in stage.recoveries}
         cheap = CHEAP if self.objective == "strokes" else 1.0
         return Task(
             system=system,

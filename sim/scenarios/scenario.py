@@ -9,16 +9,18 @@ from __future__ import annotations
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import pi, radians
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from models import Robot
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.predictions import prediction_key
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
+
+if TYPE_CHECKING:
+    from models import Robot
 
 
 @dataclass(frozen=True, kw_only=True)

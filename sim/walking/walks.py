@@ -17,11 +17,11 @@ from models import Robot, equations
 from planner import Plan
 from sim.experiments.predictions import twist_model
 from sim.motion.poses import seen_from
-from sim.motion.schedule import LegState, Scheduler
+from sim.motion.schedule import LegState
 from sim.planning.aiming import segment_ends
 from sim.planning.open_loop import plan_segment
 from sim.planning.soundness import require_sound, require_sound_flows
-from sim.preparation.scheduling import schedule_flows
+from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup, prepare
 from sim.progress import Progress, silent
 from sim.scenarios.body_path import waypoints
@@ -107,10 +107,9 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
     if planned is None:
         swing = setup.at_rest.swing
         planned = plan_segment(setup, 0, np.zeros(3), swing).plan
-    scheduler = Scheduler(setup.limits, setup.at_rest)
-    schedule_flows(setup, scheduler, planned.segments())
+    schedule = scheduled(setup, planned.segments())
     holds = 2 * round(setup.limits.hold / setup.limits.timestep)
-    return holds + scheduler.finish().stop * setup.scenario.segments // segments
+    return holds + schedule.stop * setup.scenario.segments // segments
 
 
 def scenario_of(robot: Robot, plan: Plan, **changes: Any) -> Scenario:

@@ -61,3 +61,12 @@ def test_help_waits_for_no_heavy_library():
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True
     )
     assert done.stdout.splitlines()[-1] == "0 []"
+
+
+def test_system_without_a_body_is_planned_without_mujoco():
+    program = (
+        "import sys, sim.cli\n"
+        "code = sim.cli.main(['plan', 'unicycle', '--json'])\n"
+        "sys.exit(code or 'mujoco' in sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True)
