@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -53,22 +53,28 @@ class Pose:
         address = int(model.jnt_qposadr[model.body(root).jntadr[0]])
         data.qpos[address : address + 2] = 0.0
         data.qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        return cls(model, data, root)
+        pose = cls(model, data, root)
+        pose.turn({})
+        return pose
 
-    def turned(self, angles: Mapping[str, float]) -> Pose:
-        """The same with some joints at other angles [rad]."""
+    def turn(self, angles: Mapping[str, float]) -> None:
+        """Move some joints to other angles [rad]."""
         for joint, angle in angles.items():
             self.data.joint(joint).qpos[0] = angle
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
-        return self
 
-    @property
-    def qpos(self) -> Array:
-        """Configuration, shape (nq,)."""
-        return np.array(self.data.qpos)
+    def angle(self, joint: str) -> float:
+        """Where a joint is [rad]."""
+        return float(self.data.joint(joint).qpos[0])
+
+    def span(self, joint: str) -> tuple[float, float]:
+        """Range of a hinge [rad]; half a turn either way where it has none."""
+        index = self.model.joint(joint).id
+        if not self.model.jnt_limited[index]:
+            return -np.pi / 2, np.pi / 2
+        low, high = self.model.jnt_range[index]
+        return float(low), float(high)
 
     @property
     def center_of_mass(self) -> Array:
@@ -80,53 +86,54 @@ class Pose:
         name = self.model.geom(geom).name
         return find_sole(self.model, self.data, [name]).touch(self.data)
 
-    def solid(self) -> Iterator[int]:
+    def solid(self) -> list[int]:
         """Geoms that can touch something, and all those of the body."""
         model = self.model
-        for geom in range(model.ngeom):
-            body = int(model.geom_bodyid[geom])
-            own = model.body_rootid[body] == self.root
-            touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
-            touches = touches or body == self.root
-            if own and touches and int(model.geom_type[geom]) in SOLID:
-                yield geom
+        touches = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
+        touches |= model.geom_bodyid == self.root
+        own = model.body_rootid[model.geom_bodyid] == self.root
+        solid = own & touches & np.isin(model.geom_type, SOLID)
+        return [int(geom) for geom in np.flatnonzero(solid)]
 
 
 def find_limbs(pose: Pose, source: str) -> tuple[Limb, ...]:
     """The legs of a model as it stands."""
-    ends: dict[int, list[int]] = {}
+    chains: dict[int, dict[int, list[int]]] = {}  # hip -> geom -> joints above it
     for geom in pose.solid():
         joints = joints_above(pose.model, int(pose.model.geom_bodyid[geom]))
         if len(joints) > 1:
-            ends.setdefault(joints[-1], []).append(geom)
-    limbs = [_limb(pose, geoms, source) for geoms in ends.values()]
-    if not limbs:
+            chains.setdefault(joints[-1], {})[geom] = joints
+    if not chains:
         raise ModelError(
             f"no legs were found: {source}; no geom that can touch the floor is "
             "connected to the body by two joints or more"
         )
-    return tuple(limbs)
+    return tuple(_limb(pose, hip, chain, source) for hip, chain in chains.items())
 
 
-def _limb(pose: Pose, geoms: list[int], source: str) -> Limb:
+def _limb(pose: Pose, hip: int, chain: dict[int, list[int]], source: str) -> Limb:
+    """A leg whose foot is the geom farthest out, of those that most joints move."""
     model, data = pose.model, pose.data
-    foot = _foot(pose, geoms)
-    joints = joints_above(model, int(model.geom_bodyid[foot]))
+    anchor, most = np.array(data.xanchor[hip]), max(map(len, chain.values()))
+    last = [geom for geom, joints in chain.items() if len(joints) == most]
+    foot = max(last, key=lambda g: float(np.linalg.norm(pose.bottom(g) - anchor)))
+    joints = chain[foot]
+    name = model.geom(foot).name
     names = [model.joint(joint).name for joint in joints]
-    for joint, name in zip(joints, names, strict=True):
-        if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE or not name:
+    for joint, own in zip(joints, names, strict=True):
+        if model.jnt_type[joint] != mujoco.mjtJoint.mjJNT_HINGE or not own:
             raise ModelError(
-                f"the leg of {model.geom(foot).name!r} has joint {name!r}: {source}; "
-                "legs turn about hinges with names"
+                f"the leg of {name!r} has joint {own!r}: {source}; legs turn about "
+                "hinges with names"
             )
     axes, anchors = data.xaxis[joints], data.xanchor[joints]
     swing = int(np.abs(axes[:, 2]).argmax())
     lean = float(np.arccos(min(abs(axes[swing, 2]), 1.0)))
     if lean > STEEP:
         raise ModelError(
-            f"the leg of {model.geom(foot).name!r} cannot swing: {source}; its joint "
-            f"nearest to the vertical, {names[swing]!r}, is {np.rad2deg(lean):.0f} "
-            "degrees off it, but legs must swing about the vertical"
+            f"the leg of {name!r} cannot swing: {source}; its joint nearest to the "
+            f"vertical, {names[swing]!r}, is {np.rad2deg(lean):.0f} degrees off it, "
+            "but legs must swing about the vertical"
         )
     toe = pose.bottom(foot)
     rises = np.cross(axes, toe - anchors)[:, 2]
@@ -135,31 +142,17 @@ def _limb(pose: Pose, geoms: list[int], source: str) -> Limb:
     lift = int(np.abs(rises).argmax())
     if not rises[lift]:
         raise ModelError(
-            f"no joint lifts {model.geom(foot).name!r}: {source}; no joint of "
-            "its leg has a horizontal axis"
+            f"no joint lifts {name!r}: {source}; no joint of its leg has a horizontal "
+            "axis"
         )
     rest = [n for k, n in enumerate(names) if k not in (swing, lift)]
     return Limb(
         swing=names[swing],
         lift=names[lift],
         hold=tuple(reversed(rest)),
-        foot=model.geom(foot).name,
+        foot=name,
         hip=np.array(anchors[swing][:2]),
         toe=toe,
         turn=float(np.sign(axes[swing, 2])),
         up=float(np.sign(rises[lift])),
     )
-
-
-def _foot(pose: Pose, geoms: list[int]) -> int:
-    """The geom farthest out, of those that most joints move."""
-    model, data = pose.model, pose.data
-    depth = {g: len(joints_above(model, int(model.geom_bodyid[g]))) for g in geoms}
-    last = [g for g in geoms if depth[g] == max(depth.values())]
-    top = joints_above(model, int(model.geom_bodyid[last[0]]))[-1]
-    hip = data.xanchor[top]
-
-    def reach(geom: int) -> float:
-        return float(np.linalg.norm(pose.bottom(geom) - hip))
-
-    return max(last, key=reach)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,11 +12,11 @@ import numpy as np
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
 from models.adoption.pivots import LEAST_LOAD, Stand
-from models.adoption.standing import joint_span
 from models.description.card import Servo
 from planner import Array
 
 LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
+LARGEST_LIFT = 0.3  # [rad]
 NAMES = "123456789"
 
 
@@ -35,42 +37,25 @@ class GaitDraft:
 def alternating(limbs: Sequence[Limb], pair: Sequence[Stand]) -> GaitDraft:
     """Two groups of legs that stand in turn, each turning the body about its pivot."""
     turns = np.zeros(len(limbs))
-    for stand in pair:
+    lines, guesses = [], []
+    for name, stand in zip("12", pair, strict=True):
         turns[list(stand.legs)] = stand.turns
-    lines = [
-        line
-        for name, s in zip("12", pair, strict=True)
-        for line in _group(name, s, limbs)
-    ]
-    return GaitDraft(
-        turns=turns,
-        lines=(*lines, "", "[gait]", _strata(["12", "1", "12", "2", "12"])),
-        guesses=tuple(
-            _pivot_guess(name, s) for name, s in zip("12", pair, strict=True)
-        ),
-        pivots=tuple(stand.pivot for stand in pair),
-    )
-
-
-def _group(name: str, stand: Stand, limbs: Sequence[Limb]) -> Iterator[str]:
-    sense = -1 if stand.pivot[1] > 0 else 1  # forward for a positive angle
-    gains = ", ".join(
-        f"{i + 1} = {sense * limbs[i].turn * gain:.9g}"
-        for i, gain in zip(stand.legs, stand.gains, strict=True)
-    )
-    x, y = stand.pivot
-    yield from ("", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})")
-    yield f"legs = {{ {gains} }}"
-
-
-def _pivot_guess(name: str, stand: Stand) -> str:
-    legs = " ".join(str(i + 1) for i in stand.legs)
-    x, y = stand.pivot
-    most = np.rad2deg(np.abs(stand.turns).max())
-    return (
-        f"group {name}, legs {legs}: turned by up to {most:.0f} degrees to meet at "
-        f"({x:.3f}, {y:.3f}) m, swings {stand.swing:.2f} rad either way"
-    )
+        (x, y), most = stand.pivot, np.rad2deg(np.abs(stand.turns).max())
+        sense = -1 if y > 0 else 1  # forward for a positive angle
+        gains = ", ".join(
+            f"{i + 1} = {sense * limbs[i].turn * gain:.9g}"
+            for i, gain in zip(stand.legs, stand.gains, strict=True)
+        )
+        lines += ["", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})"]
+        lines.append(f"legs = {{ {gains} }}")
+        legs = " ".join(str(i + 1) for i in stand.legs)
+        guesses.append(
+            f"group {name}, legs {legs}: turned by up to {most:.0f} degrees to meet at "
+            f"({x:.3f}, {y:.3f}) m, swings {stand.swing:.2f} rad either way"
+        )
+    lines += ["", "[gait]", _strata(["12", "1", "12", "2", "12"])]
+    pivots = tuple(stand.pivot for stand in pair)
+    return GaitDraft(turns, tuple(lines), tuple(guesses), pivots)
 
 
 def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
@@ -95,16 +80,12 @@ def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
         f"legs are turned by up to {most:.0f} degrees, so that each can be lifted "
         f"while the others stand; strokes are up to {crawl.stroke:.2f} rad either way",
     )
-    return GaitDraft(
-        crawl.turns, tuple(lines), guesses, settings={"lift_time": LIFT_TIME}
-    )
+    settings = {"lift_time": LIFT_TIME}
+    return GaitDraft(crawl.turns, tuple(lines), guesses, settings=settings)
 
 
 def _strata(names: Iterable[str]) -> str:
-    return f"strata = [{', '.join(f'{name!r}' for name in names)}]".replace("'", '"')
-
-
-LARGEST_LIFT = 0.3  # [rad]
+    return f"strata = {json.dumps([*names])}"
 
 
 def card_text(
@@ -116,19 +97,23 @@ def card_text(
 ) -> str:
     """The card of a robot as TOML; a servo is for joints that have none.
 
-    Angles are those in which it starts [rad].
+    Angles are those in which it starts [rad]. It lifts its feet by an angle that all
+    lift joints have left, 0.3 rad if they can.
     """
+    rooms = []
+    for limb in limbs:
+        (low, high), angle = pose.span(limb.lift), pose.angle(limb.lift)
+        rooms.append(high - angle if limb.up > 0 else angle - low)
     lines = [
         'description = "Drafted by stratawalk adopt."',
-        f"lift_angle = {_lift_angle(pose, limbs):.4g}",
+        f"lift_angle = {min(LARGEST_LIFT, 0.95 * min(rooms)):.4g}",
         *(f"{key} = {value:g}" for key, value in gait.settings.items()),
         "",
         "[start]  # joint angles in which it stands [rad]",
         *(f"{_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),
     ]
     for number, limb in enumerate(limbs, start=1):
-        held = {joint: float(pose.data.joint(joint).qpos[0]) for joint in limb.hold}
-        hold = ", ".join(f"{_key(joint)} = {a:.9g}" for joint, a in held.items())
+        hold = ", ".join(f"{_key(j)} = {pose.angle(j):.9g}" for j in limb.hold)
         lines += [
             "",
             f"[leg.{number}]",
@@ -145,21 +130,9 @@ def card_text(
     return "\n".join([*lines, ""])
 
 
-def _lift_angle(pose: Pose, limbs: Sequence[Limb]) -> float:
-    """An angle that all lift joints have left, 0.3 rad if they can."""
-    rooms = []
-    for limb in limbs:
-        low, high = joint_span(pose, limb.lift)
-        angle = float(pose.data.joint(limb.lift).qpos[0])
-        rooms.append(high - angle if limb.up > 0 else angle - low)
-    return min(LARGEST_LIFT, 0.95 * min(rooms))
-
-
 def _key(name: str) -> str:
-    bare = name.replace("_", "").replace("-", "")
-    return name if bare.isascii() and bare.isalnum() else _text(name)
+    return name if re.fullmatch(r"(?a:[\w-])+", name) else _text(name)
 
 
 def _text(name: str) -> str:
-    escaped = name.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+    return json.dumps(name, ensure_ascii=False)

@@ -76,22 +76,30 @@ class _Body:
             leans=data.subtree_com[bodies][:, :2] - hips,
         )
 
-    def placed(self, places: Sequence[Array]) -> tuple[Array, Array]:
-        """Feet (P_1, ..., P_L, L, 2) and weight (P_1, ..., P_L, 2) for all turns."""
-        grid = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
-        moved = _turned(self.leans, grid) - self.leans
+    def placed(self, turns: Array) -> tuple[Array, Array]:
+        """Feet (..., L, 2) and weight (..., 2) with every leg turned, (..., L)."""
+        moved = _turned(self.leans, turns) - self.leans
         weight = self.weight + (self.shares[:, None] * moved).sum(axis=-2)
-        return self.hips + _turned(self.arms, grid), weight
-
-    def still(self, turns: Array) -> tuple[Array, Array]:
-        """Feet (L, 2) and weight (2,) with every leg turned one way."""
-        feet, weight = self.placed([turns[i : i + 1] for i in range(len(turns))])
-        return feet.reshape(-1, 2), weight.reshape(2)
+        return self.hips + _turned(self.arms, turns), weight
 
     def sweeps(self, turns: Array) -> Array:
         """Velocity of each foot for an anticlockwise swing, (L, 2) [m/rad]."""
         arms = _turned(self.arms, turns)
         return np.stack([-arms[:, 1], arms[:, 0]], axis=1)
+
+    def patterns(self, turns: Array) -> tuple[Array, Array]:
+        """Swings, ahead and around, that move feet as if the body moved as wished."""
+        sweeps = self.sweeps(turns)
+        feet, weight = self.placed(turns)
+        spokes = feet - weight
+        back = np.broadcast_to((-1.0, 0.0), spokes.shape)
+        around = np.stack([spokes[:, 1], -spokes[:, 0]], axis=1)
+        swings = []
+        for way in (back, around):
+            rate = (sweeps * way).sum(axis=1) / (sweeps**2).sum(axis=1)
+            gains = rate / np.abs(rate).max()
+            swings.append(np.where(np.abs(gains) < IDLE, 0.0, gains))
+        return swings[0], swings[1]
 
 
 def _turned(arms: Array, angles: Array) -> Array:
@@ -125,15 +133,19 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
         for share in SHARES
         if share * crawl.stroke > SHORTEST
     ]
-    tries.sort(key=lambda crawl: -crawl.worth)
-    found = next((crawl for crawl in tries if _can_step(body, crawl, ranges)), None)
-    if found is None:
-        raise ModelError(
-            f"its legs cannot row and be set back one at a time: {source}; however "
-            "they are turned within their ranges, some foot bears less than "
-            f"{LEAST_LOAD:.0%} of the weight while another one is lifted"
-        )
-    return found
+    for crawl in sorted(tries, key=lambda crawl: -crawl.worth):
+        ends = [
+            side * crawl.stroke * gains
+            for gains in (crawl.forward, crawl.turning)
+            for side in (-1, 1)
+        ]
+        if _pushes(body, crawl) and all(_moves(body, crawl, e, ranges) for e in ends):
+            return crawl
+    raise ModelError(
+        f"its legs cannot row and be set back one at a time: {source}; however they "
+        "are turned within their ranges, some foot bears less than "
+        f"{LEAST_LOAD:.0%} of the weight while another one is lifted"
+    )
 
 
 def _postures(body: _Body, ranges: Array) -> Iterator[Crawl]:
@@ -143,45 +155,19 @@ def _postures(body: _Body, ranges: Array) -> Iterator[Crawl]:
     shifts = np.linspace(-1, 1, PLACES) * float(np.sqrt(lengths).max())
     for x, y, spin in product(shifts, shifts, SPINS):
         turns = sweeps @ (x, y) / lengths + spin
-        if (turns < ranges[:, 0]).any() or (turns > ranges[:, 1]).any():
-            continue
         room = np.minimum(ranges[:, 1] - turns, turns - ranges[:, 0])
-        forward, turning = _patterns(body, turns)
+        if (room < 0).any():
+            continue
+        forward, turning = body.patterns(turns)
         used = np.maximum(np.abs(forward), np.abs(turning))
         stroke = float((np.minimum(room, MOST_SWING) / used).min())
         yield Crawl(turns, forward, turning, stroke, skewed=bool(y or spin))
 
 
-def _patterns(body: _Body, turns: Array) -> tuple[Array, Array]:
-    """Swings that take each foot where it would stay if the body moved as wished."""
-    sweeps = body.sweeps(turns)
-    feet, weight = body.still(turns)
-    spokes = feet - weight
-    back = np.broadcast_to((-1.0, 0.0), spokes.shape)
-    around = np.stack([spokes[:, 1], -spokes[:, 0]], axis=1)
-    wished = ((sweeps * way).sum(axis=1) for way in (back, around))
-    rates = (way / (sweeps**2).sum(axis=1) for way in wished)
-    forward, turning = (rate / np.abs(rate).max() for rate in rates)
-    return _busy(forward), _busy(turning)
-
-
-def _busy(gains: Array) -> Array:
-    return np.where(np.abs(gains) < IDLE, 0.0, gains)
-
-
-def _can_step(body: _Body, crawl: Crawl, ranges: Array) -> bool:
-    """Whether strokes move the body, and legs can be brought to their ends."""
-    return _pushes(body, crawl) and all(
-        _moves(body, crawl, side * crawl.stroke * gains, ranges)
-        for gains in (crawl.forward, crawl.turning)
-        for side in (-1, 1)
-    )
-
-
 def _pushes(body: _Body, crawl: Crawl) -> bool:
     """Whether the body goes ahead and around, although some feet slide."""
     sweeps = body.sweeps(crawl.turns)
-    feet, weight = body.still(crawl.turns)
+    feet, weight = body.placed(crawl.turns)
     loads = static_loads(feet[None], weight[None])
     arm = float(np.linalg.norm(feet - weight, axis=1).mean())
     for gains, unit in ((crawl.forward, (1, 0, 0)), (crawl.turning, (0, 0, arm))):
@@ -194,19 +180,13 @@ def _pushes(body: _Body, crawl: Crawl) -> bool:
 
 def _moves(body: _Body, crawl: Crawl, ends: Array, ranges: Array) -> bool:
     """Whether legs can be brought from rest to the ends of a stroke one at a time."""
-    places = []
-    for turn, end, span in zip(crawl.turns, ends, ranges, strict=True):
-        places.append(np.unique(np.round([0.0, end, *(span - turn)], 9)))
-    feet, weight = body.placed(
-        [turn + place for turn, place in zip(crawl.turns, places, strict=True)]
-    )
+    every = zip(crawl.turns, ends, ranges, strict=True)
+    places = [np.unique(np.round([0, end, *(s - turn)], 9)) for turn, end, s in every]
+    grid = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1)
+    feet, weight = body.placed(crawl.turns + grid)
     legs = range(len(ends))
     others = [[other for other in legs if other != leg] for leg in legs]
     loads = [least_load(feet[..., on, :], weight) for on in others]
     now = [int(np.abs(place).argmin()) for place in places]
-    goal = [
-        int(np.abs(place - end).argmin())
-        for place, end in zip(places, ends, strict=True)
-    ]
-    steady = np.stack(loads) >= LEAST_LOAD
-    return reposition_legs(places, steady, now, goal) is not None
+    goal = [int(np.abs(p - end).argmin()) for p, end in zip(places, ends, strict=True)]
+    return reposition_legs(places, np.stack(loads) >= LEAST_LOAD, now, goal) is not None

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
-import mujoco
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose, find_limbs
@@ -18,7 +18,6 @@ from models.adoption.pivots import posed, two_groups
 from models.adoption.source import Source
 from models.adoption.standing import (
     drafted_servo,
-    joint_span,
     servo_stiffness,
     standing_angles,
     stands,
@@ -26,7 +25,7 @@ from models.adoption.standing import (
 from models.description.card import Servo
 from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body
-from models.description.robot import START, Robot
+from models.description.robot import Robot, start_key
 from models.errors import ModelError
 from models.motion.mobility import Mobility, mobility_of
 from models.motion.robot_equations import equations
@@ -73,30 +72,39 @@ def draft_card(source: Source) -> Draft:
         >>> len(draft_card(source_of(str(load("hexapod").path))).limbs)
         6
     """
-    spec = source.spec()
+    spec, name = source.spec(), str(source.given)
     named(spec)
-    model = compile_model(spec, str(source.given))
-    root = root_body(model, source.given)
-    pose = Pose.at(model, root, _start(model))
+    model = compile_model(spec, name)
+    key = start_key(model)
+    start = model.qpos0 if key is None else model.key_qpos[key]
+    pose = Pose.at(model, root_body(model, source.given), start)
     guesses = []
-    limbs = find_limbs(pose, str(source.given))
+    limbs = find_limbs(pose, name)
     angles: dict[str, float] = {}
     if not stands(pose, limbs):
-        angles = standing_angles(pose, limbs, str(source.given))
-        pose.turned(angles)
+        angles = standing_angles(pose, limbs, name)
+        pose.turn(angles)
         guesses.append("its feet are not on one floor as it is given: knees were bent")
-    limbs = _numbered(find_limbs(pose, str(source.given)))
-    gait = _gait(pose, limbs, str(source.given))
+    limbs = _numbered(find_limbs(pose, name))
+    gait = _gait(pose, limbs, name)
     for limb, turn in zip(limbs, gait.turns, strict=True):
-        standing = float(pose.data.joint(limb.swing).qpos[0])
-        angles[limb.swing] = standing + limb.turn * float(turn)
-    pose.turned(angles)
-    suited = _suited(pose, limbs)
-    every = [joint for limb in limbs for joint in limb.joints]
-    own = [joint for joint in every if servo_stiffness(model, joint)]
-    servo = suited if len(own) < len(every) else None
+        angles[limb.swing] = pose.angle(limb.swing) + limb.turn * float(turn)
+    pose.turn(angles)
+    joints = [joint for limb in limbs for joint in limb.joints]
+    arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
+    suited = drafted_servo(pose, joints, arm, len(limbs))
+    found = {joint: servo_stiffness(model, joint) for joint in joints}
+    servo = None if all(found.values()) else suited
+    guesses += _guesses(limbs, gait, servo)
+    least = SOFT_SHARE * suited.stiffness
+    if soft := [joint for joint in joints if 0 < found[joint] < least]:
+        guesses.append(
+            f"the servos of {soft[0]!r} and {len(soft) - 1} further joints are soft, "
+            f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
+            f"--set servo_stiffness={suited.stiffness:.3g} "
+            f"--set servo_damping={suited.damping:.3g} shows whether they are why"
+        )
     text = card_text(pose, limbs, gait, angles, servo)
-    guesses += [*_guesses(limbs, gait, servo), *_soft(model, own, suited)]
     return Draft(text, tuple(guesses), limbs, gait)
 
 
@@ -110,25 +118,26 @@ def _gait(pose: Pose, limbs: Sequence[Limb], source: str) -> GaitDraft:
         try:
             return rowing(limbs, find_crawl(pose, limbs, room, source))
         except ModelError as either:
-            raise ModelError(
-                f"{str(alone).partition(': ')[0]}, and {either}"
-            ) from alone
+            why = str(alone).partition(": ")[0]
+            raise ModelError(f"{why}, and {either}") from alone
     return alternating(limbs, posed(limbs, ways, weight, room, source))
 
 
-def _start(model: mujoco.MjModel) -> Array:
-    names = [model.key(i).name for i in range(model.nkey)]
-    key = next((names.index(name) for name in START if name in names), None)
-    return np.array(model.qpos0 if key is None else model.key_qpos[key])
+def _room(pose: Pose, limb: Limb) -> Array:
+    """How far a leg may turn clockwise and anticlockwise from where it is [rad]."""
+    return np.sort(
+        limb.turn * (np.array(pose.span(limb.swing)) - pose.angle(limb.swing))
+    )
 
 
 def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
     """Pairs from front to back, odd numbers left; around the body if not in pairs."""
     middle = np.mean([limb.toe[:2] for limb in limbs], axis=0)
-    left = sorted((m for m in limbs if m.toe[1] > middle[1]), key=lambda m: -m.toe[0])
-    right = sorted((m for m in limbs if m.toe[1] <= middle[1]), key=lambda m: -m.toe[0])
+    back = sorted(limbs, key=lambda limb: -limb.toe[0])
+    left = [limb for limb in back if limb.toe[1] > middle[1]]
+    right = [limb for limb in back if limb.toe[1] <= middle[1]]
     if len(left) == len(right):
-        return tuple(m for pair in zip(left, right, strict=True) for m in pair)
+        return tuple(chain.from_iterable(zip(left, right, strict=True)))
 
     def bearing(limb: Limb) -> float:
         x, y = limb.toe[:2] - middle
@@ -137,25 +146,9 @@ def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
     return tuple(sorted(limbs, key=bearing))
 
 
-def _room(pose: Pose, limb: Limb) -> tuple[float, float]:
-    """How far a leg may turn clockwise and anticlockwise from where it is [rad]."""
-    low, high = joint_span(pose, limb.swing)
-    angle = float(pose.data.joint(limb.swing).qpos[0])
-    ends = limb.turn * (low - angle), limb.turn * (high - angle)
-    return min(ends), max(ends)
-
-
-def _suited(pose: Pose, limbs: Sequence[Limb]) -> Servo:
-    """A servo that suits the legs of a robot."""
-    joints = [joint for limb in limbs for joint in limb.joints]
-    arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
-    return drafted_servo(pose, joints, arm, len(limbs))
-
-
 def _guesses(
     limbs: Sequence[Limb], gait: GaitDraft, servo: Servo | None
 ) -> Iterator[str]:
-    """What was guessed, in sentences."""
     held = sum(len(limb.hold) for limb in limbs)
     yield (
         f"{len(limbs)} legs: joints nearest to the vertical swing, those that raise "
@@ -164,19 +157,6 @@ def _guesses(
     yield from gait.guesses
     if servo is not None:
         yield f"servos: joints without one hold with {servo}"
-
-
-def _soft(model: mujoco.MjModel, own: Sequence[str], suited: Servo) -> Iterator[str]:
-    """What to say of servos that would bend much under the load of a leg."""
-    found = {joint: servo_stiffness(model, joint) for joint in own}
-    soft = [joint for joint in own if found[joint] < SOFT_SHARE * suited.stiffness]
-    if soft:
-        yield (
-            f"the servos of {soft[0]!r} and {len(soft) - 1} further joints are soft, "
-            f"{found[soft[0]]:.4g} N m/rad: if the robot strays from its prediction, "
-            f"--set servo_stiffness={suited.stiffness:.3g} "
-            f"--set servo_damping={suited.damping:.3g} shows whether they are why"
-        )
 
 
 UNITS = {"x": "metre forward", "y": "metre sideways", "theta": "radian of yaw"}
@@ -190,21 +170,16 @@ class Proposal:
     mobility: Mobility  # what the robot can do then
 
     def __str__(self) -> str:
-        costs = (
+        costs = ", ".join(
             f"{cost.strokes:,.0f} strokes a {UNITS[cost.direction]}"
             for cost in self.mobility.costs
         )
-        return (
-            f"with its legs turned by up to {np.rad2deg(self.turned):.0f} degrees it "
-            f"would take {', '.join(costs)}"
-        )
+        turned = f"with its legs turned by up to {np.rad2deg(self.turned):.0f} degrees"
+        return f"{turned} it would take {costs}"
 
 
 def propose(robot: Robot) -> Proposal | None:
-    """The groups and the posture that adopting the robot anew would give.
-
-    None if there are none in which it lacks no direction.
-    """
+    """What adopting the robot anew would give; None where a direction would lack."""
     try:
         draft = draft_card(Source(robot.path, robot.path, None))
         card = parse_card(draft.card, "draft")

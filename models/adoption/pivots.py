@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
+from scipy.spatial.distance import pdist
 
 from models.adoption.anatomy import Limb
 from models.contact.loads import static_loads
@@ -79,15 +80,22 @@ def posed(
     """The pair of pivots from which the robot goes farthest sideways.
 
     The preferred groups come first; ranges say how far each leg may turn clockwise and
-    anticlockwise from how it stands, shape (legs, 2) [rad].
+    anticlockwise from how it stands, shape (legs, 2) [rad]. Turned legs keep apart as
+    they did before.
     """
+    feet = np.array([limb.toe[:2] for limb in limbs])
     for groups in ways:
         first, second = (list(_stands(limbs, g, weight, ranges)) for g in groups)
+        if not first or not second:
+            continue
         worth = _worth(first, second)
         for place in np.argsort(-worth, axis=None)[:MOST_PAIRS]:
             i, j = np.unravel_index(place, worth.shape)
-            if _clear(limbs, first[i], second[j]):
-                return first[i], second[j]
+            after = feet.copy()
+            for stand in (pair := (first[i], second[j])):
+                after[list(stand.legs)] = stand.feet
+            if pdist(after).min() > NEIGHBOUR_DISTANCE * pdist(feet).min():
+                return pair
     raise ModelError(
         f"its legs cannot be turned so that they meet at pivots: {source}; each group "
         "can only slide, widen the ranges of the swing joints or turn them at the start"
@@ -96,63 +104,45 @@ def posed(
 
 def _worth(first: Sequence[Stand], second: Sequence[Stand]) -> Array:
     """Way sideways of a rectangle of two full swings, less for legs much turned."""
-    if not first or not second:
-        return np.zeros((0, 0))
-    places = [np.array([stand.pivot for stand in side]) for side in (first, second)]
-    apart = np.linalg.norm(places[0][:, None] - places[1][None], axis=-1)
-    turns, bends = [], []
-    for side in (first, second):
-        turns.append(np.array([stand.yaw * stand.swing for stand in side]))
-        bends.append(np.array([np.abs(stand.turns).max() for stand in side]))
-    bent = np.maximum(bends[0][:, None], bends[1][None])
-    worth: Array = apart * turns[0][:, None] * turns[1][None] * np.exp(-bent)
-    return worth
+    (one, turn, bend), (other, back, bent) = (
+        (
+            np.array([stand.pivot for stand in side]),
+            np.array([stand.yaw * stand.swing for stand in side]),
+            np.array([np.abs(stand.turns).max() for stand in side]),
+        )
+        for side in (first, second)
+    )
+    apart = np.linalg.norm(one[:, None] - other, axis=-1)
+    most: Array = np.maximum(bend[:, None], bent)
+    return apart * turn[:, None] * back * np.exp(-most)
 
 
 def _stands(
     limbs: Sequence[Limb], group: tuple[int, ...], weight: Array, ranges: Array
 ) -> Iterator[Stand]:
     hips = np.array([limbs[i].hip for i in group])
-    toes = np.array([limbs[i].toe[:2] for i in group])
-    lengths = np.linalg.norm(toes - hips, axis=1)
-    bearing = np.arctan2(*(toes - hips).T[::-1])
+    arms = np.array([limbs[i].toe[:2] for i in group]) - hips
+    lengths = np.linalg.norm(arms, axis=1)
+    bearing = np.arctan2(*arms.T[::-1])
     every = np.array([limb.hip for limb in limbs])
     low, high = every.min(axis=0), every.max(axis=0)
     middle, half = (low + high) / 2, np.maximum((high - low) / 2, lengths.mean() / 2)
-    for x in np.linspace(-1, 1, PLACES) * half[0] + middle[0]:
-        for y in np.linspace(-1, 1, PLACES) * half[1] + middle[1]:
-            pivot = np.array([x, y])
-            away = hips - pivot
-            distance = np.linalg.norm(away, axis=1)
-            if distance.min() < 0.05 * lengths.min():
-                continue
-            turns = np.arctan2(*away.T[::-1]) - bearing
-            turns = (turns + np.pi) % (2 * np.pi) - np.pi
-            feet = hips + away / distance[:, None] * lengths[:, None]
-            ratio = (distance + lengths) / lengths
-            gains = ratio / ratio.max()
-            room = np.minimum(
-                ranges[list(group), 1] - turns, turns - ranges[list(group), 0]
-            )
-            swing = float((np.minimum(room, MOST_SWING) / gains).min())
-            loads = static_loads(feet[None], weight[None])[0]
-            balanced = np.abs(loads @ feet - weight).max() < 1e-6
-            if swing > LEAST_SWING and balanced and loads.min() > LEAST_LOAD:
-                yield Stand(
-                    group, pivot, turns, gains, 1 / float(ratio.max()), swing, feet
-                )
-
-
-def _clear(limbs: Sequence[Limb], one: Stand, other: Stand) -> bool:
-    """Whether turned legs keep apart as they did before."""
-    before = np.array([limb.toe[:2] for limb in limbs])
-    after = before.copy()
-    after[list(one.legs)], after[list(other.legs)] = one.feet, other.feet
-    nearest = (_nearest(points) for points in (before, after))
-    was, now = nearest
-    return now > NEIGHBOUR_DISTANCE * was
-
-
-def _nearest(points: Array) -> float:
-    apart = np.linalg.norm(points[:, None] - points[None], axis=-1)
-    return float(apart[np.triu_indices(len(points), 1)].min())
+    places = np.linspace(-1, 1, PLACES) * half[:, None] + middle[:, None]
+    for pivot in product(*places):
+        away = hips - pivot
+        distance = np.linalg.norm(away, axis=1)
+        if distance.min() < 0.05 * lengths.min():
+            continue
+        turns = np.arctan2(*away.T[::-1]) - bearing
+        turns = (turns + np.pi) % (2 * np.pi) - np.pi
+        feet = hips + away / distance[:, None] * lengths[:, None]
+        ratio = (distance + lengths) / lengths
+        gains = ratio / ratio.max()
+        clockwise, anticlockwise = ranges[list(group)].T
+        room = np.minimum(anticlockwise - turns, turns - clockwise)
+        swing = float((np.minimum(room, MOST_SWING) / gains).min())
+        loads = static_loads(feet[None], weight[None])[0]
+        balanced = np.abs(loads @ feet - weight).max() < 1e-6
+        if swing > LEAST_SWING and balanced and loads.min() > LEAST_LOAD:
+            yaw = 1 / float(ratio.max())
+            yield Stand(group, np.array(pivot), turns, gains, yaw, swing, feet)

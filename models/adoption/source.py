@@ -10,7 +10,7 @@ from tempfile import NamedTemporaryFile
 
 import mujoco
 
-from models.description.compiled import named, read_spec
+from models.description.compiled import named, one_line, read_spec
 from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError
 
@@ -78,26 +78,22 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         raise UnknownRobotError(
             f"no such robot: {path}; give an MJCF or URDF file, or a folder with one"
         )
-    if path.suffix.lower() == ".urdf":
-        text = _unpacked(path)
-        _inspect(path, text, allow_external)
-        return Source(path, path.with_suffix(".xml"), _from_urdf(path, text))
-    inspect_model(path, (), allow_external)
-    return Source(path, path, None)
-
-
-def _inspect(path: Path, text: str, allow_external: bool) -> None:
-    """Inspect a URDF; where its packages were found, as it is with their paths."""
-    if text == _read(path):
+    if path.suffix.lower() != ".urdf":
         inspect_model(path, (), allow_external)
-        return
-    with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
-        file.write(text)
-        file.flush()
-        try:
-            inspect_model(Path(file.name), (), allow_external)
-        except ModelError as error:
-            raise ModelError(str(error).replace(file.name, str(path))) from error
+        return Source(path, path, None)
+    given = path.read_text(encoding="utf-8", errors="replace")
+    text = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
+    if text == given:
+        inspect_model(path, (), allow_external)
+    else:
+        with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
+            file.write(text)
+            file.flush()
+            try:
+                inspect_model(Path(file.name), (), allow_external)
+            except ModelError as error:
+                raise ModelError(str(error).replace(file.name, str(path))) from error
+    return Source(path, path.with_suffix(".xml"), _from_urdf(path, text))
 
 
 def _in_folder(folder: Path) -> Path:
@@ -117,21 +113,11 @@ def _in_package(folder: Path, name: re.Match[str]) -> str:
 
     The package is one of the folders that the URDF is in, or stands beside one of them.
     """
-    package, inside = name.groups()
-    for above in list(folder.resolve().parents)[:PARENTS]:
-        found = above / package / inside
+    for above in folder.resolve().parents[:PARENTS]:
+        found = above.joinpath(*name.groups())
         if found.is_file():
             return os.path.relpath(found, folder.resolve())
     return name.group()
-
-
-def _read(path: Path) -> str:
-    return path.read_text(encoding="utf-8", errors="replace")
-
-
-def _unpacked(path: Path) -> str:
-    """A URDF in which files of ROS packages are named by their paths."""
-    return re.sub(PACKAGE, lambda name: _in_package(path.parent, name), _read(path))
 
 
 def _from_urdf(path: Path, text: str) -> str:
@@ -145,13 +131,10 @@ def _from_urdf(path: Path, text: str) -> str:
             "child of a joint, where a robot has one"
         )
     joined = text.replace("</robot>", FLOATING.format(base=bases[0]) + "</robot>")
-    try:
+    with one_line(f"not a usable URDF file: {path}"):
         spec = mujoco.MjSpec.from_string(joined)
         own, spec.meshdir = spec.meshdir, str(path.parent / spec.meshdir)
         spec.compile()
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise ModelError(f"not a usable URDF file: {path}; {reason}") from error
     named(spec)
     here = f' meshdir="{spec.meshdir}"'
     # as seen from the folder that the MJCF is written to, wherever that is moved

@@ -1,12 +1,9 @@
-"""A posture to stand in, and servos stiff enough to hold it with little sag.
-
-The posture is for legs whose file leaves them stretched out or folded, the servos are
-for joints that have none.
-"""
+"""Postures for legs that are stretched out or folded, servos for joints without."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 
 import mujoco
 import numpy as np
@@ -28,8 +25,8 @@ BISECTIONS = 30  # of the bisection for the height of a foot
 
 def stands(pose: Pose, limbs: Sequence[Limb]) -> bool:
     """Whether the feet are on one plane, and nothing else is as low."""
-    toes = np.array([pose.bottom(pose.model.geom(limb.foot).id) for limb in limbs])
-    feet = {pose.model.geom(limb.foot).id for limb in limbs}
+    feet = [pose.model.geom(limb.foot).id for limb in limbs]
+    toes = np.array([pose.bottom(foot) for foot in feet])
     size = float(np.ptp(toes[:, :2], axis=0).max())
     others = [pose.bottom(g)[2] for g in pose.solid() if g not in feet]
     highest = float(toes[:, 2].max())
@@ -42,12 +39,9 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
 
     The pose is moved; without such angles the robot is refused.
     """
-    body = [
-        pose.bottom(g)[2]
-        for g in pose.solid()
-        if int(pose.model.geom_bodyid[g]) == pose.root
-    ]
-    belly = min(body, default=0.0)
+    bodies = pose.model.geom_bodyid
+    own = [geom for geom in pose.solid() if bodies[geom] == pose.root]
+    belly = min((pose.bottom(geom)[2] for geom in own), default=0.0)
     tables = [_table(pose, limb) for limb in limbs]
     lowest = max(float(table[:, 2].min()) for table in tables)
     reach = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
@@ -63,38 +57,27 @@ def standing_angles(pose: Pose, limbs: Sequence[Limb], source: str) -> dict[str,
     return angles
 
 
-def joint_span(pose: Pose, joint: str) -> tuple[float, float]:
-    """Range of a hinge [rad]; half a turn either way where it has none."""
-    index = pose.model.joint(joint).id
-    if not pose.model.jnt_limited[index]:
-        return -np.pi / 2, np.pi / 2
-    low, high = pose.model.jnt_range[index]
-    return float(low), float(high)
-
-
 def _within(pose: Pose, joint: str) -> Array:
-    low, high = joint_span(pose, joint)
+    low, high = pose.span(joint)
     keep = MARGIN * (high - low)
     return np.linspace(low + keep, high - keep, GRID)
 
 
 def _table(pose: Pose, limb: Limb) -> Array:
-    """Rows of lift angle, held angle, height of the foot and lean of the shank."""
-    before = pose.qpos
+    """Rows of lift angle, held angle, height of the foot, lean of the shank, reach."""
+    before = pose.data.qpos.copy()
     hold = limb.hold[-1:]
     foot = pose.model.geom(limb.foot).id
     rows = []
-    for lift in _within(pose, limb.lift):
-        for held in _within(pose, hold[0]) if hold else (0.0,):
-            pose.turned({limb.lift: lift} | dict.fromkeys(hold, held))
-            toe = pose.bottom(foot)
-            joint = pose.data.joint(hold[0] if hold else limb.lift)
-            arm = toe - np.array(joint.xanchor)
-            lean = float(np.linalg.norm(arm[:2]) / np.linalg.norm(arm))
-            outward = float(np.linalg.norm(toe[:2] - limb.hip))
-            rows.append((lift, held, toe[2], lean, outward))
+    holds = _within(pose, hold[0]) if hold else (0.0,)
+    for lift, held in product(_within(pose, limb.lift), holds):
+        pose.turn({limb.lift: lift} | dict.fromkeys(hold, held))
+        toe = pose.bottom(foot)
+        arm = toe - pose.data.joint(hold[0] if hold else limb.lift).xanchor
+        lean = float(np.linalg.norm(arm[:2]) / np.linalg.norm(arm))
+        rows.append((lift, held, toe[2], lean, np.linalg.norm(toe[:2] - limb.hip)))
     pose.data.qpos[:] = before
-    pose.turned({})
+    pose.turn({})
     return np.array(rows)
 
 
@@ -112,7 +95,7 @@ def _lowered(
     foot = pose.model.geom(limb.foot).id
 
     def above(lift: float) -> float:
-        pose.turned(held | {limb.lift: lift})
+        pose.turn(held | {limb.lift: lift})
         return float(pose.bottom(foot)[2]) - floor
 
     first, last = above(low), above(high)
@@ -123,10 +106,7 @@ def _lowered(
         )
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        if above(middle) * first > 0:
-            low = middle
-        else:
-            high = middle
+        low, high = (middle, high) if above(middle) * first > 0 else (low, middle)
     return held | {limb.lift: float((low + high) / 2)}
 
 
@@ -136,11 +116,9 @@ FASTEST = 700.0  # [rad/s] of a servo's own frequency, as that of the shipped ro
 
 def servo_for(robot: Robot) -> Servo:
     """A servo that suits all leg joints of a robot."""
-    kinematics = Kinematics(robot)
-    feet = kinematics.standing.feet
-    model = robot.model
-    pose = Pose.at(model, model.body(robot.root).id, robot.start_qpos)
+    pose = Pose.at(robot.model, robot.model.body(robot.root).id, robot.start_qpos)
     hips = np.array([pose.data.joint(name).xanchor[:2] for name in robot.swing_joints])
+    feet = Kinematics(robot).standing.feet
     arm = float(np.linalg.norm(feet - hips, axis=1).max())
     return drafted_servo(pose, robot.card.joints, arm, len(robot.legs))
 

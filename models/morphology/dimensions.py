@@ -77,19 +77,15 @@ def legs_towards_pivots(
 
     A planted foot moves at right angles to its leg, so three legs hold a rotation of
     the body without slip exactly when their lines meet at its centre. One radian of
-    swing then turns the body by `kappa` about the pivot.
-
-    Args:
-        feet: Foot of each leg at swing 0, body frame [m].
-        pivots: Pivot of each leg's tripod, body frame [m].
-        kappa: Leg length as a fraction of the distance from pivot to foot.
+    swing then turns the body about the pivot by `kappa`, the leg's length as a fraction
+    of the distance from pivot to foot. Places are those at swing 0, body frame [m].
     """
-
-    def hip(number: int) -> Point:
-        (px, py), (fx, fy) = pivots[number], feet[number]
-        return (px + (1 - kappa) * (fx - px), py + (1 - kappa) * (fy - py))
-
-    return {number: Leg(hip(number), foot) for number, foot in feet.items()}
+    legs = {}
+    for number, (fx, fy) in feet.items():
+        px, py = pivots[number]
+        hip = (px + (1 - kappa) * (fx - px), py + (1 - kappa) * (fy - py))
+        legs[number] = Leg(hip, (fx, fy))
+    return legs
 
 
 def legs_on_a_circle(
@@ -100,20 +96,16 @@ def legs_on_a_circle(
 ) -> dict[int, Leg]:
     """Radial legs of one length that stand turned in line with their group's pivot.
 
-    Args:
-        bearings: Direction of each hip from the middle, and of its leg when the swing
-            joint is at 0 [degrees].
-        radius: Distance of the hips from the middle [m].
-        length: Of the legs [m].
-        pivots: Pivot of each leg's group, body frame [m].
+    A bearing [degrees] is the direction of a hip from the middle, at that radius [m],
+    and of its leg when the swing joint is at 0; pivots are in the body frame [m].
     """
-
-    def leg(number: int) -> Leg:
-        bearing = radians(bearings[number])
+    legs = {}
+    for number, degrees in bearings.items():
+        bearing = radians(degrees)
         hip = (radius * cos(bearing), radius * sin(bearing))
         px, py = pivots[number]
         along = atan2(hip[1] - py, hip[0] - px)
         foot = (hip[0] + length * cos(along), hip[1] + length * sin(along))
-        return Leg(hip, foot, turned=atan2(sin(along - bearing), cos(along - bearing)))
-
-    return {number: leg(number) for number in bearings}
+        turned = atan2(sin(along - bearing), cos(along - bearing))
+        legs[number] = Leg(hip, foot, turned)
+    return legs

@@ -24,8 +24,8 @@ from planner.support import unknown
 
 Legs = Mapping[int, Leg]
 SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
+# numbers that every shape has
 PLAIN = tuple(item.name for item in fields(Morphology) if item.type == "float")
-"""Numbers that every shape has."""
 
 
 def _pivots(
@@ -86,12 +86,15 @@ HEXAPOD = Morphology(
 )
 
 
+def _square(xs: tuple[float, ...], foot_y: float, hip_y: float) -> Legs:
+    hips, feet = (_pairs(xs, (y,) * len(xs)) for y in (hip_y, foot_y))
+    return {leg: Leg(hips[leg], feet[leg]) for leg in feet}
+
+
 def _parallel(
     outer_x: float = 0.15, foot_y: float = 0.15, hip_y: float = 0.045
 ) -> Legs:
-    xs = (outer_x, 0.0, -outer_x)
-    hips, feet = _pairs(xs, (hip_y,) * 3), _pairs(xs, (foot_y,) * 3)
-    return {leg: Leg(hips[leg], feet[leg]) for leg in feet}
+    return _square((outer_x, 0.0, -outer_x), foot_y, hip_y)
 
 
 # The paper's Figs. 1 and 5 taken literally: legs square to the body.
@@ -175,8 +178,7 @@ def _quadruped(
     foot_y: float = 0.12,
     hip_y: float = 0.02,
 ) -> Legs:
-    hips, feet = (_pairs((front_x, rear_x), (y, y)) for y in (hip_y, foot_y))
-    return {leg: Leg(hips[leg], feet[leg]) for leg in feet}
+    return _square((front_x, rear_x), foot_y, hip_y)
 
 
 # In proportion like HAMR, the ambulatory micro-robot of swing-and-lift legs, at four
@@ -216,10 +218,7 @@ def geometry_of(robot: str) -> dict[str, float]:
 
 
 def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:
-    """The shape of a shipped robot with other numbers.
-
-    Raises ValueError where there is no such number, or no such shape.
-    """
+    """The shape of a shipped robot with other numbers; ValueError where none is."""
     known = geometry_of(robot)
     for name, value in geometry.items():
         if name not in known:

@@ -52,52 +52,47 @@ def walking_system(
 ) -> StratifiedSystem:
     """The stratified system of a walking body.
 
-    Args:
-        groups: Names of the groups of legs.
-        contacts: Groups in contact on each stratum, the bottom stratum first.
-        swings: Fields that swing groups.
-        heights: Whether the state holds foot heights, and the strata fields that lift.
-        trailer: Distance from a hitch at the body's centre to the axle of a trailer,
-            whose heading `psi` then follows theta in the state; None tows none.
+    Contacts are the groups that stand on each stratum, the bottom one first. With
+    heights the state holds those of the feet, and the strata have fields that lift. A
+    trailer is towed with its axle so far behind a hitch at the body's centre; its
+    heading `psi` then follows theta in the state.
     """
     phi = [sp.Symbol(f"phi_{group}") for group in groups]
     height = {g: sp.Symbol(f"height_{g}") for g in groups} if heights else {}
-    towed = () if trailer is None else (sp.Symbol("psi"),)
+    still = [*POSE, *([] if trailer is None else [sp.Symbol("psi")]), *phi]
     fields: dict[str, dict[str, list[sp.Expr]]] = {stratum: {} for stratum in contacts}
     for swing in swings:
         velocity = _velocity(swing.twist or STILL, trailer)
         angles = map(_exact, swing.direction)
         column = [*velocity, *angles, *[sp.S.Zero] * len(height)]
         fields[swing.stratum][swing.name] = column
-    for stratum, standing in contacts.items():
-        lifted = [group for group in height if group not in standing]
+    level_sets = {}
+    for stratum, standing in contacts.items() if heights else ():
+        level_sets[stratum] = tuple(height[g] for g in groups if g in standing)
+        lifted = [group for group in groups if group not in standing]
         for number, group in enumerate(lifted, len(groups) + 1):
-            still = [sp.S.Zero] * (len(POSE) + len(towed) + len(phi))
             raised = [sp.Integer(other == group) for other in groups]
-            fields[stratum][f"g{stratum}_{number}"] = [*still, *raised]
-    return StratifiedSystem(
-        state=(*POSE, *towed, *phi, *height.values()),
-        strata=fields,
-        bottom=next(iter(contacts)),
-        level_sets={
-            stratum: tuple(height[group] for group in groups if group in standing)
-            for stratum, standing in contacts.items()
-        }
-        if heights
-        else {},
-    )
+            column = [*[sp.S.Zero] * len(still), *raised]
+            fields[stratum][f"g{stratum}_{number}"] = column
+    state = (*still, *height.values())
+    return StratifiedSystem(state, fields, next(iter(contacts)), level_sets)
 
 
 def _velocity(twist: Twist, trailer: float | None) -> list[sp.Expr]:
     """Rates of x, y, theta and, where a trailer is towed, psi."""
     forward, left, yaw = map(_exact, twist)
     theta = POSE[2]
-    cos, sin = sp.cos(theta), sp.sin(theta)
-    body = [forward * cos - left * sin, forward * sin + left * cos, yaw]
+    body = turned(forward, left, yaw)
     if trailer is None:
         return body
     behind = theta - sp.Symbol("psi")  # the axle follows the hitch without sideslip
     return [*body, (forward * sp.sin(behind) + left * sp.cos(behind)) / trailer]
+
+
+def turned(forward: sp.Expr, left: sp.Expr, yaw: sp.Expr) -> list[sp.Expr]:
+    """Rates of x, y and theta of a body with that twist."""
+    cos, sin = sp.cos(POSE[2]), sp.sin(POSE[2])
+    return [forward * cos - left * sin, forward * sin + left * cos, yaw]
 
 
 def _exact(value: sp.Expr | float) -> sp.Expr:

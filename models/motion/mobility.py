@@ -13,7 +13,6 @@ from math import hypot
 import numpy as np
 
 from models.contact.kinematics import Kinematics
-from models.description.card import Twist
 from models.description.robot import Robot
 from models.motion.equations_of_motion import POSE
 from models.motion.robot_equations import Equations
@@ -46,11 +45,7 @@ class Mobility:
 
 
 def mobility_of(robot: Robot, described: Equations) -> Mobility:
-    """What the swings of a robot can do from where it stands.
-
-    Args:
-        robot: Robot in question.
-        described: Its equations.
+    """What the swings of a robot, by its equations, can do from where it stands.
 
     Example:
         >>> from models import equations, load, mobility_of
@@ -58,35 +53,31 @@ def mobility_of(robot: Robot, described: Equations) -> Mobility:
         >>> mobility_of(robot, equations(robot)).lacking
         ()
     """
-    costs = _costs(described)
+    system, elements = described.system, described.elements
+    at = np.zeros(system.dimension)
+    try:
+        found = stroke_costs(system, elements, at, described.strokes)
+    except PlannerError:  # the bracket vanishes
+        found = stroke_costs(system, elements[:-1], at, described.strokes)
+    costs = tuple(cost for cost in found if cost.direction in WAYS)
     reached = {cost.direction for cost in costs if not cost.in_theory_only}
     lacking = tuple(words for name, words in WAYS.items() if name not in reached)
     reason = _reason(robot, described) if lacking else ""
     return Mobility(costs, lacking, reason)
 
 
-def _costs(described: Equations) -> tuple[DirectionCost, ...]:
-    """Of the pose's coordinates; without the bracket where that vanishes."""
-    system, elements = described.system, described.elements
-    at = np.zeros(system.dimension)
-    try:
-        found = stroke_costs(system, elements, at, described.strokes)
-    except PlannerError:
-        found = stroke_costs(system, elements[:-1], at, described.strokes)
-    return tuple(cost for cost in found if cost.direction in WAYS)
-
-
 def _reason(robot: Robot, described: Equations) -> str:
     size = Kinematics(robot).reach
-    first, second = (described.twists[name] for name in described.elements[:2])
-    turning = [_turns(twist, size) for twist in (first, second)]
+    twists = [described.twists[name] for name in described.elements[:2]]
+    turning = [abs(yaw) * size > STRAIGHT * hypot(*way) for *way, yaw in twists]
     if not any(turning):
         return (
             "neither of its two strokes turns the body: the legs of a group are "
             "parallel and carry it straight along"
         )
     if all(turning):
-        (x, y), (u, v) = _pivot(first), _pivot(second)
+        pivots = [(-left / yaw, forward / yaw) for forward, left, yaw in twists]
+        (x, y), (u, v) = pivots  # points of the body that strokes leave in place [m]
         apart = hypot(x - u, y - v)
         return (
             f"both strokes turn the body about nearly the same point, ({x:z.3f}, "
@@ -97,14 +88,3 @@ def _reason(robot: Robot, described: Equations) -> str:
         f"its strokes are short: even {AFFORDABLE:,.0f} of them make no unit of the "
         "directions that are missing"
     )
-
-
-def _turns(twist: Twist, size: float) -> bool:
-    forward, left, yaw = twist
-    return abs(yaw) * size > STRAIGHT * hypot(forward, left)
-
-
-def _pivot(twist: Twist) -> tuple[float, float]:
-    """The point of the body that a stroke leaves where it is [m]."""
-    forward, left, yaw = twist
-    return -left / yaw, forward / yaw

@@ -20,6 +20,7 @@ import numpy as np
 import sympy as sp
 from numpy.polynomial import chebyshev
 
+from models.motion.equations_of_motion import turned
 from models.motion.robot_equations import Equations
 from models.motion.twists import TwistModel
 from planner import Array, StratifiedSystem
@@ -59,15 +60,11 @@ class ContactField:
 
     def expressions(self, angles: Sequence[sp.Symbol]) -> tuple[sp.Expr, ...]:
         """Forward, left and yaw as expressions over the groups' angles."""
-        scaled = [
-            sum(float(share) * angle for share, angle in zip(axis, angles, strict=True))
-            for axis in self.axes
-        ]
-        low, high = self.spans.T
-        units = [
-            (2 * way - float(a + b)) / float(b - a)
-            for way, a, b in zip(scaled, low, high, strict=True)
-        ]
+        units = []
+        for axis, (low, high) in zip(self.axes, self.spans, strict=True):
+            shares = zip(map(float, axis), angles, strict=True)
+            way = sum(share * angle for share, angle in shares)
+            units.append((2 * way - float(low + high)) / float(high - low))
         forward, left, yaw = (_horner(part, units) for part in self.coefficients)
         return forward, left, yaw
 
@@ -83,8 +80,7 @@ class FittedTwists:
         on = [field for field in self.fields.values() if field.stratum == stratum]
         amounts = rates @ np.linalg.pinv(np.array([field.direction for field in on]))
         parts = [u[:, None] * f(swing) for u, f in zip(amounts.T, on, strict=True)]
-        total: Array = np.sum(parts, axis=0)
-        return total
+        return np.sum(parts, axis=0)
 
 
 def contact_fields(
@@ -117,24 +113,16 @@ def contact_equations(
     """The same equations, with strokes that move the body as the real contacts do."""
     system = described.system
     groups = len(next(iter(described.swings.values())))
-    theta, angles = system.state[2], system.state[3 : 3 + groups]
-    cos, sin = sp.cos(theta), sp.sin(theta)
-
-    def column(name: str) -> sp.ImmutableMatrix:
-        if name not in fields:
-            return system.fields[name]
-        forward, left, yaw = fields[name].expressions(angles)
-        velocity = [forward * cos - left * sin, forward * sin + left * cos, yaw]
-        return sp.ImmutableMatrix([*velocity, *system.fields[name][3:]])
-
-    moved = StratifiedSystem(
-        state=system.state,
-        strata={
-            s: {name: column(name) for name in system.strata[s]} for s in system.strata
-        },
-        bottom=system.bottom,
-        level_sets=system.level_sets,
-    )
+    angles = system.state[3 : 3 + groups]
+    columns = dict(system.fields)
+    for name, field in fields.items():
+        velocity = turned(*field.expressions(angles))
+        columns[name] = sp.ImmutableMatrix([*velocity, *columns[name][3:]])
+    strata = {
+        stratum: {name: columns[name] for name in names}
+        for stratum, names in system.strata.items()
+    }
+    moved = StratifiedSystem(system.state, strata, system.bottom, system.level_sets)
     return replace(described, system=moved)
 
 
@@ -208,15 +196,11 @@ def _horner(coefficients: Array, units: Sequence[sp.Expr]) -> sp.Expr:
     if not units:
         return sp.Float(float(coefficients))
     first, *rest = units
-    powers = np.tensordot(_to_powers(len(coefficients)), coefficients, (1, 0))
+    size = len(coefficients)
+    columns = [chebyshev.cheb2poly(row) for row in np.eye(size)]
+    to_powers = np.array([np.pad(c, (0, size - len(c))) for c in columns]).T
     value: sp.Expr = sp.S.Zero
-    for part in powers[::-1]:
+    for part in np.tensordot(to_powers, coefficients, (1, 0))[::-1]:
         inner = _horner(part, rest) if np.any(part) else sp.S.Zero
         value = value * first + inner
     return value
-
-
-def _to_powers(size: int) -> Array:
-    """Chebyshev coefficients to those of powers, shape (size, size)."""
-    columns = [chebyshev.cheb2poly(row) for row in np.eye(size)]
-    return np.array([np.pad(c, (0, size - len(c))) for c in columns]).T

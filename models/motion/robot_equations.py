@@ -21,12 +21,7 @@ from models.contact.loads import StaticStability, static_loads
 from models.description.card import Twist
 from models.description.robot import Robot
 from models.errors import ModelError
-from models.motion.equations_of_motion import (
-    POSE,
-    Direction,
-    Swing,
-    walking_system,
-)
+from models.motion.equations_of_motion import POSE, Direction, Swing, walking_system
 from planner import Execution, Path, StratifiedSystem
 from planner.execution import StabilityTest, StanceRule
 from planner.systems import ShapeLimits
@@ -74,14 +69,11 @@ class Equations:
     def strokes(self) -> dict[str, float]:
         """How far each field swings from one end of the joint range to the other."""
         widths = [high - low for low, high in self.limits.values()]
-        return {
-            name: min(
-                width / abs(rate)
-                for width, rate in zip(widths, direction, strict=True)
-                if rate
-            )
-            for name, direction in self.swings.items()
-        }
+        strokes = {}
+        for name, direction in self.swings.items():
+            shares = zip(widths, direction, strict=True)
+            strokes[name] = min(width / abs(rate) for width, rate in shares if rate)
+        return strokes
 
     def stride(self, field: str) -> float:
         """Way of the body's centre per unit of a field [m]."""
@@ -105,44 +97,30 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
         >>> equations(load("hexapod"), "paper").elements
         ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
-    strata = robot.card.strata
-    swings = [swing for stratum in strata for swing in _swings(robot, stratum)]
-    contacts = {name: name for name in strata}
+    card = robot.card
+    swings = [swing for stratum in card.strata for swing in _swings(robot, stratum)]
+    contacts = {name: name for name in card.strata}
+    # a robot that rows in patterns on all feet is centred by stepping in between
+    centred: StanceRule = "stepped" if card.patterns else "centred"
     return Equations(
         system=walking_system(robot.groups, contacts, swings),
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},
-        stance=_stance(robot, fields),
-        static_stability=_static_stability(robot),
+        stance="paper" if fields == "paper" else centred,
+        static_stability=StaticStability(robot).stands if card.least_load else None,
         limits={f"phi_{name}": span for name, span in robot.swing_range.items()},
     )
-
-
-def _stance(robot: Robot, fields: Fields) -> StanceRule:
-    """Centred with lifted fields, the printed order with the paper's.
-
-    A robot that rows in patterns on all feet is centred by stepping in between.
-    """
-    if fields == "paper":
-        return "paper"
-    return "stepped" if robot.card.patterns else "centred"
-
-
-def _static_stability(robot: Robot) -> StabilityTest | None:
-    return StaticStability(robot).stands if robot.card.least_load else None
 
 
 def _swings(robot: Robot, stratum: str) -> Iterator[Swing]:
     """Swings on a stratum: single groups, or patterns in place of those that stand."""
     patterns = robot.card.patterns
     for i, group in enumerate(robot.groups):
-        direction = _unit(robot, i)
         if group not in stratum:
-            yield Swing(stratum, str(i + 1), direction, None)
+            yield Swing(stratum, str(i + 1), _unit(robot, i), None)
         elif not patterns:
-            twist = group_twist(robot, group)
-            yield Swing(stratum, str(i + 1), direction, twist)
+            yield Swing(stratum, str(i + 1), _unit(robot, i), group_twist(robot, group))
     for name, pattern in patterns.items():
         if stratum in pattern.strata:
             direction = tuple(pattern.groups.get(g, 0.0) for g in robot.groups)
@@ -159,9 +137,9 @@ def group_twist(robot: Robot, group: str) -> Twist:
 
     The card's claim where it makes one, contact kinematics otherwise.
     """
-    direction = _unit(robot, robot.groups.index(group))
-    claimed = robot.card.groups[group].twist
-    return claimed or twist_at_rest(robot, group, direction)
+    if claimed := robot.card.groups[group].twist:
+        return claimed
+    return twist_at_rest(robot, group, _unit(robot, robot.groups.index(group)))
 
 
 def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
@@ -176,45 +154,38 @@ def twist_at_rest(robot: Robot, stratum: str, direction: Direction) -> Twist:
             f"it does not stand on groups {stratum} alone: {robot.path}; their feet do "
             "not surround its weight, group other legs or give the twist of their swing"
         )
-    forward, left, yaw = least_dissipation_twist(feet, rates, loads)[0]
-    return (_clean(forward), _clean(left), _clean(yaw))
-
-
-def _clean(value: float) -> float:
-    """Round away the last digits, which are the solver's and not the robot's."""
-    return round(float(value), 9) + 0.0
+    twist = least_dissipation_twist(feet, rates, loads)[0]
+    # the last digits are the solver's and not the robot's
+    forward, left, yaw = (round(float(value), 9) + 0.0 for value in twist)
+    return forward, left, yaw
 
 
 def _elements(robot: Robot, swings: list[Swing], fields: Fields) -> tuple[str, ...]:
-    """Loaded swings to steer with, every group's swing in the air, and one bracket."""
+    """Loaded swings to steer with, every group's swing in the air, and one bracket.
+
+    A swing in the air is that on the first stratum where the group is lifted.
+    """
     if robot.card.patterns:
-        loaded = [swing for swing in swings if swing.twist is not None]
+        names = [swing.name for swing in swings if swing.twist is not None]
     else:
-        alone = [robot.card.bottom] * len(robot.groups)
-        on = {"paper": alone, "lifted": list(robot.groups)}[fields]
-        loaded = [
-            swing
+        units = {_unit(robot, i): group for i, group in enumerate(robot.groups)}
+        names = [
+            swing.name
             for swing in swings
-            for i, group in enumerate(robot.groups)
-            if swing.stratum == on[i] and swing.direction == _unit(robot, i)
+            if (group := units.get(swing.direction))
+            and swing.stratum == (robot.card.bottom if fields == "paper" else group)
         ]
-    names = [swing.name for swing in loaded]
     if len(names) != 2:
         raise ModelError(
             f"the gait {' '.join(robot.card.gait)} has {len(names)} loaded swings to "
             f"steer with, where two are needed: {robot.path}; let two groups stand "
             "alone in turn, such as 12 1 12 2 12, or give two patterns"
         )
-    return (*names, *_air_swings(robot, swings), f"[{names[0]},{names[1]}]")
-
-
-def _air_swings(robot: Robot, swings: list[Swing]) -> list[str]:
-    """For each group its swing on the first stratum where it is in the air."""
-    first: dict[Direction, str] = {}
+    lifted: dict[Direction, str] = {}
     for swing in swings:
         if swing.twist is None:
-            first.setdefault(swing.direction, swing.name)
+            lifted.setdefault(swing.direction, swing.name)
     for i, group in enumerate(robot.groups):
-        if _unit(robot, i) not in first:
+        if _unit(robot, i) not in lifted:
             raise ModelError(f"the gait never lifts group {group}: {robot.path}")
-    return list(first.values())
+    return (*names, *lifted.values(), f"[{names[0]},{names[1]}]")

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import compress
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -76,8 +77,7 @@ class Integral:
     def _starts(self) -> Array:
         """The integral at every edge, shape (P + 1, C)."""
         whole = np.einsum("n,pnc->pc", _WEIGHTS / 2, self.values)
-        begin = np.zeros((1, whole.shape[1]))
-        return np.concatenate([begin, np.cumsum(whole, axis=0)])
+        return np.pad(np.cumsum(whole, axis=0), ((1, 0), (0, 0)))
 
 
 Move = tuple[str, ArrayLike]  # stratum, and change of every group's angle [rad]
@@ -104,22 +104,16 @@ class Strokes:
     def among(
         cls, moves: Sequence[Move], groups: Sequence[str], start: ArrayLike
     ) -> tuple[Strokes, Array]:
-        """The strokes among consecutive moves of the groups' angles.
+        """The strokes among consecutive moves, and which of these they are, (moves,).
 
-        Args:
-            moves: For each the stratum, and the change of every group's angle [rad].
-            groups: Names of the groups.
-            start: Angles before the first move, shape (G,) [rad].
-
-        Returns:
-            The strokes, and which of the moves they are, shape (moves,), bool.
+        The angles of the groups before the first move have shape (G,) [rad].
         """
         strata = tuple(stratum for stratum, _ in moves)
         change = np.array([c for _, c in moves], float).reshape(-1, len(groups))
         standing = np.array([[g in s for g in groups] for s in strata], bool)
         loaded = ((change != 0) & standing.reshape(change.shape)).any(axis=1)
         begin = np.cumsum(change, axis=0) - change + np.asarray(start, float)
-        on = tuple(s for s, is_loaded in zip(strata, loaded, strict=True) if is_loaded)
+        on = tuple(compress(strata, loaded))
         return cls(on, begin[loaded], change[loaded]), loaded
 
     def travel(self, twists: TwistModel, kinematics: Kinematics) -> Travel:
@@ -148,13 +142,11 @@ class _Panels:
         begin = (np.arange(len(self.stroke)) - first) / count
         self.edges = np.append(self.stroke + begin, float(len(pieces)))
         way = begin[:, None] + FRACTIONS / count[:, None]  # (P, n)
-        change = strokes.change[self.stroke]  # (P, G)
-        self.swing = (
-            strokes.begin[self.stroke][:, None] + way[..., None] * change[:, None]
-        )
-        self.rates = np.broadcast_to(
-            (change / count[:, None])[:, None], self.swing.shape
-        )
+        start = strokes.begin[self.stroke]  # (P, G)
+        change = strokes.change[self.stroke]
+        self.swing = start[:, None] + way[..., None] * change[:, None]
+        rates = (change / count[:, None])[:, None]
+        self.rates = np.broadcast_to(rates, self.swing.shape)
         self.strata = np.array(strokes.strata, dtype=object)[self.stroke]
 
     def evaluate(self, twists: TwistModel) -> Array:

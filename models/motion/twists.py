@@ -39,10 +39,8 @@ class TwistModel(Protocol):
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
         """Twist (forward, left, yaw) of the body in its own frame, shape (N, 3).
 
-        Args:
-            stratum: Groups in contact.
-            swing: Angle of each group, shape (N, G) [rad].
-            rates: Rate of each group, shape (N, G) [rad/s]; [rad] for a displacement.
+        The groups of the stratum are in contact; every group has an angle [rad] and a
+        rate [rad/s], or [rad] for a displacement, shape (N, G) each.
         """
         ...
 
@@ -63,11 +61,11 @@ class IdealTwists:
 
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
         """The fields of the stratum that together have these rates, added up."""
-        equations = self.equations
-        on = [f for f, s in equations.system.stratum_of.items() if s == stratum]
-        swings = [name for name in on if name in equations.swings]
-        directions = np.array([equations.swings[name] for name in swings])
-        twists = np.array([equations.twists[name] for name in swings])
+        described = self.equations
+        of = described.system.stratum_of
+        on = [name for name in of if of[name] == stratum and name in described.swings]
+        directions = np.array([described.swings[name] for name in on])
+        twists = np.array([described.twists[name] for name in on])
         return rates @ np.linalg.pinv(directions) @ twists
 
 
@@ -96,7 +94,7 @@ class QuasiStaticTwists:
         robot = self.kinematics.robot
         on = robot.planted(stratum)
         whole = self.kinematics.stance(swing)
-        moved = whole.rates * rates[..., robot.group_of_leg, None]
+        moved = (whole.rates * rates[..., robot.group_of_leg, None])[:, on]
         stance = Stance(
             feet=whole.feet[:, on],
             rates=whole.rates[:, on],
@@ -104,17 +102,11 @@ class QuasiStaticTwists:
             height=whole.height[:, on],
             center_of_mass=whole.center_of_mass,
         )
-        if on.sum() > 3:
-            return self._on_springs(stance, moved[:, on], rates, on)
-        loads = static_loads(stance.feet, stance.center_of_mass)
-        return least_dissipation_twist(stance.feet, moved[:, on], loads)
-
-    def _on_springs(
-        self, stance: Stance, moved: Array, rates: Array, on: Array
-    ) -> Array:
-        ground = replace(
-            self.ground, contact=self.ground.contact[on], servo=self.ground.servo[on]
-        )
+        if on.sum() <= 3:
+            loads = static_loads(stance.feet, stance.center_of_mass)
+            return least_dissipation_twist(stance.feet, moved, loads)
+        contact, servo = self.ground.contact[on], self.ground.servo[on]
+        ground = replace(self.ground, contact=contact, servo=servo)
         fastest = np.abs(rates).max(axis=-1, keepdims=True)
         unit = np.where(fastest > 0, fastest, 1.0)
         per_radian = moved / unit[..., None]
@@ -175,19 +167,16 @@ class IdentifiedTwists:
                     f"field {name} could not be measured: {failed.reason}; "
                     "choose groups that it can stand on"
                 )
-        named = {n: f for n, f in self.fields.items() if f.stratum == stratum}
-        on = list(named.values())
-        D = np.array([f.direction for f in on])  # (fields, G)
-        inverse = np.linalg.pinv(D)
-        inputs, ways = rates @ inverse, swing @ inverse  # (N, fields)
-        for name, f, u, w in zip(named, on, inputs.T, ways.T, strict=True):
+        on = {n: f for n, f in self.fields.items() if f.stratum == stratum}
+        inverse = np.linalg.pinv(np.array([f.direction for f in on.values()]))
+        inputs, ways = (rates @ inverse).T, (swing @ inverse).T  # (fields, N)
+        parts = []
+        for (name, f), u, w in zip(on.items(), inputs, ways, strict=True):
             farthest = np.abs(w[u != 0.0]).max(initial=0.0)
             if farthest > f.reach + ROUNDING_ANGLE:
                 raise MeasurementError(
                     f"field {name} swings to {farthest:.3g} rad, and is confirmed to "
                     f"{f.reach:.3g} rad either way; plan more segments"
                 )
-        parts = [
-            u[:, None] * f(w) for f, u, w in zip(on, inputs.T, ways.T, strict=True)
-        ]
+            parts.append(u[:, None] * f(w))
         return np.sum(parts, axis=0)
