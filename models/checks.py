@@ -25,26 +25,17 @@ FARTHEST = 1e6  # [m] from the origin or frame; beyond, numbers lose millimetres
 
 def check_parts(robot: Robot) -> None:
     """Refuse a card whose legs do not match the model."""
-    root = root_body(robot.model, robot.path)
-    if not robot.model.body(root).name:
+    model = robot.model
+    if not model.body(root_body(model, robot.path)).name:
         raise ModelError(
             f"the body with the free joint has no name: {robot.path}; give it one"
         )
     _check_names(robot)
-    if np.abs(robot.start_qpos).max() > FARTHEST:
+    if (farthest := np.abs(robot.start_qpos).max()) > FARTHEST:
         raise ModelError(
-            f"it starts {np.abs(robot.start_qpos).max():.3g} m or rad away: "
-            f"{robot.path}; correct keyframe 'start', or where its body is"
+            f"it starts {farthest:.3g} m or rad away: {robot.path}; correct keyframe "
+            "'start', or where its body is"
         )
-    _require_near(robot)
-    for number, leg in robot.card.legs.items():
-        for problem in _part_problems(robot.model, leg):
-            raise ModelError(f"leg {number}: {robot.path}; {problem}")
-
-
-def _require_near(robot: Robot) -> None:
-    """Refuse bodies and geoms that are placed beyond what numbers can resolve."""
-    model = robot.model
     for kind, places in (("body", model.body_pos), ("geom", model.geom_pos)):
         away = np.abs(places).max(axis=1)
         if away.max() > FARTHEST:
@@ -53,41 +44,41 @@ def _require_near(robot: Robot) -> None:
                 f"{kind} {name!r} is {away.max():.3g} m away from its frame: "
                 f"{robot.path}; correct its pos"
             )
+    for number, leg in robot.card.legs.items():
+        for problem in _part_problems(model, leg):
+            raise ModelError(f"leg {number}: {robot.path}; {problem}")
 
 
 def _check_names(robot: Robot) -> None:
-    named = [part for leg in robot.card.legs.values() for part in _parts(leg)]
-    started = [("joint", name) for name in robot.card.start]
-    if missing := [
-        part for part in (*named, *started) if part[1] not in _known(robot, part[0])
-    ]:
+    """Refuse parts that the model lacks, or that belong to two legs."""
+    model, card = robot.model, robot.card
+    geoms, joints = (
+        map(model.geom, range(model.ngeom)),
+        map(model.joint, range(model.njnt)),
+    )
+    free = mujoco.mjtJoint.mjJNT_FREE
+    known = {
+        "geom": {g.name for g in geoms if g.name and model.body_weldid[g.bodyid[0]]},
+        "joint": {j.name for j in joints if j.name and j.type[0] != free},
+    }
+    named = []
+    for leg in card.legs.values():
+        named += [("joint", name) for name in leg.joints]
+        named += [("geom", name) for name in leg.foot]
+    every = [*named, *(("joint", name) for name in card.start)]
+    if missing := [part for part in every if part[1] not in known[part[0]]]:
         lacks = ", ".join(f"{kind} {name!r}" for kind, name in missing)
+        kind, name = missing[0]
         raise ModelError(
             f"the card names what the model lacks: {robot.path}; {lacks}; "
-            f"{did_you_mean(missing[0][1], sorted(_known(robot, missing[0][0])))}"
+            f"{did_you_mean(name, sorted(known[kind]))}"
         )
-    if shared := [part for part, times in Counter(named).items() if times > 1]:
-        kind, name = shared[0]
+    (kind, name), times = Counter(named).most_common(1)[0]
+    if times > 1:
         raise ModelError(
             f"{kind} {name!r} is named twice: {robot.path}; every {kind} belongs to "
             "one leg, and there to one task"
         )
-
-
-def _parts(leg: LegCard) -> list[tuple[str, str]]:
-    joints = [("joint", name) for name in leg.joints]
-    return joints + [("geom", name) for name in leg.foot]
-
-
-def _known(robot: Robot, kind: str) -> set[str]:
-    """Named joints or geoms of the robot, the free joint left out."""
-    model = robot.model
-    if kind == "geom":
-        geoms = (model.geom(i) for i in range(model.ngeom))
-        return {g.name for g in geoms if g.name and model.body_weldid[g.bodyid[0]]}
-    joints = (model.joint(i) for i in range(model.njnt))
-    free = mujoco.mjtJoint.mjJNT_FREE
-    return {j.name for j in joints if j.name and j.type[0] != free}
 
 
 def _part_problems(model: mujoco.MjModel, leg: LegCard) -> Iterator[str]:
@@ -126,20 +117,15 @@ CLEAR = 2e-4  # [m]; least rise of a lifted foot, more than soft feet sink in
 
 def check_posture(robot: Robot) -> None:
     """Refuse a robot that does not start on its feet, or cannot lift or swing them."""
-    for problem in _posture_problems(Kinematics(robot)):
-        raise ModelError(f"{problem[0]}: {robot.path}; {problem[1]}")
+    kinematics = Kinematics(robot)
+    for problems in (_badly_standing, _cannot_swing, _cannot_lift):  # gravest first
+        for problem, remedy in problems(kinematics):
+            raise ModelError(f"{problem}: {robot.path}; {remedy}")
 
 
-def _posture_problems(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    """Every problem with its remedy, the gravest first."""
-    yield from _tilted(kinematics.robot)
-    yield from _out_of_range(kinematics.robot)
-    yield from _off_its_feet(kinematics)
-    yield from _cannot_swing(kinematics)
-    yield from _cannot_lift(kinematics)
-
-
-def _tilted(robot: Robot) -> Iterator[tuple[str, str]]:
+def _badly_standing(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
+    """Problems of the start, each with its remedy."""
+    robot = kinematics.robot
     quat = robot.start_qpos[robot.root_address + 3 : robot.root_address + 7]
     up = np.zeros(3)
     mujoco.mju_rotVecQuat(up, np.array([0.0, 0.0, 1.0]), quat)
@@ -151,9 +137,6 @@ def _tilted(robot: Robot) -> Iterator[tuple[str, str]]:
             f"{np.rad2deg(tilt):.3g} degrees off the vertical",
             "turn that body upright, where it is defined or in keyframe 'start'",
         )
-
-
-def _out_of_range(robot: Robot) -> Iterator[tuple[str, str]]:
     for joint in robot.card.joints:
         (low, high), angle = robot.span(joint), robot.standing_angle(joint)
         if not low - BEYOND <= angle <= high + BEYOND:
@@ -162,25 +145,20 @@ def _out_of_range(robot: Robot) -> Iterator[tuple[str, str]]:
                 f"it and its servos, {low:.4g} to {high:.4g}",
                 "start inside it: correct keyframe 'start', or [start] in the card",
             )
-
-
-def _off_its_feet(kinematics: Kinematics) -> Iterator[tuple[str, str]]:
-    stance = kinematics.standing
-    legs, height = kinematics.robot.legs, stance.height
+    feet, height = kinematics.standing.feet, kinematics.standing.height
     highest, lowest = int(height.argmax()), int(height.argmin())
-    weight = float(kinematics.center_of_mass[2])
-    if height[highest] >= weight:
+    above = height[highest] - float(kinematics.center_of_mass[2])
+    if above >= 0:
         yield (
-            f"it does not start on its feet: that of leg {legs[highest]} is "
-            f"{1e3 * (height[highest] - weight):.0f} mm above the centre of mass",
+            f"it does not start on its feet: that of leg {robot.legs[highest]} is "
+            f"{1e3 * above:.0f} mm above the centre of mass",
             "put the legs down in keyframe 'start', or correct the foot",
         )
-    size = float(np.ptp(stance.feet, axis=0).max())
-    if height[highest] - height[lowest] > UNEVEN_FEET * size:
+    uneven = height[highest] - height[lowest]
+    if uneven > UNEVEN_FEET * float(np.ptp(feet, axis=0).max()):
         yield (
-            f"its feet do not start on one floor: leg {legs[highest]} ends "
-            f"{1e3 * (height[highest] - height[lowest]):.1f} mm above leg "
-            f"{legs[lowest]}",
+            f"its feet do not start on one floor: leg {robot.legs[highest]} ends "
+            f"{1e3 * uneven:.1f} mm above leg {robot.legs[lowest]}",
             "correct the angles in keyframe 'start', or those held by the card",
         )
 

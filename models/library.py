@@ -11,7 +11,7 @@ from pathlib import Path
 from models.checks import check_parts, check_posture
 from models.description.card_file import parse_card, read_text
 from models.description.compiled import read_spec
-from models.description.inspection import Opened, inspect_model
+from models.description.inspection import inspect_model
 from models.description.robot import EMBEDDED, FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 from models.morphology.mjcf import write_mjcf
@@ -56,25 +56,31 @@ def load(
         >>> robot.legs, robot.groups
         ((1, 2, 3, 4, 5, 6), ('1', '2'))
     """
-    path = _find(name)
-    opened = None if path.parent == FOLDER else _inspected(path, allow_external)
-    text, source = _card(path)
+    path, opened = _find(name), None
+    beside = path.with_suffix(".toml")
+    if path.parent != FOLDER:
+        cards = (beside,) if lexists(beside) else ()
+        opened = inspect_model(path, cards, allow_external)
+    text, source = _card(path, beside)
     borrowed = Path(source).stem if Path(source).parent == FOLDER != path.parent else ""
     card = parse_card(text, source)
     robot = Robot(path.stem, path, text, card, opened, borrowed)
     if geometry:
-        robot = variant(robot, geometry)
+        robot = _variant(robot, geometry)
     try:
         check_parts(robot)
     except ModelError as error:
-        if borrowed:
-            raise _unfit(robot, error) from error
-        raise
+        if not borrowed:
+            raise
+        raise ModelError(
+            f"no robot card: {beside} is missing, and that of {borrowed!r}, whose "
+            f"model name it carries, does not fit; {error}"
+        ) from error
     check_posture(robot)
     return robot
 
 
-def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
+def _variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
     """A shipped robot with other numbers of its shape."""
     if not robot.is_shipped:
         raise ModelError(
@@ -90,37 +96,24 @@ def variant(robot: Robot, geometry: Mapping[str, float]) -> Robot:
 
 
 def _find(name: str) -> Path:
-    path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
-    if not name.endswith(".xml") and name not in shipped_robots():
-        shipped = shipped_robots()
+    shipped = shipped_robots()
+    if not name.endswith(".xml") and name not in shipped:
         near = get_close_matches(name, shipped, n=1)
         question = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownRobotError(
             f"unknown robot: {name!r}; {question}shipped are {', '.join(shipped)}, "
             "or give a .xml file"
         )
+    path = Path(name) if name.endswith(".xml") else FOLDER / f"{name}.xml"
     if not path.is_file():
-        raise UnknownRobotError(
-            f"no such robot file: {path}; give the path of an MJCF file"
-        )
+        message = f"no such robot file: {path}; give the path of an MJCF file"
+        raise UnknownRobotError(message)
     return path
 
 
-def _inspected(path: Path, allow_external: bool) -> Opened:
-    card = path.with_suffix(".toml")
-    return inspect_model(path, (card,) if lexists(card) else (), allow_external)
-
-
-def _unfit(robot: Robot, error: ModelError) -> ModelError:
-    return ModelError(
-        f"no robot card: {robot.path.with_suffix('.toml')} is missing, and that of "
-        f"{robot.borrowed!r}, whose model name it carries, does not fit; {error}"
-    )
-
-
-def _card(path: Path) -> tuple[str, str]:
+def _card(path: Path, beside: Path) -> tuple[str, str]:
     """Text of a robot's card, and where it stands."""
-    beside, spec = path.with_suffix(".toml"), read_spec(path)
+    spec = read_spec(path)
     inside = [text.data for text in spec.texts if text.name == EMBEDDED]
     if inside and lexists(beside):
         raise ModelError(

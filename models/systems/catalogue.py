@@ -59,9 +59,18 @@ def shipped_system(name: str, values: Mapping[str, object] | None = None) -> Pro
         '1234'
     """
     values = values or {}
-    maker = _maker(name)
+    maker, defaults = _maker(name), parameters(name)
+    kinds = get_type_hints(maker)
     try:
-        _require_parameters(parameters(name), get_type_hints(maker), values)
+        for key, value in values.items():
+            if key not in defaults:
+                none = "is unknown; it has none"
+                raise ValueError(
+                    f"{key} {unknown(key, defaults) if defaults else none}"
+                )
+            if not _fits(value, kinds[key]):
+                kind = KINDS.get(kinds[key], "a number")
+                raise ValueError(f"{key} is {value!r}; give {kind}")
         return maker(**values)
     except ValueError as error:
         raise ProblemError(f"bad parameters of {name}: {error}") from error
@@ -71,20 +80,6 @@ def _maker(name: str) -> Callable[..., Problem]:
     if name not in SYSTEMS:
         raise ProblemError(f"system {name!r} {unknown(name, SYSTEMS)}")
     return SYSTEMS[name]
-
-
-def _require_parameters(
-    defaults: Mapping[str, object],
-    kinds: Mapping[str, object],
-    values: Mapping[str, object],
-) -> None:
-    for key, value in values.items():
-        if key not in defaults:
-            known = unknown(key, defaults) if defaults else "is unknown; it has none"
-            raise ValueError(f"{key} {known}")
-        if not _fits(value, kinds[key]):
-            kind = KINDS.get(kinds[key], "a number")
-            raise ValueError(f"{key} is {value!r}; give {kind}")
 
 
 def _fits(value: object, kind: object) -> bool:

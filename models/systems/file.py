@@ -105,25 +105,21 @@ def _decode(
     table.get("goal")
     return Problem(
         name=name,
-        description=_word(table, "description", ""),
+        description=table.text("description", ""),
         system=system,
-        gait=_names(table, "gait") or _gait(system),
-        elements=_names(table, "elements"),
+        gait=table.texts("gait", ()) or _gait(system),
+        elements=table.texts("elements", ()),
         start=table.gains("start"),
         goal=table.gains("goal"),
-        segments=table.whole("segments") if "segments" in table else 1,
+        segments=table.whole("segments", 1),
         limits={key: _span(table, key) for key in table.table("limits").values},
-        stance=cast(StanceRule, _word(table, "stance", "paper")),
+        # stances and words that do not exist are refused by `Problem`
+        stance=cast(StanceRule, table.text("stance", "paper")),
         degree=table.whole("degree") if "degree" in table else None,
-        words=cast(Words, _word(table, "words", "printed")),
+        words=cast(Words, table.text("words", "printed")),
         in_gait="gait" in table,
         flat=_flat(table, formula) if "flat" in table else None,
     )
-
-
-def _word(table: Table, key: str, otherwise: str) -> str:
-    """A text of the file; `Problem` refuses stances and words that do not exist."""
-    return table.text(key) if key in table else otherwise
 
 
 def _flat(table: Table, formula: Reader) -> FlatOutputs:
@@ -141,39 +137,14 @@ def _flat(table: Table, formula: Reader) -> FlatOutputs:
 def _language(
     table: Table, values: Mapping[str, object]
 ) -> tuple[tuple[sp.Symbol, ...], Reader]:
-    """The state, and what reads formulas over it."""
-    parameters = table.table("parameters")
+    """The state, and what reads formulas over it, with numbers for the parameters."""
+    known = table.table("parameters").values
     for key in values:
-        if key not in parameters:
-            raise ValueError(f"parameter {key!r} {unknown(key, parameters.values)}")
-    given = Table({**parameters.values, **values}, "parameters")
+        if key not in known:
+            raise ValueError(f"parameter {key!r} {unknown(key, known)}")
+    given = Table({**known, **values}, "parameters")
     state = tuple(sp.Symbol(name, real=True) for name in table.texts("state"))
-    return state, _reader(state, {name: given.exact(name) for name in given.values})
-
-
-def _system(
-    table: Table, state: tuple[sp.Symbol, ...], formula: Reader
-) -> StratifiedSystem:
-    strata = {
-        stratum: {
-            name: _field(f"field {name}", rates, state, formula)
-            for name, rates in fields.values.items()
-        }
-        for stratum, fields in table.tables("strata").items()
-    }
-    sets = table.table("level_sets")
-    level_sets = {
-        stratum: tuple(
-            formula(f"level set of S{stratum}", f) for f in sets.list(stratum)
-        )
-        for stratum in sets.values
-    }
-    bottom = str(table.values.get("bottom", next(iter(strata), "")))
-    return StratifiedSystem(state, strata, bottom, level_sets)
-
-
-def _reader(state: tuple[sp.Symbol, ...], parameters: Mapping[str, float]) -> Reader:
-    """Reads formulas over the state, with numbers for the parameters."""
+    parameters = {name: given.exact(name) for name in given.values}
     for name in parameters:
         if name in map(str, state):
             raise ValueError(f"{name} is a parameter and a coordinate; rename one")
@@ -188,29 +159,43 @@ def _reader(state: tuple[sp.Symbol, ...], parameters: Mapping[str, float]) -> Re
         except ValueError as error:
             raise ValueError(f"{what}: {error}") from error
 
-    return formula
+    return state, formula
 
 
-def _field(
-    what: str, rates: object, state: tuple[sp.Symbol, ...], formula: Reader
-) -> list[sp.Expr]:
+def _system(
+    table: Table, state: tuple[sp.Symbol, ...], formula: Reader
+) -> StratifiedSystem:
     names = tuple(map(str, state))
-    if not isinstance(rates, dict):
-        raise ValueError(f"{what} is {rates!r}; give rates, as in {{ {names[0]} = 1 }}")
-    for name in rates:
-        if name not in names:
-            raise ValueError(f"{what} moves {name}, which {unknown(name, names)}")
-    return [formula(what, rates.get(name, 0)) for name in names]
+
+    def column(field: str, rates: object) -> list[sp.Expr]:
+        what = f"field {field}"
+        if not isinstance(rates, dict):
+            like = f"as in {{ {names[0]} = 1 }}"
+            raise ValueError(f"{what} is {rates!r}; give rates, {like}")
+        for name in rates:
+            if name not in names:
+                raise ValueError(f"{what} moves {name}, which {unknown(name, names)}")
+        return [formula(what, rates.get(name, 0)) for name in names]
+
+    strata = {
+        stratum: {name: column(name, rates) for name, rates in fields.values.items()}
+        for stratum, fields in table.tables("strata").items()
+    }
+    sets = table.table("level_sets")
+    level_sets = {
+        stratum: tuple(
+            formula(f"level set of S{stratum}", f) for f in sets.list(stratum)
+        )
+        for stratum in sets.values
+    }
+    bottom = str(table.values.get("bottom", next(iter(strata), "")))
+    return StratifiedSystem(state, strata, bottom, level_sets)
 
 
 def _gait(system: StratifiedSystem) -> tuple[str, ...]:
     """From the bottom stratum to each of its neighbours in turn, and back."""
     bottom = system.bottom
     return (bottom, *(s for near in system.neighbours[bottom] for s in (near, bottom)))
-
-
-def _names(table: Table, key: str) -> tuple[str, ...]:
-    return table.texts(key) if key in table else ()
 
 
 def _span(table: Table, name: str) -> tuple[float, float]:

@@ -55,24 +55,13 @@ def paper_hexapod(
         ('g12_1', 'g12_2', 'g1_2', 'g2_1', '[g12_1,g12_2]')
     """
     first: Twist = (stride, 0, yaw_gain)
-    second: Twist = (
-        stride if stride_2 is None else stride_2,
-        0,
-        -yaw_gain if yaw_gain_2 is None else -yaw_gain_2,
-    )
-    system = walker(
-        {
-            "12": {"1": first, "2": second},
-            "1": {"1": first},
-            "2": {"2": second},
-            "0": {},
-        },
-        heights=heights,
-    )
+    turn = yaw_gain if yaw_gain_2 is None else yaw_gain_2
+    second: Twist = (stride if stride_2 is None else stride_2, 0, -turn)
+    down = {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}}
     return Problem(
         name="paper-hexapod",
         description="the paper's hexapod in tripods, sideways as in Fig. 6",
-        system=system,
+        system=walker({**down, "0": {}}, heights=heights),
         gait=ALTERNATING,
         elements=("g12_1", "g12_2", *AIR_SWINGS, "[g12_1,g12_2]"),
         goal={"x": 1, "y": 1},
@@ -83,22 +72,16 @@ def paper_hexapod(
 def hexapod_with_trailer(length: float = 1, heights: bool = True) -> Problem:
     """The paper's hexapod with a trailer hitched to its middle; needs degree 3.
 
-    Args:
-        length: Distance from hitch to axle, in the hexapod's units.
-        heights: Whether the state holds the tripods' foot heights.
+    Its axle is that far from the hitch, in the hexapod's units.
     """
     first: Twist = (1, 0, 1)
     second: Twist = (1, 0, -1)
-    system = walker(
-        {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}},
-        heights=heights,
-        trailer=length,
-    )
+    down = {"12": {"1": first, "2": second}, "1": {"1": first}, "2": {"2": second}}
     sideways = "[g1_1,g2_2]"
     return Problem(
         name="hexapod-trailer",
         description="the paper's hexapod with a trailer; degree 3, needs --replan",
-        system=system,
+        system=walker(down, heights=heights, trailer=length),
         gait=ALTERNATING,
         elements=("g1_1", "g2_2", *AIR_SWINGS, sideways, f"[g1_1,{sideways}]"),
         goal={"y": 0.1},

@@ -26,22 +26,20 @@ def biped(hip: float = 1, heights: bool = True) -> Problem:
     """Two feet that turn about the vertical under their hips, lifted in turn (Fig. 2).
 
     It walks as one moves a heavy cupboard, by turning the body about the foot that
-    stands. With both feet down nothing can move: the bottom stratum has no field.
-
-    Args:
-        hip: Distance of each hip from the middle of the body.
-        heights: Whether the state holds foot heights.
+    stands. With both feet down nothing can move: the bottom stratum has no field. Each
+    hip is that far from the middle of the body; the state may hold foot heights.
     """
     left: Twist = (hip, 0, 1)
     right: Twist = (hip, 0, -1)
-    system = walker(
-        {"12": {"1": None, "2": None}, "1": {"1": left}, "2": {"2": right}},
-        heights=heights,
-    )
+    strata: Strata = {
+        "12": {"1": None, "2": None},
+        "1": {"1": left},
+        "2": {"2": right},
+    }
     return Problem(
         name="biped",
         description="two turning feet, as one walks a cupboard; sideways (Fig. 2)",
-        system=system,
+        system=walker(strata, heights=heights),
         gait=ALTERNATING,
         elements=("g1_1", "g2_2", *AIR_SWINGS, "[g1_1,g2_2]"),
         goal={"y": 1},
@@ -53,25 +51,19 @@ def quadruped(length: float = 2, width: float = 1, heights: bool = True) -> Prob
     """A crawl, one leg at a time in the air: four strata of three feet (Fig. 3).
 
     All legs push while all feet are down, those of one side against the other's to
-    turn, and step forward one by one.
-
-    Args:
-        length: Distance between front and rear feet.
-        width: Distance between left and right feet.
-        heights: Whether the state holds foot heights.
+    turn, and step forward one by one. Length and width are those between feet.
     """
     x, y = sp.sympify(length) / 2, sp.sympify(width) / 2
     feet = {"1": [(x, y)], "2": [(x, -y)], "3": [(-x, y)], "4": [(-x, -y)]}
-    steps = ("234", "134", "124", "123")
-    pushes = tuple(f"g1234_{leg}" for leg in feet)
+    steps = {"1": "234", "2": "134", "3": "124", "4": "123"}
     return Problem(
         name="quadruped-crawl",
         description="one leg at a time in the air, four strata of three feet (Fig. 3)",
-        system=walker(shared(feet, ("1234", *steps)), heights=heights),
-        gait=("1234", *(s for step in steps for s in (step, "1234"))),
+        system=walker(shared(feet, ("1234", *steps.values())), heights=heights),
+        gait=("1234", *(s for step in steps.values() for s in (step, "1234"))),
         elements=(
-            *pushes,
-            *(f"g{step}_{leg}" for leg, step in zip(feet, steps, strict=True)),
+            *(f"g1234_{leg}" for leg in feet),
+            *(f"g{step}_{leg}" for leg, step in steps.items()),
             "[g1234_1,g1234_2]",
         ),
         goal={"x": 0.5, "y": 0.25},
@@ -84,12 +76,8 @@ def octopod(length: float = 3, width: float = 1, heights: bool = True) -> Proble
 
     Pairs 1 (legs 1, 5) and 4 (legs 4, 8) stand against 2 (2, 6) and 3 (3, 7), odd legs
     on the left, numbered from the front. A tetrapod turns by pushing its two sides
-    against each other, so even its bracket needs one stratum only.
-
-    Args:
-        length: Distance between the first and the last feet.
-        width: Distance between left and right feet.
-        heights: Whether the state holds foot heights.
+    against each other, so even its bracket needs one stratum only. Length and width are
+    those between the outermost feet.
     """
     x, y = sp.sympify(length) / 6, sp.sympify(width) / 2
     feet = {
@@ -119,18 +107,19 @@ def shared(feet: Feet, strata: Sequence[str]) -> Strata:
     so that the squares of the slip velocities of the feet in contact add up to least.
     Strata are named by the groups in contact, the bottom one first.
     """
-    return {
-        stratum: {group: _twist(feet, stratum, group) for group in stratum}
-        for stratum in strata
-    }
 
+    def twist(stratum: str, group: str) -> Twist:
+        planted = [(owner, x, y) for owner in stratum for x, y in feet[owner]]
+        slip = sp.Matrix(
+            [row for _, x, y in planted for row in ([1, 0, -y], [0, 1, x])]
+        )
+        swing = sp.Matrix(
+            [v for owner, *_ in planted for v in (int(owner == group), 0)]
+        )
+        forward, left, yaw = (slip.T * slip).LUsolve(slip.T * swing)
+        return forward, left, yaw
 
-def _twist(feet: Feet, stratum: str, group: str) -> Twist:
-    planted = [(owner, *foot) for owner in stratum for foot in feet[owner]]
-    slip = sp.Matrix([row for _, x, y in planted for row in ([1, 0, -y], [0, 1, x])])
-    swing = sp.Matrix([v for owner, *_ in planted for v in (int(owner == group), 0)])
-    forward, left, yaw = (slip.T * slip).LUsolve(slip.T * swing)
-    return (forward, left, yaw)
+    return {name: {group: twist(name, group) for group in name} for name in strata}
 
 
 def walker(
@@ -144,76 +133,50 @@ def walker(
     """
     groups = tuple(next(iter(strata.values())))
     swings = [
-        Swing(stratum, str(i + 1), _unit(i, len(groups)), twists.get(group))
+        Swing(stratum, str(i), tuple(float(g == group) for g in groups), twist)
         for stratum, twists in strata.items()
-        for i, group in enumerate(groups)
-        if twists.get(group, ()) is not None
+        for i, group in enumerate(groups, start=1)
+        if (twist := twists.get(group)) is not None or group not in twists
     ]
     return walking_system(groups, strata, swings, heights=heights, trailer=trailer)
-
-
-def _unit(index: int, size: int) -> tuple[float, ...]:
-    return tuple(float(i == index) for i in range(size))
 
 
 def finger_gaiting(fingers: int = 3, reach: float = 1, span: float = 0.5) -> Problem:
     """A disc on a pivot, turned by fingers that each swing along its rim and lift.
 
-    Fingers in contact turn with the disc and none of them slips, so all swing at the
-    disc's rate over `reach`. One finger at a time is off the rim to swing back.
-
-    Args:
-        fingers: Number of fingers, 2 to 9.
-        reach: Turn of the disc per radian of a finger in contact.
-        span: Angle that a finger can swing to either side [rad].
-
-    Raises:
-        ValueError: There are too few or too many fingers.
+    The 2 to 9 fingers in contact turn with the disc and none of them slips, so all
+    swing at the disc's rate over `reach`. One finger at a time is off the rim to swing
+    back, by `span` to either side [rad].
     """
     if not 2 <= fingers <= 9:
         raise ValueError(f"fingers is {fingers}; 2 to 9 can walk around a disc")
     numbers = "123456789"[:fingers]
-    angles = [sp.Symbol(f"phi_{i}") for i in numbers]
-    gaps = [sp.Symbol(f"gap_{i}") for i in numbers]
-    state = (sp.Symbol("disc"), *angles, *gaps)
-    strata = {numbers: _finger_fields(state, numbers, numbers, reach)}
-    steps = [numbers.replace(up, "") for up in numbers]
-    for stratum in steps:
-        strata[stratum] = _finger_fields(state, numbers, stratum, reach)
+    names = ["disc", *(f"phi_{i}" for i in numbers), *(f"gap_{i}" for i in numbers)]
+    steps = {numbers.replace(up, ""): up for up in numbers}
+    strata = {}
+    for stratum, up in {numbers: "", **steps}.items():
+        turning = {"disc": reach} | {f"phi_{i}": 1 for i in stratum}
+        rates: dict[str, dict[str, float]] = {f"turn_{stratum}": turning}
+        if up:
+            rates[f"swing_{stratum}"] = {f"phi_{up}": 1}
+            rates[f"lift_{stratum}"] = {f"gap_{up}": 1}
+        strata[stratum] = {
+            field: [sp.sympify(rate.get(name, 0)) for name in names]
+            for field, rate in rates.items()
+        }
     return Problem(
         name="finger-gaiting",
         description="a disc turned once around by fingers that swing and lift",
         system=StratifiedSystem(
-            state=state,
+            state=tuple(map(sp.Symbol, names)),
             strata=strata,
             bottom=numbers,
-            level_sets={
-                stratum: tuple(g for g in gaps if str(g)[-1] in stratum)
-                for stratum in strata
-            },
+            level_sets={s: tuple(sp.Symbol(f"gap_{i}") for i in s) for s in strata},
         ),
         gait=(numbers, *(s for step in steps for s in (step, numbers))),
-        elements=(
-            f"turn_{numbers}",
-            *(f"swing_{stratum}" for stratum in steps),
-        ),
+        elements=(f"turn_{numbers}", *(f"swing_{stratum}" for stratum in steps)),
         goal={"disc": 2 * pi},
         segments=8,
-        limits={str(angle): (-span, span) for angle in angles},
+        limits={f"phi_{i}": (-span, span) for i in numbers},
         stance="centred",
     )
-
-
-def _finger_fields(
-    state: tuple[sp.Symbol, ...], fingers: str, stratum: str, reach: float
-) -> dict[str, list[sp.Expr]]:
-    """Turning the disc, and swinging and lifting the finger that is up."""
-    turning = {"disc": reach} | {f"phi_{i}": 1 for i in stratum}
-    rates = {f"turn_{stratum}": turning}
-    for up in set(fingers) - set(stratum):
-        rates[f"swing_{stratum}"] = {f"phi_{up}": 1}
-        rates[f"lift_{stratum}"] = {f"gap_{up}": 1}
-    return {
-        name: [sp.sympify(rate.get(str(symbol), 0)) for symbol in state]
-        for name, rate in rates.items()
-    }

@@ -117,22 +117,15 @@ class Problem:
     def extended(self) -> ExtendedSystem:
         """The extended system, its elements chosen along the path where none are named.
 
-        Raises:
-            ValueError: An element is unknown or no element.
-            PlannerError: The elements do not serve.
+        ValueError for unknown elements, PlannerError for those that do not serve.
         """
         found = extend_along(self.system, self.elements or None, self.path)
         return found if self.degree is None else found.to_degree(self.degree)
 
     def plan(self, aimed: bool = False) -> Plan:
-        """The plan from start to goal.
+        """The plan from start to goal; if aimed, segments end where they should.
 
-        Args:
-            aimed: Whether each segment is to end where it should, instead of near it.
-
-        Raises:
-            ValueError: The problem asks for the impossible.
-            PlannerError: There is no plan.
+        ValueError where the problem asks for the impossible, PlannerError for no plan.
         """
         if aimed:
             return aim(self.extended, self.path, self.segments, self.execution)
@@ -146,11 +139,10 @@ class Problem:
         """How plans are carried out that need not know where each segment ends."""
         if self.words not in COORDINATES:
             raise ValueError(f"words {self.words!r} {unknown(self.words, COORDINATES)}")
-        coordinates = COORDINATES[self.words]
         return Execution(
             stance=self.stance,
             limits=self.limits,
-            coordinates=coordinates,
+            coordinates=COORDINATES[self.words],
             gait=self.gait if self.in_gait else (),
         )
 
@@ -168,9 +160,6 @@ def configuration(
     """A configuration from some of its coordinates, shape (n,).
 
     The others are those of `otherwise`, or zero; `what` names it in messages.
-
-    Raises:
-        ValueError: A coordinate is unknown or not finite.
     """
     names = [str(symbol) for symbol in system.state]
     state = np.zeros(len(names)) if otherwise is None else otherwise.copy()

@@ -6,6 +6,7 @@ For them the method is that of Sec. 2.1; no contact changes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import sympy as sp
 
@@ -33,11 +34,7 @@ def unicycle() -> Problem:
 
 
 def car(length: float = 1) -> Problem:
-    """A car that is steered by its front wheels.
-
-    Args:
-        length: Distance between axles.
-    """
+    """A car that is steered by its front wheels, with that distance between axles."""
     theta, phi = sp.symbols("theta phi")
     drive = [sp.cos(theta), sp.sin(theta), sp.tan(phi) / length, 0]
     return smooth(
@@ -51,64 +48,47 @@ def car(length: float = 1) -> Problem:
 
 
 def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
-    """A car with trailers, each hitched to the axle before it.
+    """A car with 1 to 3 trailers, each hitched to the axle before it at that distance.
 
-    Every trailer asks for one degree more, and for shorter steps by far.
-
-    Args:
-        trailers: Number of trailers, 1 to 3.
-        length: Distance from each axle to the next.
-
-    Raises:
-        ValueError: Too many trailers, or none.
+    Every trailer asks for one degree more, and for shorter steps by far. The flat
+    output is the middle of the last axle: where it goes, all before it must steer.
     """
     if not 1 <= trailers <= MOST_TRAILERS:
         raise ValueError(
             f"trailers is {trailers}; give 1 to {MOST_TRAILERS}, or take the car"
         )
-    phi = sp.Symbol("phi")
+    x, y, phi = sp.symbols("x y phi")
     headings = sp.symbols(f"theta_0:{trailers + 1}")
     following = []
     speed = sp.S.One  # of the axle before
-    for before, heading in zip(headings, headings[1:], strict=False):
+    for before, heading in pairwise(headings):
         following.append(speed * sp.sin(before - heading) / length)
         speed *= sp.cos(before - heading)
     forward = [sp.cos(headings[0]), sp.sin(headings[0]), sp.tan(phi) / length]
-    still = [0] * (3 + trailers)
+    towed, last = headings[1:], headings[-1]
     return smooth(
         name="car-trailers",
         description="a car with trailers, parked sideways; one degree more for each",
         state=["x", "y", *map(str, headings), "phi"],
-        fields={"drive": [*forward, *following, 0], "steer": [*still, 1]},
+        fields={
+            "drive": [*forward, *following, 0],
+            "steer": [*[0] * (3 + trailers), 1],
+        },
         goal={"y": 0.01},
         segments=4,
-        flat=_last_axle(headings, length),
-    )
-
-
-def _last_axle(headings: Sequence[sp.Symbol], length: float) -> FlatOutputs:
-    """The middle of the last axle: where it goes, everything before it must steer."""
-    x, y = sp.symbols("x y")
-    towed = headings[1:]
-    hitched = zip(headings, towed, strict=False)
-    speed = sp.prod([sp.cos(before - heading) for before, heading in hitched])
-    return FlatOutputs(
-        along=x - length * sp.Add(*map(sp.cos, towed)),
-        across=y - length * sp.Add(*map(sp.sin, towed)),
-        rate=speed * sp.cos(headings[-1]),
-        slope=sp.tan(headings[-1]),
+        flat=FlatOutputs(
+            along=x - length * sp.Add(*map(sp.cos, towed)),
+            across=y - length * sp.Add(*map(sp.sin, towed)),
+            rate=speed * sp.cos(last),
+            slope=sp.tan(last),
+        ),
     )
 
 
 def chained(size: int = 5) -> Problem:
     """The chained form x1' = u1, x2' = u2, x3' = x2 u1, x4' = x3 u1, and so on.
 
-    Args:
-        size: Number of coordinates, 3 to 8; the last one asks for brackets of one
-            degree less.
-
-    Raises:
-        ValueError: The chain is too short or too long.
+    It has 3 to 8 coordinates; the last asks for brackets of one degree less.
     """
     if not 3 <= size <= LONGEST_CHAIN:
         raise ValueError(f"size is {size}; a chain has 3 to {LONGEST_CHAIN}")
