@@ -1,8 +1,7 @@
 """Checks that a model and its card describe a robot that can walk.
 
 The parts that the card names must exist and form legs; the robot must stand upright at
-its start, and its legs must be able to swing and lift. Whether it remains standing is
-tested in the physics, by `sim`.
+its start, and its legs must be able to swing and lift.
 """
 
 from __future__ import annotations

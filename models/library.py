@@ -11,7 +11,7 @@ from pathlib import Path
 from models.checks import check_parts, check_posture
 from models.description.card_file import parse_card, read_text
 from models.description.compiled import read_spec
-from models.description.inspection import inspect_model
+from models.description.inspection import Opened, inspect_model
 from models.description.robot import EMBEDDED, FOLDER, Robot
 from models.errors import ModelError, UnknownRobotError
 from models.morphology.mjcf import write_mjcf
@@ -56,7 +56,7 @@ def load(
         >>> robot.legs, robot.groups
         ((1, 2, 3, 4, 5, 6), ('1', '2'))
     """
-    path, opened = _find(name), None
+    path, opened = _find(name), Opened()
     beside = path.with_suffix(".toml")
     if path.parent != FOLDER:
         cards = (beside,) if lexists(beside) else ()

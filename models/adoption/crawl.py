@@ -1,11 +1,9 @@
 """A crawl: the legs row on the ground, then each is set back while the others stand.
 
 It is for robots of which no two groups of legs can stand alone, such as most on four
-legs. While one leg is in the air the weight must lie inside the feet of the others. On
-a body whose weight is above the point where the lines between opposite feet cross, it
-lies on the border for every leg. Legs are therefore turned at the start, which shifts
-the feet against the weight, and the posture is searched for in which they row farthest
-and can yet be set back one after another.
+legs. While one leg is in the air the weight must lie inside the feet of the others; in
+the middle between them it lies on the border. Legs are therefore turned at the start,
+and the posture is searched for in which they row farthest and can yet be set back.
 """
 
 from __future__ import annotations

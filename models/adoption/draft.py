@@ -1,7 +1,4 @@
-"""The draft of a card, together with the guesses that it rests on.
-
-For a robot that has a card, the draft proposes another posture and other groups.
-"""
+"""The draft of a card, together with the guesses that it rests on."""
 
 from __future__ import annotations
 

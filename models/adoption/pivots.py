@@ -1,9 +1,8 @@
 """Groups of legs that can stand, and the posture in which each has a pivot.
 
-A planted foot moves at right angles to its leg. All legs of a group move the body about
-one point without slip exactly where the legs, produced inward, meet at that point: the
-group's pivot. Legs are turned until they do, and legs farther from the pivot swing
-farther, in proportion.
+All legs of a group move the body about one point without slip exactly where the legs,
+produced inward, meet at that point: the group's pivot. Legs are turned until they do,
+and legs farther from the pivot swing farther, in proportion.
 """
 
 from __future__ import annotations

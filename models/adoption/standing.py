@@ -126,11 +126,10 @@ def servo_for(robot: Robot) -> Servo:
 def drafted_servo(pose: Pose, joints: Sequence[str], arm: float, legs: int) -> Servo:
     """A servo for some joints of a robot that stands, critically damped.
 
-    Half of the legs are to bear the weight with little sag. A stiff servo has gears,
-    and behind them its rotor weighs more than the leg does. Files of mere links, as
-    URDF often are, leave that out, and on joints of so little inertia the physics step
-    cannot follow a stiff servo: feet would bounce. Such joints get the rotor as well.
-    The arm is the distance of a foot from its hip [m].
+    Half of the legs are to bear the weight with little sag; the arm is the distance of
+    a foot from its hip [m]. Behind the gears of a stiff servo its rotor weighs more
+    than the leg. Joints without it, in files of mere links as URDF often are, get the
+    rotor as well: the physics step could not follow so little inertia.
     """
     model = pose.model
     inertia = np.zeros((model.nv, model.nv))

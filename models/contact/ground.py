@@ -1,8 +1,7 @@
 """Compliance of floor and servos under each foot, read from a compiled model.
 
-Nothing is measured by experiment. Stiffness and damping of the contacts are the
-solver's own numbers for feet that just touch the floor, and the stiffness of a lift
-joint is that of its servo.
+Stiffness and damping of the contacts are the solver's own numbers for feet that just
+touch the floor, and the stiffness of a lift joint is that of its servo.
 """
 
 from __future__ import annotations
@@ -41,12 +40,7 @@ class Ground:
 
     @classmethod
     def of(cls, robot: Robot, model: mujoco.MjModel) -> Ground:
-        """The ground in a world that holds the robot, a floor and servos.
-
-        Args:
-            robot: Robot whose parts are named in the model.
-            model: World to read; its keyframe `start` stands on the floor.
-        """
+        """The ground in a world with robot, floor and servos, at keyframe `start`."""
         data = mujoco.MjData(model)
         mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
         gap = Kinematics(robot).standing.height

@@ -3,8 +3,7 @@
 The body is held level in the pose of keyframe `start`, and angles are relative to that
 pose. A leg turns rigidly about two hinges. Every coordinate of its foot, of the foot's
 velocities and of its share of the centre of mass is therefore exactly a combination of
-(1, cos, sin) of one angle times (1, cos, sin) of the other, and nine samples of a leg
-determine them all. Contact, forces and time play no part here.
+(1, cos, sin) of one angle times (1, cos, sin) of the other: nine samples determine it.
 """
 
 from __future__ import annotations
@@ -49,12 +48,9 @@ class Kinematics:
     robot: Robot
 
     def stance(self, swing: Array, lift: Array | None = None) -> Stance:
-        """Feet and centre of mass at given angles.
+        """Feet and centre of mass when each group is swung and raised, (..., G) [rad].
 
-        Args:
-            swing: Angle of each group, shape (..., G) [rad].
-            lift: How far each group is raised, shape (..., G) [rad]; on the ground when
-                left out.
+        The feet are on the ground when `lift` is left out.
         """
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
@@ -66,7 +62,7 @@ class Kinematics:
         )
         feet, swung, lifted, weight = (
             np.einsum("fabi,...fa,...fb->...fi", coefficients, turn, rise)
-            for coefficients in self._coefficients
+            for coefficients in self.terms
         )
         return Stance(
             feet=feet[..., :2],
@@ -91,24 +87,17 @@ class Kinematics:
         """Mean distance of the feet from the middle, all legs at angle 0 [m]."""
         return float(np.linalg.norm(self.standing.feet, axis=1).mean())
 
-    @property
-    def foot_terms(self) -> Array:
-        """Each foot's place by (1, cos, sin) of swing and of lift, (F, 3, 3, 3)."""
-        return self._coefficients[0]
-
-    @property
-    def weight_terms(self) -> Array:
-        """Each leg's share of the shift of the centre of mass, likewise."""
-        return self._coefficients[3]
-
     @cached_property
     def center_of_mass(self) -> Array:
         """Centre of mass with all legs at angle 0, shape (3,)."""
         return self._find_center_of_mass()
 
     @cached_property
-    def _coefficients(self) -> tuple[Array, ...]:
-        """Coefficients of feet, their two velocities and weight, (F, 3, 3, 3) each."""
+    def terms(self) -> tuple[Array, ...]:
+        """Feet, their velocities by swing and lift, and each leg's shift of the weight.
+
+        Coefficients of (1, cos, sin) of swing and of lift, (F, 3, 3, 3) each.
+        """
         robot, data = self.robot, self._data
         middle, samples = self.center_of_mass, np.empty((4, len(robot.legs), 3, 3, 3))
         soles = [find_sole(robot.model, data, leg.foot) for leg in robot.leg_cards]
@@ -175,12 +164,11 @@ class Lifting:
     @property
     def farthest(self) -> float:
         """Largest angle that all lift joints and servos reach, up to half a turn."""
-        robot = self.kinematics.robot
-        ends = [
-            max(sign * (end - robot.standing_angle(joint)) for end in robot.span(joint))
-            for joint, sign in zip(robot.lift_joints, robot.raise_sign, strict=True)
-        ]
-        return float(min(np.pi, *ends))
+        robot, ends = self.kinematics.robot, [np.pi]
+        for joint, sign in zip(robot.lift_joints, robot.raise_sign, strict=True):
+            left = np.array(robot.span(joint)) - robot.standing_angle(joint)
+            ends.append(float((sign * left).max()))
+        return min(ends)
 
     def rise(self, angle: Array) -> Array:
         """How far each foot leaves the ground at angles (...), shape (..., F) [m]."""

@@ -1,7 +1,7 @@
 """Static loads of a robot's feet on level ground, and whether it stands on them.
 
-A foot that bears little of the weight loses contact at the slightest disturbance; a
-card may therefore demand a least share of the weight on every foot on the ground.
+A foot that bears little loses contact at the slightest disturbance; a card may demand a
+least share of the weight on every foot on the ground.
 """
 
 from __future__ import annotations
@@ -66,20 +66,13 @@ class StaticStability:
         return self.least_loads(strata, angles) >= self.robot.card.least_load
 
     def least_loads(self, strata: Sequence[str], angles: Sequence[Array]) -> Array:
-        """Smallest share of the weight that a foot on the ground bears.
-
-        For S strata and all combinations of the groups' angles [rad]: shape (S, P_1,
-        ..., P_G); 0 or less where it would tip over.
-        """
+        """Smallest share on a foot on the ground, likewise; 0 or less where it tips."""
         feet, center = self._combined(angles)
         standing = map(self.robot.planted, strata)
         return np.stack([least_load(feet[..., on, :], center) for on in standing])
 
     def at_rest_and_best(self) -> dict[str, tuple[float, float]]:
-        """Least share with all legs at angle 0, and with legs anywhere in range.
-
-        By stratum of the gait with feet in the air; 0 or less where it would tip over.
-        """
+        """Least share at angle 0, and anywhere, by stratum with feet in the air."""
         card, spans = self.robot.card, self.robot.swing_range.values()
         strata = [name for name in dict.fromkeys(card.gait) if name != card.bottom]
         rest = self.least_loads(strata, [np.zeros(1)] * len(spans))

@@ -43,8 +43,8 @@ class PaperStance:
 
     def __post_init__(self) -> None:
         for name in ("body_length", "leg_length", "half_width"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} must be positive, got {getattr(self, name)}")
+            if not (value := getattr(self, name)) > 0:
+                raise ValueError(f"{name} must be positive, got {value}")
 
     def hips(self, tripod: int) -> Array:
         """Hips of tripod 1 or 2, x forward from the body's middle, shape (3, 2)."""
@@ -67,10 +67,9 @@ class PaperStance:
         return self.body_length / 4 + swept, 3 * self.body_length / 4 + swept
 
     def margin_along_axis(self, phi: ArrayLike, b: ArrayLike) -> Array:
-        """Distance from the weight to the nearer bound, along the body's x axis.
+        """Distance from the weight to the nearer bound along x, positive inside.
 
-        Positive inside. The stability margin itself is the distance to the nearest
-        side, which is shorter because the sides are oblique.
+        The stability margin, to the nearest side, is shorter: the sides are oblique.
         """
         low, high = self.bounds(phi)
         b = np.asarray(b, dtype=float)

@@ -1,13 +1,11 @@
 """Body twist and loads on more than three feet, which statics alone does not determine.
 
-On more than three feet the loads depend on the compliance of floor and servos. They
-also depend on friction, which bends the legs, and on sliding, which lifts the feet.
-Friction in turn depends on the loads and on the unknown twist. For a given twist,
-however, the loads are the solution of linear equations. It remains to balance the
-friction forces, which gives three equations for the three components of the twist.
-Friction is smoothed near rest, and the smoothing is reduced step by step. The
-computation is vectorised over configurations. For three feet `contact.dissipation` is
-exact and faster.
+On more than three feet the loads depend on the compliance of floor and servos, on
+friction, which bends the legs, and on sliding, which lifts the feet. For a given twist
+they are the solution of linear equations. It remains to balance the friction forces:
+three equations for the three components of the twist. Friction is smoothed near rest,
+and the smoothing is reduced step by step. For three feet `contact.dissipation` is exact
+and faster.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """Soles: the lowest points of the feet's geoms when the robot stands.
 
-Contact and clearance see a geom as a convex core widened by a radius: a sphere is a
-point, a capsule a segment, a box or a mesh the hull of its corners. Cylinders and
-ellipsoids have no such core, but can be covered by a capsule and a box.
-
-A round geom touches the floor vertically below a point that is fixed in the leg,
-whichever way the leg turns. A geom with edges or corners touches with these themselves.
+A geom is a convex core widened by a radius: a sphere is a point, a capsule a segment, a
+box or a mesh the hull of its corners. Cylinders and ellipsoids have no such core, but
+can be covered by a capsule and a box. A round geom touches the floor vertically below a
+point that is fixed in the leg; one with edges or corners touches with these.
 """
 
 from __future__ import annotations
@@ -33,10 +31,7 @@ class Core:
 
 
 def covering_core(model: mujoco.MjModel, geom: int) -> Core | None:
-    """The core of a geom; a cylinder's capsule, and the box around an ellipsoid.
-
-    None if the shape has none.
-    """
+    """The core of a geom, if any; a cylinder's capsule, the box of an ellipsoid."""
     size = model.geom_size[geom]
     match model.geom_type[geom]:
         case Geom.mjGEOM_SPHERE:
@@ -53,7 +48,6 @@ def covering_core(model: mujoco.MjModel, geom: int) -> Core | None:
 
 
 def _ends(size: Array) -> Array:
-    """Middles of both ends of a capsule or cylinder of that size, shape (2, 3) [m]."""
     return np.array([(0, 0, -size[1]), (0, 0, size[1])])
 
 

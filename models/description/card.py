@@ -1,7 +1,6 @@
 """The robot card: which parts of an MJCF file are legs, joints, feet and groups.
 
-The classes refuse contradictory values. `description.card_file` reads them from TOML,
-and `checks` checks that the parts they name exist.
+The classes refuse contradictory values; `checks` checks that the parts exist.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain
-from math import isfinite
+from math import inf
 from typing import Any
 
 from models.description.servos import SERVO_KINDS, JointServo
@@ -92,11 +91,10 @@ class Servo:
     armature: float = 0.0  # inertia of its rotor behind the gears [kg m^2]
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.stiffness) and self.stiffness > 0):
+        if not 0 < self.stiffness < inf:
             raise ValueError(f"stiffness must be positive, got {self.stiffness}")
         for name in ("damping", "armature"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value >= 0):
+            if not 0 <= (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must not be negative, got {value}")
         if self.made and self.made not in SERVO_KINDS:
             raise ValueError(f"kind {self.made!r} {unknown(self.made, SERVO_KINDS)}")
@@ -137,8 +135,7 @@ class Card:
 
     def __post_init__(self) -> None:
         for name in ("lift_angle", "lift_time"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
+            if not 0 < (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must be positive, got {value}")
         self._check_groups()
         self._check_gait()
@@ -146,9 +143,9 @@ class Card:
         for joint in self.joint_servos.keys() - {*self.joints}:
             known = unknown(joint, self.joints)
             raise ValueError(f"servo.{joint}: this joint {known}")
-        if not 0 <= self.least_load < 1 / 3:
+        if not 0 <= (least := self.least_load) < 1 / 3:
             raise ValueError(
-                f"least_load is a share of the weight below 1/3, got {self.least_load}"
+                f"least_load is a share of the weight below 1/3, got {least}"
             )
 
     def _check_groups(self) -> None:
@@ -172,16 +169,15 @@ class Card:
                 "that it starts with, eq. (11)"
             )
         for stratum in self.gait:
+            what = f"gait: stratum {stratum!r}"
             if unknown := sorted(set(stratum) - set(self.groups)):
                 raise ValueError(
-                    f"gait: stratum {stratum!r} stands on group {unknown[0]!r}, which "
-                    f"does not exist; groups are {', '.join(self.groups)}"
+                    f"{what} stands on group {unknown[0]!r}, which does not exist; "
+                    f"groups are {', '.join(self.groups)}"
                 )
             if stratum != (ordered := "".join(g for g in self.groups if g in stratum)):
-                raise ValueError(
-                    f"gait: stratum {stratum!r} must name its groups once each and in "
-                    f"their order, {ordered!r}"
-                )
+                order = f"once each and in their order, {ordered!r}"
+                raise ValueError(f"{what} must name its groups {order}")
             if not stratum:
                 raise ValueError("gait: a stratum is empty, with no foot on the ground")
 

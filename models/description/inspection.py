@@ -1,10 +1,9 @@
 """Inspection of a user's model before it is read: size, numbers, and files it opens.
 
-A line of MJCF that copies or refines parts often enough keeps MuJoCo busy for minutes
-and fills gigabytes, and the compilation cannot be interrupted. A separate process
-therefore compiles the model first; it is ended if it exceeds its limits. A model from
-elsewhere may name any file of this machine as a mesh or texture, and a run copies the
-files of its model; those outside the folder of its MJCF are therefore refused.
+A line of MJCF that copies parts often enough keeps MuJoCo busy for minutes and fills
+gigabytes, and the compilation cannot be interrupted: a separate process with limits
+therefore compiles the model first. A model may name any file of this machine as a mesh,
+and a run copies the files of its model: those outside its folder are refused.
 """
 
 from __future__ import annotations
@@ -33,8 +32,8 @@ LONGEST_TEXT = 10**7  # bytes that are searched for names of files
 class Opened:
     """The files that make a model."""
 
-    files: tuple[Path, ...]  # all of them, the MJCF included
-    external: tuple[Path, ...]  # those outside its own folder
+    files: tuple[Path, ...] = ()  # all of them, the MJCF included
+    external: tuple[Path, ...] = ()  # those outside its own folder
 
 
 def included(path: Path) -> list[Path]:

@@ -1,7 +1,6 @@
 """Checks for NaN and infinity in a model, in its text and after its compilation.
 
-The compiler accepts most of them and silently replaces some by defaults. A robot whose
-mass, for example, is not a number cannot be simulated.
+The compiler accepts most of them and silently replaces some by defaults.
 """
 
 from __future__ import annotations
@@ -53,10 +52,9 @@ def check_text(path: Path) -> None:
 def _is_bad(value: str) -> bool:
     """Whether a text is made of numbers, not all of them finite."""
     try:
-        numbers = [float(word) for word in value.split()]
+        return not all([math.isfinite(float(word)) for word in value.split()])
     except ValueError:
         return False
-    return not all(map(math.isfinite, numbers))
 
 
 def check_model(model: mujoco.MjModel, source: str) -> None:
@@ -94,10 +92,7 @@ def check_quaternions(spec: mujoco.MjSpec, model: mujoco.MjModel, source: str) -
 
 @cache
 def _float_arrays() -> tuple[str, ...]:
-    """Names of a model's arrays of floats.
-
-    What follows from others is last, and of that the body's comes first.
-    """
+    """A model's arrays of floats; derived ones last, and of these the body's first."""
     empty = mujoco.MjSpec().compile()
     names = (name for name in dir(empty) if not name.startswith("_"))
     floats = [name for name in names if _is_float(getattr(empty, name))]

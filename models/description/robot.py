@@ -1,13 +1,11 @@
 """A robot: an MJCF file, its card, and the places of the card's parts in the model.
 
-Shipped robots and those of users are treated alike. `checks` checks that file and card
-fit together; the equations of motion are in `motion.robot_equations`, and the physics
-is in `sim`.
+Shipped robots and those of users are treated alike; `checks` checks that file and card
+fit together.
 """
 
 from __future__ import annotations
 
-from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -48,20 +46,10 @@ class Robot:
     path: Path  # MJCF file
     card_text: str  # TOML
     card: Card
-    opened: Opened | None = None  # files of a user's own
+    opened: Opened = Opened()  # files of a user's own
     borrowed: str = ""  # shipped robot whose card it has been given
     geometry: Mapping[str, float] = field(default_factory=dict)  # of a variant
     text: str = ""  # MJCF of a variant, which is in no file
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """Files that a user's model consists of."""
-        return () if self.opened is None else self.opened.files
-
-    @property
-    def external(self) -> tuple[Path, ...]:
-        """Files that a user's model opens outside its own folder."""
-        return () if self.opened is None else self.opened.external
 
     @property
     def is_shipped(self) -> bool:
@@ -94,7 +82,9 @@ class Robot:
     @cached_property
     def swing_gain(self) -> np.ndarray:
         """Swing of each leg's joint per angle of its group: signs or gains, (F,)."""
-        gains = ChainMap(*(dict(group.legs) for group in self.card.groups.values()))
+        gains = {
+            n: g for group in self.card.groups.values() for n, g in group.legs.items()
+        }
         return np.array([gains[leg] for leg in self.legs])
 
     @property

@@ -2,14 +2,9 @@
 
 A hobby servo is a proportional controller with a direct-current motor behind a gear
 train. Near its target it is a spring: the stall torque divided by the error at which
-its controller gives full voltage. Controllers are tuned to step without overshooting,
-so they are taken to be critically damped, whatever inertia they move.
-
-The servo of one joint takes for the joint's angle the count
-
-    center + sign * counts_per_radian * (angle - offset),
-
-so `offset` is the joint's angle at which the servo stands at its centre.
+its controller gives full voltage. Controllers are taken to be critically damped,
+whatever inertia they move. The servo of one joint takes for the joint's angle the count
+center + sign * counts_per_radian * (angle - offset).
 """
 
 from __future__ import annotations
@@ -55,12 +50,11 @@ class ServoKind:
 
     def __post_init__(self) -> None:
         for name in ("stall_torque", "no_load_speed", "full_error", "reach"):
-            value = getattr(self, name)
-            if not (isfinite(value) and value > 0):
+            if not 0 < (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must be positive and finite, got {value}")
         for name in ("command_rate", "resolution"):
-            if not 0 <= getattr(self, name) < inf:
-                raise ValueError(f"{name} must not be negative: {getattr(self, name)}")
+            if not 0 <= (value := getattr(self, name)) < inf:
+                raise ValueError(f"{name} must not be negative: {value}")
 
     @property
     def stiffness(self) -> float:

@@ -1,9 +1,7 @@
 """A trial compilation of a user's model, in a process with limited time and memory.
 
 `description.inspection` runs this module as a program, with the MJCF file and the
-limits as arguments. The last line of its output is JSON and holds the files that the
-model opens, or what is wrong with it. A model that grows beyond the limits ends this
-process alone.
+limits as arguments; the last line of its output is JSON.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Dimensions and masses of a robot whose legs have two joints.
 
-One `Morphology` is the single source of every length of a shipped robot;
-`morphology.mjcf` writes it down as MJCF. Body frame: x forward, y left, z up, origin at
-the height of the hips above the point where x = y = 0. SI units, radians.
+Body frame: x forward, y left, z up, origin at the height of the hips above the point
+where x = y = 0. SI units, radians.
 """
 
 from __future__ import annotations

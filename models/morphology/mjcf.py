@@ -1,7 +1,7 @@
 """A morphology as MJCF: bodies, joints, servos, cameras, sensors and a keyframe.
 
-The file is meant to be read by people: it has the lengths of the morphology, axes
-instead of quaternions, and one default class for each kind of part.
+The file is meant to be read by people: it has axes instead of quaternions, and one
+default class for each kind of part.
 """
 
 from __future__ import annotations

@@ -1,13 +1,12 @@
 """The lengths and masses of the shipped robots, each with its source or derivation.
 
-`python -m scripts.write_robots` writes the MJCF files from them; a test keeps them
-equal. The legs of a robot follow from a few numbers of its shape: a variant has other
-numbers, and the legs, groups and gait of the shipped robot.
+`python -m scripts.write_robots` writes the MJCF files from them. The legs of a robot
+follow from a few numbers of its shape, of which a variant has others.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
 from inspect import signature
 from math import isfinite, sqrt
@@ -28,9 +27,7 @@ SIX, EIGHT = (1, 4, 5), (1, 4, 6, 7)  # legs of the first group
 PLAIN = tuple(item.name for item in fields(Morphology) if item.type == "float")
 
 
-def _pivots(
-    legs: Mapping[int, object], first: tuple[int, ...], y: float
-) -> dict[int, Point]:
+def _pivots(legs: Iterable[int], first: tuple[int, ...], y: float) -> dict[int, Point]:
     return {leg: (0.0, y if leg in first else -y) for leg in legs}
 
 
@@ -211,10 +208,9 @@ MORPHOLOGIES = tuple(shape for shape, _ in SHAPES.values())
 def geometry_of(robot: str) -> dict[str, float]:
     """Numbers of a shipped robot's shape by name, SI units and radians."""
     shape, legs = SHAPES[robot]
-    own = signature(legs).parameters.items()
-    return {name: float(number.default) for name, number in own} | {
-        name: float(getattr(shape, name)) for name in PLAIN
-    }
+    own = {name: p.default for name, p in signature(legs).parameters.items()}
+    plain = {name: getattr(shape, name) for name in PLAIN}
+    return {name: float(value) for name, value in {**own, **plain}.items()}
 
 
 def reshaped(robot: str, geometry: Mapping[str, float]) -> Morphology:

@@ -4,10 +4,7 @@ The configuration consists of the pose x, y, theta, a swing angle `phi_G` for ea
 of legs G that moves as one, and a foot height `height_G` for each. A field swings one
 or several groups: those in contact move the body, those in the air only their own
 angles. Further fields, numbered after the groups, raise the groups in the air in order,
-as g_{1,3} does in eq. (17).
-
-How far a swing moves the body is given here; contact kinematics or a robot's card
-decide it.
+as g_{1,3} does in eq. (17). How far swings move the body is given.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Where the swings that steer a robot can take it, and why they take it nowhere else.
 
 Two swings move the body, each about its pivot or straight ahead, and their bracket
-moves it across. The three give every direction unless the pivots coincide, or neither
-swing turns the body.
+moves it across, unless the pivots coincide or neither swing turns the body.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """A robot's equations of motion, eqs. (16)-(19), with the elements to steer it by.
 
-The card says which groups of legs there are and which gait they walk; the twist of each
-swing is the card's claim or follows from contact kinematics. The field `gS_i` swings
-group i on stratum S. Where the card names patterns of groups that swing together,
-`gS_NAME` swings these instead of single groups that stand.
+Twists of swings are claims of the card or follow from contact kinematics. Field `gS_i`
+swings group i on stratum S. Where the card names patterns of groups that swing
+together, `gS_NAME` swings these instead of single groups that stand.
 """
 
 from __future__ import annotations

@@ -2,12 +2,9 @@
 
 A stroke is a straight motion of the groups' angles during which at least one of the
 moving groups is in contact. Strokes follow one another on a clock on which each takes
-one unit; time does not matter. All strokes are integrated together: first the yaw, and
-then the position by quadrature.
-
-Strokes are divided into panels. Inside a panel the integrand is the polynomial through
-its values at the Gauss-Legendre nodes, so that an integral over whole panels has the
-precision of Gaussian quadrature, and one up to any moment is a polynomial.
+one unit, and are integrated together: first the yaw, then the position by quadrature.
+They are divided into panels, inside which the integrand is the polynomial through its
+values at the Gauss-Legendre nodes, so that integrals up to any moment are polynomials.
 """
 
 from __future__ import annotations

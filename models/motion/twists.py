@@ -1,9 +1,8 @@
 """Body twists: the motion of a robot's body when its loaded legs swing.
 
 Every prediction is a `TwistModel`: the ideal one has the paper's constant stride and
-yaw gain, the quasi-static one follows from the contact kinematics of the actual legs,
-and the identified one is made of polynomials that were fitted to measurements of each
-loaded field along its own swing.
+yaw gain, the quasi-static one follows from contact kinematics, and the identified one
+is made of polynomials fitted to measurements of each loaded field along its own swing.
 """
 
 from __future__ import annotations

@@ -1,20 +1,9 @@
 """Systems of users: a TOML file of formulas, or a Python file.
 
 A TOML file is data; its formulas are parsed and never executed. A field is a table of
-the rates of coordinates; coordinates that it does not name stand still:
-
-    state = ["x", "y", "theta"]
-    goal = { y = 1 }
-
-    [parameters]
-    radius = 0.1
-
-    [strata.0]
-    roll = { x = "radius*cos(theta)", y = "radius*sin(theta)" }
-    turn = { theta = 1 }
-
-A Python file is executed like any program of the user. It must define a `Problem`
-under the name `problem`; the fields of its system may be functions.
+the rates of coordinates; coordinates that it does not name stand still. A Python file
+is executed like any program of the user. It must define a `Problem` under the name
+`problem`; the fields of its system may be functions.
 """
 
 from __future__ import annotations

@@ -20,10 +20,8 @@ With tripod 1 in the air, eq. (18), it is the other way round:
     g_{2,3} = (0, 0, 0, 0, 0, 1, 0)                      tripod 1 lifts
 
 The elements of eq. (19) are the strokes of the bottom stratum, the swings in the air,
-and the bracket that moves the body sideways. The functions here give the body twists of
-the groups on the ground, which are not zero; `motion.equations_of_motion` makes the
-columns of them. A robot in the physics has twists of its own, from
-`motion.robot_equations`.
+and the bracket that moves the body sideways. Here are the body twists of the groups on
+the ground; `motion.equations_of_motion` makes the columns of them.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Walkers of few feet beside the hexapod, in units of their own size, and fingers.
 
-This module gives their strata, their body twists and the elements to steer with;
-`motion.equations_of_motion` makes their equations from these. Finger gaiting is the
-paper's extension to hands, with fingers on a disc for feet on the floor.
+Finger gaiting is the paper's extension to hands, with fingers on a disc for feet on the
+floor.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ def _report(
     for head, lines in {"guessed": draft.guesses, "written": files}.items():
         for number, line in enumerate(lines):
             print(f"{'' if number else head:12}{line}")
-    trust = " --allow-external" if setup.robot.external else ""
+    trust = " --allow-external" if setup.robot.opened.external else ""
     print(
         f"{'to do':12}read the card, correct what is wrong, and walk: "
         f"stratawalk run line --robot {source.path}{trust}"

@@ -202,8 +202,8 @@ def robot_of(options: argparse.Namespace, name: str) -> Robot:
             f"{robot.path} has no card; that of the shipped robot {robot.borrowed!r}, "
             "whose model name it carries, is used"
         )
-    if robot.external:
-        taken = ", ".join(map(str, robot.external))
+    if robot.opened.external:
+        taken = ", ".join(map(str, robot.opened.external))
         notice(f"taken from outside the folder of {robot.path}: {taken}")
     return robot
 

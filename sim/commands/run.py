@@ -75,7 +75,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     folder = claim(folder_of(options), scenario.name)
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
-    if robot.opened is not None:
+    if robot.opened.files:
         for change in changes(robot, drawn(scenario, robot)):
             notice(f"{change}: {robot.path}")
     try:

@@ -236,7 +236,7 @@ def _places(
     kinematics: Kinematics, angles: Sequence[Expression], raised: Array
 ) -> tuple[list[Place], Place]:
     """Where the feet and the centre of mass are, as expressions."""
-    foot, weight = kinematics.foot_terms, kinematics.weight_terms
+    foot, _, _, weight = kinematics.terms
     feet = []
     x, y = map(float, kinematics.center_of_mass[:2])
     center: Place = (x, y)

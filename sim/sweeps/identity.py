@@ -83,7 +83,7 @@ def _own_files(robot: str) -> list[Path]:
 @cache
 def _opened(robot: str, changed: int) -> frozenset[Path]:
     try:
-        return frozenset(load(robot).files)
+        return frozenset(load(robot).opened.files)
     except ModelError:  # the reason stands in the table, for each of its points
         return frozenset({Path(robot)})
 

@@ -72,7 +72,7 @@ def origin(robot: Robot) -> tuple[str, dict[str, bytes]]:
     if robot.is_shipped:
         return robot.name, {}
     mjcf = robot.path.resolve()
-    used = {path.resolve() for path in (mjcf, *robot.files)}
+    used = {path.resolve() for path in (mjcf, *robot.opened.files)}
     above = os.path.commonpath([path.parent for path in used])
     copies = {
         Path(COPY, path.relative_to(above)).as_posix(): path.read_bytes()

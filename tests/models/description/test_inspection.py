@@ -96,7 +96,7 @@ def test_a_model_opens_nothing_outside_its_folder_unless_it_may(robot, elsewhere
     )
     with pytest.raises(ModelError, match="opens files outside its own folder: .*mine"):
         load(str(path))
-    (taken,) = set(load(str(path), allow_external=True).external)
+    (taken,) = set(load(str(path), allow_external=True).opened.external)
     assert taken.resolve().is_relative_to(elsewhere)
 
 
@@ -113,7 +113,7 @@ def test_a_folder_behind_a_link_is_the_models_own(robot, tmp_path):
     path = robot('<asset><mesh name="m" file="m.obj"/></asset>')
     mesh(path.parent / "m.obj")
     (tmp_path / "link").symlink_to(path.parent)
-    assert load(str(tmp_path / "link" / path.name)).external == ()
+    assert load(str(tmp_path / "link" / path.name)).opened.external == ()
 
 
 GEOM = '<geom size="1" pos="0 0 9"/></replicate>'
