@@ -135,12 +135,10 @@ def _numbered(limbs: Sequence[Limb]) -> tuple[Limb, ...]:
     right = [limb for limb in back if limb.toe[1] <= middle[1]]
     if len(left) == len(right):
         return tuple(chain.from_iterable(zip(left, right, strict=True)))
-
-    def bearing(limb: Limb) -> float:
-        x, y = limb.toe[:2] - middle
-        return float(np.arctan2(y, x) % (2 * np.pi))
-
-    return tuple(sorted(limbs, key=bearing))
+    bearings = [np.arctan2(*(limb.toe[:2] - middle)[::-1]) for limb in limbs]
+    return tuple(
+        limbs[i] for i in np.argsort(np.mod(bearings, 2 * np.pi), kind="stable")
+    )
 
 
 def _guesses(

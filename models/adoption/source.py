@@ -109,7 +109,7 @@ def _in_folder(folder: Path) -> Path:
 
 
 def _in_package(folder: Path, name: re.Match[str]) -> str:
-    """A file that a URDF names by its ROS package, as a path from the URDF's folder.
+    """A file of a ROS package, as a path from the URDF's folder.
 
     The package is one of the folders that the URDF is in, or stands beside one of them.
     """

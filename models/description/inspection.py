@@ -59,10 +59,10 @@ def _refuse_pipes(path: Path, seen: set[Path]) -> None:
         other = path.parent / name
         if other in seen or "\0" in name or not other.exists():
             continue
-        if not (other.is_file() or other.is_dir()):
-            raise ModelError(f"not a file: {other}, which {path} names; correct it")
         if other.is_file():
             _refuse_pipes(other, seen)
+        elif not other.is_dir():
+            raise ModelError(f"not a file: {other}, which {path} names; correct it")
 
 
 def elements_with_files(
@@ -98,8 +98,7 @@ def outside(paths: set[Path], folder: Path) -> list[Path]:
 
 def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
     """The file that an element was compiled from; None if the compiler dropped it."""
-    places = getattr(model, f"{kind}_pathadr")
-    for i, place in enumerate(places):
+    for i, place in enumerate(getattr(model, f"{kind}_pathadr")):
         if place >= 0 and getattr(model, kind)(i).name == name:
             return Path(model.paths[place:].split(b"\0", 1)[0].decode())
     return None

@@ -82,10 +82,9 @@ class Robot:
     @cached_property
     def swing_gain(self) -> np.ndarray:
         """Swing of each leg's joint per angle of its group: signs or gains, (F,)."""
-        gains = {
-            n: g for group in self.card.groups.values() for n, g in group.legs.items()
-        }
-        return np.array([gains[leg] for leg in self.legs])
+        groups = list(self.card.groups.values())
+        of_leg = self.card.group_of_leg.items()
+        return np.array([groups[group].legs[leg] for leg, group in of_leg])
 
     @property
     def leg_cards(self) -> tuple[LegCard, ...]:

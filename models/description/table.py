@@ -51,18 +51,14 @@ Fits = Callable[[object], bool]
 
 
 class Table:
-    """A TOML table of which every key is known.
+    """A TOML table of which every key is known; any, if none are named.
 
-    Values that have no `otherwise` must be there.
+    Its dotted name is empty for a whole file. Values without `otherwise` must be there.
     """
 
     def __init__(
         self, values: object, where: str = "", known: Collection[str] = ()
     ) -> None:
-        """Check the keys; any are known if none are named.
-
-        The dotted name of the table is empty for a whole file.
-        """
         if not isinstance(values, Mapping):
             raise ValueError(f"{where} must be a table, got {values!r}")
         self.values, self.where = values, where
@@ -107,8 +103,8 @@ class Table:
         return int(self._of("a whole number", key, _is_whole, otherwise))
 
     def list(self, key: str) -> list[object]:
-        """A list; empty if left out."""
-        return list(self._of("a list", key, _list_of(lambda item: True), ()))
+        """A list."""
+        return list(self._of("a list", key, _list_of(lambda item: True)))
 
     def table(self, key: str) -> Table:
         """A table of any keys; empty if left out."""

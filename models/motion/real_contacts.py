@@ -25,6 +25,7 @@ from planner import Array, StratifiedSystem
 STROKE_NODES = 13  # along it the twist is smooth but for where feet let go
 ACROSS = 5  # along the angle of the other group, which matters through its weight alone
 DROPPED = 3e-9  # [m/rad] and [rad/rad]; smaller coefficients are left out
+UNSEEN = 200  # angles at which a fit is compared with what it was made from
 WHOLE = 2  # groups up to which every combination of angles is covered
 
 
@@ -130,62 +131,39 @@ def _fit(
     twists: TwistModel,
     dropped: float,
 ) -> ContactField:
+    """Interpolate a stroke's twist, and compare the two at other angles."""
     along = np.array(direction)
-    axes, ranges = _axes(along, spans)
-    nodes = [STROKE_NODES if axis @ along else ACROSS for axis in axes]
-    points = [np.cos(np.pi * (np.arange(n) + 0.5) / n) for n in nodes]
+    axes = np.eye(len(along))
+    if len(along) > WHOLE:
+        axes = (along / (along @ along))[None]
+        edges = [span / a for span, a in zip(spans, along, strict=True) if a]
+        reach = np.abs(edges).min()
+        spans = np.array([[-reach, reach]])
+    low, high = spans.T
     lift = np.linalg.pinv(axes)  # from the combinations back to the angles, (G, A)
 
-    def sampled(units: Sequence[Array]) -> Array:
-        grid = np.stack(np.meshgrid(*units, indexing="ij"), axis=-1)
-        low, high = ranges.T
-        ways = low + (grid.reshape(-1, len(axes)) + 1) / 2 * (high - low)
-        swing = ways @ lift.T
-        rates = np.broadcast_to(along, swing.shape)
-        return twists(stratum, swing, rates).reshape(*grid.shape[:-1], 3)
+    def sampled(swing: Array) -> Array:
+        return twists(stratum, swing, np.broadcast_to(along, swing.shape))
 
-    coefficients = np.moveaxis(sampled(points), -1, 0)
+    nodes = [STROKE_NODES if axis @ along else ACROSS for axis in axes]
+    points = [np.cos(np.pi * (np.arange(n) + 0.5) / n) for n in nodes]
+    grid = np.stack(np.meshgrid(*points, indexing="ij"), axis=-1)
+    ways = low + (grid.reshape(-1, len(axes)) + 1) / 2 * (high - low)
+    coefficients = np.moveaxis(sampled(ways @ lift.T).reshape(*nodes, 3), -1, 0)
     for axis, u in enumerate(points, start=1):
         inverse = np.linalg.inv(chebyshev.chebvander(u, len(u) - 1))
         product = np.tensordot(inverse, coefficients, (1, axis))
         coefficients = np.moveaxis(product, 0, axis)
-    small = np.abs(coefficients) < dropped
-    coefficients = _cropped(np.where(small, 0.0, coefficients))
-    field = ContactField(stratum, direction, axes, ranges, coefficients, (0.0,) * 3)
-    return replace(field, error=_error(field, twists, lift))
-
-
-def _cropped(coefficients: Array) -> Array:
-    """Without the highest degrees, where all their coefficients are zero."""
-    for axis in range(1, coefficients.ndim):
-        others = tuple(i for i in range(coefficients.ndim) if i != axis)
-        used = np.flatnonzero(np.abs(coefficients).max(axis=others))
-        size = int(used[-1]) + 1 if len(used) else 1
+    coefficients = np.where(np.abs(coefficients) < dropped, 0.0, coefficients)
+    for axis in range(1, coefficients.ndim):  # without degrees that are all zero
+        used = coefficients.any(axis=tuple({*range(coefficients.ndim)} - {axis}))
+        size = int(np.flatnonzero(used).max(initial=0)) + 1
         coefficients = np.take(coefficients, range(size), axis)
-    return coefficients
-
-
-def _axes(along: Array, spans: Array) -> tuple[Array, Array]:
-    """Combinations of angles that the twist is fitted over, and their ranges."""
-    groups = len(along)
-    if groups <= WHOLE:
-        return np.eye(groups), spans
-    axis = along / (along @ along)
-    edges = np.array([span / a for span, a in zip(spans, along, strict=True) if a])
-    reach = np.abs(edges).min()
-    return axis[None], np.array([[-reach, reach]])
-
-
-def _error(
-    field: ContactField, twists: TwistModel, lift: Array, count: int = 200
-) -> tuple[float, float, float]:
-    """Largest difference at evenly spread angles between the points of the fit."""
-    low, high = field.spans.T
-    shares = np.random.default_rng(0).uniform(size=(count, len(field.axes)))
+    field = ContactField(stratum, direction, axes, spans, coefficients, (0.0,) * 3)
+    shares = np.random.default_rng(0).uniform(size=(UNSEEN, len(axes)))
     swing = (low + shares * (high - low)) @ lift.T
-    rates = np.broadcast_to(np.array(field.direction), swing.shape)
-    gap = np.abs(field(swing) - twists(field.stratum, swing, rates)).max(axis=0)
-    return float(gap[0]), float(gap[1]), float(gap[2])
+    gap = np.abs(field(swing) - sampled(swing)).max(axis=0)
+    return replace(field, error=(float(gap[0]), float(gap[1]), float(gap[2])))
 
 
 def _horner(coefficients: Array, units: Sequence[sp.Expr]) -> sp.Expr:

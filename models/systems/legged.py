@@ -1,8 +1,4 @@
-"""Walkers of few feet beside the hexapod, in units of their own size, and fingers.
-
-Finger gaiting is the paper's extension to hands, with fingers on a disc for feet on the
-floor.
-"""
+"""Walkers of few feet beside the hexapod, in units of their own size, and fingers."""
 
 from __future__ import annotations
 
@@ -30,11 +26,8 @@ def biped(hip: float = 1, heights: bool = True) -> Problem:
     """
     left: Twist = (hip, 0, 1)
     right: Twist = (hip, 0, -1)
-    strata: Strata = {
-        "12": {"1": None, "2": None},
-        "1": {"1": left},
-        "2": {"2": right},
-    }
+    still: Mapping[str, Twist | None] = {"1": None, "2": None}
+    strata = {"12": still, "1": {"1": left}, "2": {"2": right}}
     return Problem(
         name="biped",
         description="two turning feet, as one walks a cupboard; sideways (Fig. 2)",
@@ -143,6 +136,7 @@ def walker(
 def finger_gaiting(fingers: int = 3, reach: float = 1, span: float = 0.5) -> Problem:
     """A disc on a pivot, turned by fingers that each swing along its rim and lift.
 
+    It is the paper's extension to hands, with fingers on a disc for feet on the floor.
     The 2 to 9 fingers in contact turn with the disc and none of them slips, so all
     swing at the disc's rate over `reach`. One finger at a time is off the rim to swing
     back, by `span` to either side [rad].
