@@ -10,7 +10,7 @@ import numpy as np
 
 from models.checks import STEEP
 from models.contact.soles import find_sole
-from models.description.compiled import joints_above
+from models.description.compiled import joints_above, levelled
 from models.errors import ModelError
 from planner import Array
 
@@ -48,12 +48,8 @@ class Pose:
     @classmethod
     def at(cls, model: mujoco.MjModel, root: int, qpos: Array) -> Pose:
         """Put the joints where `qpos` says, and the root level at the origin."""
-        data = mujoco.MjData(model)
-        data.qpos[:] = qpos
-        address = int(model.jnt_qposadr[model.body(root).jntadr[0]])
-        data.qpos[address : address + 2] = 0.0
-        data.qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
-        pose = cls(model, data, root)
+        pose = cls(model, mujoco.MjData(model), root)
+        pose.data.qpos[:] = levelled(model, root, qpos)
         pose.turn({})
         return pose
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from models.contact.soles import Sole, find_sole
 from models.description.card import LegCard
+from models.description.compiled import levelled
 from models.description.robot import Robot
 from planner import Array
 
@@ -123,10 +124,8 @@ class Kinematics:
     @property
     def level_qpos(self) -> Array:
         """The robot at `start`, its root level and at x = y = yaw = 0, shape (nq,)."""
-        qpos, address = self.robot.start_qpos.copy(), self.robot.root_address
-        qpos[address : address + 2] = 0.0
-        qpos[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
-        return qpos
+        model = self.robot.model
+        return levelled(model, model.body(self.robot.root).id, self.robot.start_qpos)
 
     def axis(self, joint: str) -> Array:
         """Direction of a hinge's axis as the robot stands, shape (3,)."""

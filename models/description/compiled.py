@@ -12,6 +12,7 @@ import numpy as np
 
 from models.description.numbers import check_model
 from models.errors import ModelError
+from planner import Array
 
 ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
@@ -107,6 +108,14 @@ def root_body(model: mujoco.MjModel, path: Path) -> int:
             "on its body (<freejoint/>); leave other loose things out"
         )
     return int(model.jnt_bodyid[free[0]])
+
+
+def levelled(model: mujoco.MjModel, root: int, qpos: Array) -> Array:
+    """A configuration with its root level and at x = y = yaw = 0, shape (nq,)."""
+    level, address = qpos.copy(), int(model.jnt_qposadr[model.body(root).jntadr[0]])
+    level[address : address + 2] = 0.0
+    level[address + 3 : address + 7] = (1.0, 0.0, 0.0, 0.0)
+    return level
 
 
 def joints_above(model: mujoco.MjModel, body: int) -> list[int]:

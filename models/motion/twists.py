@@ -94,13 +94,10 @@ class QuasiStaticTwists:
         on = robot.planted(stratum)
         whole = self.kinematics.stance(swing)
         moved = (whole.rates * rates[..., robot.group_of_leg, None])[:, on]
-        stance = Stance(
-            feet=whole.feet[:, on],
-            rates=whole.rates[:, on],
-            gives=whole.gives[:, on],
-            height=whole.height[:, on],
-            center_of_mass=whole.center_of_mass,
+        feet, moves, gives, height = (
+            part[:, on] for part in (whole.feet, whole.rates, whole.gives, whole.height)
         )
+        stance = Stance(feet, moves, gives, height, whole.center_of_mass)
         if on.sum() <= 3:
             loads = static_loads(stance.feet, stance.center_of_mass)
             return least_dissipation_twist(stance.feet, moved, loads)
