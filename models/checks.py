@@ -51,10 +51,8 @@ def check_parts(robot: Robot) -> None:
 def _check_names(robot: Robot) -> None:
     """Refuse parts that the model lacks, or that belong to two legs."""
     model, card = robot.model, robot.card
-    geoms, joints = (
-        map(model.geom, range(model.ngeom)),
-        map(model.joint, range(model.njnt)),
-    )
+    geoms = map(model.geom, range(model.ngeom))
+    joints = map(model.joint, range(model.njnt))
     free = mujoco.mjtJoint.mjJNT_FREE
     known = {
         "geom": {g.name for g in geoms if g.name and model.body_weldid[g.bodyid[0]]},

@@ -53,13 +53,13 @@ def two_groups(limbs: Sequence[Limb], weight: Array, source: str) -> list[Groups
         balanced = np.abs(loads @ feet[list(group)] - weight).max() < 1e-6
         return float(loads.min()) if balanced else 0.0
 
-    ways = []
-    for size in range(3, count - 2):
-        for group in combinations(range(count), size):
-            if group[0] == 0:
-                other = tuple(i for i in range(count) if i not in group)
-                ways.append((min(surety(group), surety(other)), group, other))
-    sure = [way for way in ways if way[0] >= LEAST_LOAD]
+    sure = []
+    for size in range(2, count - 3):
+        for group in combinations(range(1, count), size):
+            one = (0, *group)
+            other = tuple(i for i in range(count) if i not in one)
+            if (least := min(surety(one), surety(other))) >= LEAST_LOAD:
+                sure.append((least, one, other))
     if not sure:
         raise ModelError(
             f"no two groups of its {count} legs can stand alone in turn: {source}; its "

@@ -60,10 +60,7 @@ def _card(table: Table) -> Card:
     return Card(
         lift_angle=table.number("lift_angle"),
         legs={_leg_number(name): _leg(t) for name, t in _each(table, "leg")},
-        groups={
-            name: t.make(GroupCard, legs=_legs(t), twist=_twist(t))
-            for name, t in _each(table, "group")
-        },
+        groups={name: _group(t) for name, t in _each(table, "group")},
         gait=gait.texts("strata"),
         patterns={
             name: t.make(
@@ -99,9 +96,10 @@ def _leg_number(name: str) -> int:
     return int(name)
 
 
-def _legs(table: Table) -> dict[int, float]:
+def _group(table: Table) -> GroupCard:
     gains = table.gains("legs", required=True)
-    return {_leg_number(leg): gain for leg, gain in gains.items()}
+    legs = {_leg_number(leg): gain for leg, gain in gains.items()}
+    return table.make(GroupCard, legs=legs, twist=_twist(table))
 
 
 def _leg(table: Table) -> LegCard:
