@@ -41,7 +41,10 @@ def shown_again(command: re.Match[str]) -> str:
     words = [sys.executable, "-m", "sim.cli", *shlex.split(line, comments=True)]
     env = os.environ | {"PYTHONPATH": str(ROOT)}
     with TemporaryDirectory() as folder:
-        printed = subprocess.check_output(words, cwd=folder, env=env, text=True)
+        try:
+            printed = subprocess.check_output(words, cwd=folder, env=env, text=True)
+        except subprocess.CalledProcessError as error:
+            raise SystemExit(f"ended with {error.returncode}: {line}") from None
     return f"$ stratawalk {line}\n" + printed.rstrip("\n") + "\n"
 
 
