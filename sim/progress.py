@@ -35,12 +35,7 @@ def may_draw() -> bool:
 
 
 def left(spent: float, fraction: float) -> str:
-    """How long a stage will take from now on, in words; empty while unknown.
-
-    Args:
-        spent: Time since it began [s].
-        fraction: Finished part of it, from 0 to 1.
-    """
+    """How long a stage will take, after some time [s], in words; empty if unknown."""
     if not TELLING <= fraction < 1:
         return ""
     return f"about {spent * (1 - fraction) / fraction:.0f} s left"
@@ -48,11 +43,7 @@ def left(spent: float, fraction: float) -> str:
 
 @dataclass
 class Lines:
-    """A plain line about the present stage, on standard error, every few seconds.
-
-    Attributes:
-        clock: Gives the time [s].
-    """
+    """A plain line about the present stage, on standard error, every few seconds."""
 
     clock: Callable[[], float] = time.monotonic
     _began: dict[str, float] = field(default_factory=dict)
@@ -98,11 +89,7 @@ def _reminded(lines: Lines) -> Iterator[Lines]:
 
 @contextmanager
 def bar(quiet: bool = False) -> Iterator[Progress]:
-    """A bar for each stage on standard error, or lines where it draws no bars.
-
-    Args:
-        quiet: Show nothing at all.
-    """
+    """A bar for each stage on standard error, or lines where it draws no bars."""
     if quiet:
         yield silent
     elif may_draw():
@@ -116,24 +103,19 @@ def bar(quiet: bool = False) -> Iterator[Progress]:
 @contextmanager
 def _bars() -> Iterator[Progress]:
     """Bars with the time since each stage began, and the time that is left."""
+    from rich import progress as rich
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        Progress as Bars,
-        TaskID,
-        TextColumn,
-        TimeElapsedColumn,
-    )
 
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.fields[part]:>4}"),
-        TimeElapsedColumn(),
-        TextColumn("{task.fields[left]}"),
+        "{task.description}",
+        rich.BarColumn(),
+        "{task.fields[part]:>4}",
+        rich.TimeElapsedColumn(),
+        "{task.fields[left]}",
     )
-    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
-        tasks: dict[str, TaskID] = {}
+    console = Console(stderr=True)
+    with rich.Progress(*columns, console=console, transient=True) as bars:
+        tasks: dict[str, rich.TaskID] = {}
         began: dict[str, float] = {}
 
         def show(stage: str, fraction: float) -> None:
@@ -154,12 +136,7 @@ def _bars() -> Iterator[Progress]:
 
 @contextmanager
 def stage(progress: Progress, name: str) -> Iterator[None]:
-    """A stage whose parts are not counted: it has begun, and it has ended.
-
-    Args:
-        progress: Where it is shown.
-        name: Of the stage.
-    """
+    """A stage whose parts are not counted: it has begun, and it has ended."""
     progress(name, 0.0)
     yield
     progress(name, 1.0)
@@ -167,16 +144,7 @@ def stage(progress: Progress, name: str) -> Iterator[None]:
 
 @contextmanager
 def at_most(progress: Progress, name: str, seconds: float) -> Iterator[None]:
-    """A search that may take so long, and mostly takes far less.
-
-    Args:
-        progress: Where it is shown.
-        name: Of the stage.
-        seconds: Time in which the search must end [s].
-
-    Raises:
-        BudgetError: If it takes longer.
-    """
+    """A search that may take so many seconds, or is ended; it mostly takes far less."""
     from planner.support import limited
 
     within = f"{name}, {seconds:g} s at most"

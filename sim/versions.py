@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
@@ -16,12 +17,8 @@ def versions() -> dict[str, str]:
 
 @cache
 def _found() -> dict[str, str]:
-    found = {name: _version(name) for name in PACKAGES}
+    found = dict.fromkeys(PACKAGES, "not installed")  # as in a checkout
+    for name in PACKAGES:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
     return found | {"python": platform.python_version(), "system": platform.platform()}
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:  # run from a checkout that is not installed
-        return "not installed"

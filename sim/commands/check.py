@@ -75,31 +75,26 @@ def execute(options: argparse.Namespace) -> None:
         }
         print(json.dumps({"system": options.system, **facts}))
         return
-    print(describe(options.system, report, theory))
-    print(*describe_costs(costs), sep="\n", end="\n" * bool(costs))
-    if subject.static_stability:
-        print(describe_static_stability(subject.static_stability))
+    print(_describe(options.system, report, theory))
+    print(*_describe_costs(costs), sep="\n", end="\n" * bool(costs))
+    if loads := subject.static_stability:
+        shares = (
+            f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
+            for stratum, (rest, best) in loads.items()
+        )
+        print(f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)")
 
 
 @dataclass(frozen=True)
 class _Subject:
-    """What is judged.
-
-    Attributes:
-        system: System that walks.
-        gait: Its strata in order.
-        start: Where to look at it; None for the middle.
-        elements: Elements that it is steered by; none if nobody said.
-        strokes: Length of a stroke of each field, 1 for those left out.
-        static_stability: Of a robot, the least load on a foot of each stratum.
-    """
+    """What is judged."""
 
     system: StratifiedSystem
     gait: Sequence[str]
-    start: Array | None
-    elements: Sequence[str]
-    strokes: Mapping[str, float]
-    static_stability: Loads
+    start: Array | None  # where to look at it; None for the middle
+    elements: Sequence[str]  # that it is steered by; none if nobody said
+    strokes: Mapping[str, float]  # of a field, 1 for those left out
+    static_stability: Loads  # of a robot, the least load on a foot of each stratum
 
 
 def _costs(subject: _Subject, report: Controllability) -> Sequence[DirectionCost]:
@@ -140,18 +135,12 @@ def _subject(options: argparse.Namespace) -> _Subject:
     if options.set:
         raise UsageError("a robot has no parameters", "--set", "leave it out")
     robot = robot_of(options, source)
-    described = equations(robot)
-    return _Subject(
-        system=described.system,
-        gait=robot.card.gait,
-        start=None,
-        elements=described.elements,
-        strokes=described.strokes,
-        static_stability=StaticStability(robot).at_rest_and_best(),
-    )
+    described, loads = equations(robot), StaticStability(robot).at_rest_and_best()
+    elements, strokes = described.elements, described.strokes
+    return _Subject(described.system, robot.card.gait, None, elements, strokes, loads)
 
 
-def describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
+def _describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> str:
     """The verdict, both tests, and the missing directions, line by line."""
     yes = f"controllable, as the {report.decided_by} shows"
     if theory:
@@ -177,19 +166,10 @@ def describe(name: str, report: Controllability, theory: Sequence[str] = ()) -> 
     return "\n".join(lines)
 
 
-def describe_costs(costs: Sequence[DirectionCost]) -> Iterator[str]:
+def _describe_costs(costs: Sequence[DirectionCost]) -> Iterator[str]:
     """What a unit of each direction costs, and which element gives it."""
     for number, cost in enumerate(costs):
         head = "" if number else "strokes"
         count = f"{cost.strokes:.4g} a unit" if cost.strokes < inf else "never"
         only = ", in theory only" if cost.in_theory_only else ""
         yield f"{head:12}{cost.direction} {count}, by {cost.element}{only}"
-
-
-def describe_static_stability(static_stability: Loads) -> str:
-    """The static stability of a robot on each stratum."""
-    shares = (
-        f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
-        for stratum, (rest, best) in static_stability.items()
-    )
-    return f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)"

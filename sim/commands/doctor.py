@@ -22,57 +22,40 @@ REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
 
 @dataclass(frozen=True)
 class Finding:
-    """What one check found.
-
-    Attributes:
-        works: Whether this part of stratawalk works here.
-        detail: What it uses and how fast that is, or what is wrong.
-        repair: The command that repairs it; None where nothing is to be done.
-    """
+    """What one check found."""
 
     works: bool
-    detail: str
-    repair: str | None = None
+    detail: str  # what it uses and how fast that is, or what is wrong
+    repair: str | None = None  # the command that repairs it
 
 
 @dataclass(frozen=True)
 class Check:
-    """One part of stratawalk that is tried.
+    """One part of stratawalk that is tried."""
 
-    Attributes:
-        look: Tries it, and says what it uses.
-        code: Exit code if it does not work.
-        package: What to install anew if nothing better is known.
-    """
-
-    look: Callable[[], str]
-    code: ExitCode
-    package: str
+    look: Callable[[], str]  # tries it, and says what it uses
+    code: ExitCode  # if it does not work
+    package: str  # to install anew if nothing better is known
 
 
 def execute(options: argparse.Namespace) -> int:
     """Check every part; ends with 0 if all work, else with the code of the first."""
-    from sim.progress import bar
+    from sim.progress import bar, stage
 
     findings = {}
     with bar(quiet=options.json) as progress:
         for name, check in CHECKS.items():
-            progress(f"trying {name}", 0.0)
-            findings[name] = _examined(check)
-            progress(f"trying {name}", 1.0)
+            with stage(progress, f"trying {name}"):
+                findings[name] = _examined(check)
     if options.json:
         print(json.dumps({name: asdict(found) for name, found in findings.items()}))
     else:
         for name, found in findings.items():
-            print(_line(name, "works" if found.works else "fails", found.detail))
+            print(f"{name:11}{'works' if found.works else 'fails':8}{found.detail}")
             if found.repair:
-                print(_line("", "repair", found.repair))
+                print(f"{'':11}{'repair':8}{found.repair}")
     codes = (check.code for name, check in CHECKS.items() if not findings[name].works)
     return next(codes, ExitCode.OK)
-
-
-def _line(name: str, verdict: str, detail: str) -> str:
-    return f"{name:11}{verdict:8}{detail}"
 
 
 def _examined(check: Check) -> Finding:
@@ -116,23 +99,18 @@ def _film() -> str:
     import numpy as np
     from imageio_ffmpeg import get_ffmpeg_version
 
-    from sim.pictures.file import (
-        CODEC,
-        INSTALL,
-        check_encoder,
-        count_pictures,
-        encoding,
-    )
+    from sim.pictures import file
 
-    check_encoder()
+    file.check_encoder()
     with TemporaryDirectory() as scratch:
         film = Path(scratch) / "film.mp4"
-        with encoding(film) as append:
+        with file.encoding(film) as append:
             for _ in range(PICTURES):
                 append(np.zeros((64, 64, 3), np.uint8))
-        if (found := count_pictures(film)) != PICTURES:
-            raise RenderError(f"{found} of {PICTURES} pictures", CODEC, INSTALL)
-    return f"ffmpeg {get_ffmpeg_version()} with {CODEC}"
+        if (found := file.count_pictures(film)) != PICTURES:
+            what = f"{found} of {PICTURES} pictures"
+            raise RenderError(what, file.CODEC, file.INSTALL)
+    return f"ffmpeg {get_ffmpeg_version()} with {file.CODEC}"
 
 
 def _figures() -> str:

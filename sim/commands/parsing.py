@@ -11,28 +11,10 @@ from planner.support import did_you_mean
 from sim.errors import UsageError
 
 COMMANDS = (
-    "run",
-    "show",
-    "film",
-    "view",
-    "compare",
-    "sweep",
-    "merge",
-    "study",
-    "design",
-    "plan",
-    "export",
-    "check",
-    "identify",
-    "figures",
-    "robots",
-    "adopt",
-    "systems",
-    "scenarios",
-    "bench",
-    "doctor",
-    "completion",
-)
+    "run", "show", "film", "view", "compare", "sweep", "merge", "study", "design",
+    "plan", "export", "check", "identify", "figures", "robots", "adopt", "systems",
+    "scenarios", "bench", "doctor", "completion",
+)  # fmt: skip
 MODULES = {"film": "film_run"}  # `film` is a function of the front door
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
@@ -46,11 +28,7 @@ class Parser(argparse.ArgumentParser):
     """A parser whose refusals are like all others: one line, no usage block."""
 
     def error(self, message: str) -> NoReturn:
-        """Raise instead of printing and exiting.
-
-        Raises:
-            UsageError: Always.
-        """
+        """Raise instead of printing and exiting."""
         raise UsageError(message, PLACE, f"see {self.prog} --help")
 
     def parse_known_args(  # type: ignore[override]
@@ -58,30 +36,20 @@ class Parser(argparse.ArgumentParser):
         args: Sequence[str] | None = None,
         namespace: argparse.Namespace | None = None,
     ) -> tuple[argparse.Namespace, list[str]]:
-        """Parse, and refuse options that this parser does not know.
-
-        Raises:
-            UsageError: If there are such options, or the words are not what is needed.
-        """
+        """Parse, refuse unknown options, and leave other words to other parsers."""
         given, rest = super().parse_known_args(args, namespace)
+        own = [name for action in self._actions for name in action.option_strings]
         for word in rest:
-            self._refuse(word)
+            if word.startswith("--"):
+                _refuse_option(word, self.prog, [o for o in own if o[:2] == "--"])
         return given, rest
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
         """Refuse what is none of a few words, and say which was meant."""
         if action.choices is not None and value not in action.choices:
             named = action.option_strings or [action.dest.upper()]
-            words = list(map(str, action.choices))
-            raise UsageError(
-                f"{value!r} is not allowed", named[-1], did_you_mean(str(value), words)
-            )
-
-    def _refuse(self, word: str) -> None:
-        """Say which option was meant; words that are no options wait for others."""
-        if word.startswith("--"):
-            options = (o for action in self._actions for o in action.option_strings)
-            _refuse_option(word, self.prog, [o for o in options if o[:2] == "--"])
+            near = did_you_mean(str(value), list(map(str, action.choices)))
+            raise UsageError(f"{value!r} is not allowed", named[-1], near)
 
 
 class Version(argparse.Action):
@@ -121,11 +89,7 @@ def parser() -> Parser:
 
 
 def as_meant(words: Sequence[str]) -> list[str]:
-    """A command line with its first guesses put right: nothing at all, and `help`.
-
-    Raises:
-        UsageError: If the first word is neither a command nor an option.
-    """
+    """A command line with its first guesses put right: nothing at all, and `help`."""
     if not words:
         return ["--help"]
     first, *rest = words

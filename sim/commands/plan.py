@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from models import Robot
     from planner import Plan
     from sim.problems.problem import Problem, Solution
-    from sim.problems.system import SystemProblem
     from sim.progress import Progress
     from sim.scenarios.scenario import Scenario
 
+Times = tuple[float, float, float]  # [s], before and after compiling, and at the end
 Outcome = tuple["Plan", dict[str, object], list[str]]
 """A plan, its facts for JSON, and lines of them."""
 
@@ -77,19 +77,27 @@ OPTIONS = (
 
 def execute(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
+    from planner import load_plan, save_plan
+    from sim.commands.systems import refused
     from sim.progress import bar
 
+    source = options.scenario
     if not _is_for_systems(options):
         scenario = scenario_of(options)
         robot = robot_of(options, scenario.robot)
         with bar(quiet=options.json) as progress:
             planned, facts, lines = _walk(scenario, robot, progress)
-    elif options.scenario.endswith(".json"):
-        planned, facts, lines = _saved(options.scenario)
+    elif source.endswith(".json"):
+        with refused(source):
+            planned = load_plan(source)
+        played = SystemFacts.of(Path(source).stem, planned)
+        facts, lines = played.table(None), list(played.lines(None))
     else:
-        with bar(quiet=options.json) as progress:
+        with bar(quiet=options.json) as progress, refused(source):
             planned, facts, lines = _system(options, progress)
-    _save(planned, options.save)
+    if options.save:
+        with refused(options.save):
+            save_plan(planned, options.save)
     if options.json:
         flows = {"flows": planned.flows} if options.flows else {}
         print(json.dumps(facts | flows))
@@ -102,8 +110,7 @@ def execute(options: argparse.Namespace) -> None:
 def _is_for_systems(options: argparse.Namespace) -> bool:
     """Whether a system, or a plan saved of one, is to be planned and not a scenario.
 
-    Raises:
-        UsageError: There is no such thing, or an option is for the other kind.
+    Options that are for the other kind are refused.
     """
     from sim.commands.systems import is_system
     from sim.scenarios.file import shipped_scenarios
@@ -128,25 +135,6 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
             raise UsageError(f"--{name} {why}", options.scenario, remedy)
 
 
-def _saved(source: str) -> Outcome:
-    from planner import load_plan
-    from sim.commands.systems import refused
-
-    with refused(source):
-        planned = load_plan(source)
-    facts = SystemFacts.of(Path(source).stem, planned)
-    return planned, facts.table(None), list(facts.lines(None))
-
-
-def _save(planned: Plan, file: str | None) -> None:
-    from planner import save_plan
-    from sim.commands.systems import refused
-
-    if file:
-        with refused(file):
-            save_plan(planned, file)
-
-
 def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
     from sim.preparation.setup import prepare
     from sim.problems.scenario import ScenarioProblem
@@ -159,61 +147,51 @@ def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
     with at_most(progress, "planning", scenario.plan_time):
         problem = ScenarioProblem.ready(setup, progress)
     solution = _solved(problem, progress)
-    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
+    times = began, compiled, time.perf_counter()
     facts = WalkFacts.of(problem.setup, solution.plan)
-    prospect = _prospect(problem, solution, timing, progress)
+    prospect = _prospect(problem, solution, times, progress)
     return solution.plan, facts.table(prospect), list(facts.lines(prospect))
 
 
 def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
-    from sim.commands.systems import refused
-    from sim.progress import stage
-
-    source, began = options.scenario, time.perf_counter()
-    with refused(source):
-        with stage(progress, "compiling"):
-            problem = _system_problem(options)
-        compiled = time.perf_counter()
-        solution = _solved(problem, progress)
-    timing = {"compile": compiled - began, "plan": time.perf_counter() - compiled}
-    facts = SystemFacts.of(Path(source).stem, solution.plan)
-    prospect = _prospect(problem, solution, timing, progress)
-    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
-
-
-def _system_problem(options: argparse.Namespace) -> SystemProblem:
-    """The problem of the command line, compiled."""
     from planner import StratumError
     from planner.support import limited
     from sim.commands.systems import coordinates, find
     from sim.problems.system import PLAN_TIME, SystemProblem
+    from sim.progress import stage
 
-    problem = find(options.scenario, settings_of(options))
-    by_elements = any(getattr(options, name) not in (None, []) for name in BY_ELEMENTS)
-    chained = problem.flat is not None and not by_elements
-    segments = 1 if chained and options.segments is None else options.segments
-    changes = {
-        "start": options.start and coordinates(options.start, "--start"),
-        "goal": options.goal and coordinates(options.goal, "--goal"),
-        "segments": segments,
-        "elements": options.elements,
-        "degree": options.degree,
-        "words": options.words,
-        "gait": options.gait and tuple(options.gait),
-        "in_gait": bool(options.gait) or None,
-    }
-    given = {name: value for name, value in changes.items() if value is not None}
-    try:
-        problem = replace(problem, **given)
-    except StratumError as error:
-        raise ValueError(str(error)) from error
-    with limited(PLAN_TIME):
-        return SystemProblem(
-            problem,
-            replan=bool(options.replan),
-            objective=options.optimise or "none",
-            chained=chained,
-        )
+    began = time.perf_counter()
+    with stage(progress, "compiling"):
+        wanted = find(options.scenario, settings_of(options))
+        by_elements = any(getattr(options, o) not in (None, []) for o in BY_ELEMENTS)
+        chained = wanted.flat is not None and not by_elements
+        segments = 1 if chained and options.segments is None else options.segments
+        changes = {
+            "start": options.start and coordinates(options.start, "--start"),
+            "goal": options.goal and coordinates(options.goal, "--goal"),
+            "segments": segments,
+            "elements": options.elements,
+            "degree": options.degree,
+            "words": options.words,
+            "gait": options.gait and tuple(options.gait),
+            "in_gait": bool(options.gait) or None,
+        }
+        given = {name: value for name, value in changes.items() if value is not None}
+        try:
+            wanted = replace(wanted, **given)
+        except StratumError as error:
+            raise ValueError(str(error)) from error
+        replan, objective = bool(options.replan), options.optimise or "none"
+        with limited(PLAN_TIME):
+            problem = SystemProblem(
+                wanted, replan=replan, objective=objective, chained=chained
+            )
+    compiled = time.perf_counter()
+    solution = _solved(problem, progress)
+    times = began, compiled, time.perf_counter()
+    facts = SystemFacts.of(Path(options.scenario).stem, solution.plan)
+    prospect = _prospect(problem, solution, times, progress)
+    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
 
 
 def _solved(problem: Problem, progress: Progress) -> Solution:
@@ -231,12 +209,14 @@ def _solved(problem: Problem, progress: Progress) -> Solution:
 
 
 def _prospect(
-    problem: Problem, solution: Solution, timing: dict[str, float], progress: Progress
+    problem: Problem, solution: Solution, times: Times, progress: Progress
 ) -> Prospect:
     from planner import BudgetError
     from planner.support import limited
     from sim.progress import stage
 
+    began, compiled, planned = times
+    timing = {"compile": compiled - began, "plan": planned - compiled}
     accuracy = steps = None
     with stage(progress, "measuring the accuracy"), suppress(BudgetError):
         with limited(problem.plan_time):

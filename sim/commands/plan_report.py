@@ -40,12 +40,9 @@ class Accuracy:
             return cls(degree, degree, None, {})
         asked = problem.extended, problem.path, problem.coordinates
         expected, offers = convergence_order(*asked), faster(*asked)
-        return cls(
-            expected.degree,
-            expected.bracket_degree,
-            _finite(expected.order),
-            {what: _finite(offer.order) for what, offer in offers.items()},
-        )
+        orders = {what: _finite(offer.order) for what, offer in offers.items()}
+        degrees = expected.degree, expected.bracket_degree
+        return cls(*degrees, _finite(expected.order), orders)
 
     def lines(self) -> Iterator[str]:
         """The order to expect and what raises it."""
@@ -81,8 +78,9 @@ class Steps:
         length = float(np.linalg.norm(end - start))
         if problem.is_exact or not length:
             return None
-        extended = problem.extended
-        critical = critical_step(extended, start, end - start, within=2 * length)
+        critical = critical_step(
+            problem.extended, start, end - start, within=2 * length
+        )
         return cls(length, _finite(critical))
 
     def line(self, segments: int, exact: bool) -> str:
@@ -131,7 +129,7 @@ class Prospect:
 
     def remarks(self) -> dict[str, str]:
         """Why there is no optimised plan, and what would help, by their labels."""
-        fell_back = f"on the stratified plan: {self.fallback}" if self.fallback else ""
+        fell_back = self.fallback and f"on the stratified plan: {self.fallback}"
         texts = {"fell back": fell_back, "helps": self.helps}
         return {name: f"{name:10}{text}" for name, text in texts.items() if text}
 
@@ -163,10 +161,16 @@ class WalkFacts:
         from planner import play
         from sim.motion.poses import wrap
 
-        scenario, robot = setup.scenario, setup.robot
+        scenario, robot, equations = setup.scenario, setup.robot, setup.equations
         states = play(planned.system, planned.flows, setup.nominal()(0.0))
         x, y, yaw = states[-1, :3].tolist()
         goal = scenario.path.goal
+        travel = {True: 0.0, False: 0.0}  # of loaded and of lifted groups
+        for flow in planned.flows:
+            swings = equations.swings[flow.field]
+            for group, share in zip(robot.groups, swings, strict=True):
+                travel[group in flow.stratum] += abs(share * flow.duration)
+        walked = (equations.stride(f.field) * abs(f.duration) for f in planned.flows)
         return cls(
             scenario=scenario.name,
             robot=robot.name,
@@ -183,8 +187,10 @@ class WalkFacts:
             },
             contact_switches=planned.contact_switches,
             largest_swing=float(abs(states[:, 3 : 3 + len(robot.groups)]).max()),
+            swing_travel=travel[True],
+            air_travel=travel[False],
+            distance_walked=sum(walked, 0.0),
             gait=tuple(scenario.gait or robot.card.gait),
-            **_travel(setup, planned),
         )
 
     def table(self, prospect: Prospect) -> dict[str, object]:
@@ -218,19 +224,6 @@ class WalkFacts:
         yield from prospect.lines(self.segments, "load and compile")
 
 
-def _travel(setup: Setup, planned: Plan) -> dict[str, float]:
-    """Swing travel of loaded and of lifted groups, and distance walked."""
-    groups, equations = setup.robot.groups, setup.equations
-    travel = {"swing_travel": 0.0, "air_travel": 0.0, "distance_walked": 0.0}
-    for flow in planned.flows:
-        for group, share in zip(groups, equations.swings[flow.field], strict=True):
-            loaded = group in flow.stratum
-            way = abs(share * flow.duration)
-            travel["swing_travel" if loaded else "air_travel"] += way
-        travel["distance_walked"] += equations.stride(flow.field) * abs(flow.duration)
-    return travel
-
-
 @dataclass(frozen=True)
 class SystemFacts:
     """Results of a system's plan; coordinates by name."""
@@ -252,10 +245,9 @@ class SystemFacts:
         """Play the plan of a system."""
         from planner import rollout
 
-        end = rollout(planned)[-1]
+        end, names = rollout(planned)[-1], list(map(str, planned.system.state))
 
         def named(state: Array) -> dict[str, float]:
-            names = map(str, planned.system.state)
             return dict(zip(names, state.tolist(), strict=True))
 
         return cls(

@@ -106,34 +106,27 @@ def sweep_bar(quiet: bool = False) -> Iterator[Show]:
         with bar() as lines:
             yield lambda done, failed, points: lines("points", done / max(points, 1))
         return
+    from rich import progress as rich
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TaskID,
-        TextColumn,
-        TimeRemainingColumn,
-    )
 
     columns = (
-        TextColumn("points"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[rate]}, {task.fields[failed]} failed, left"),
-        TimeRemainingColumn(),
+        "points",
+        rich.BarColumn(),
+        rich.MofNCompleteColumn(),
+        "{task.fields[rate]}, {task.fields[failed]} failed, left",
+        rich.TimeRemainingColumn(),
     )
-    tasks: list[TaskID] = []
-    with Progress(*columns, console=Console(file=sys.stderr), transient=True) as bars:
+    tasks: list[rich.TaskID] = []
+    console = Console(file=sys.stderr)
+    with rich.Progress(*columns, console=console, transient=True) as bars:
 
         def show(done: int, failed: int, points: int) -> None:
             if not tasks:  # earlier points count for no pace
                 task = bars.add_task("points", True, points, done, rate="", failed=0)
                 tasks.append(task)
-            pace = bars.tasks[0].speed or 0.0  # from the first point walked now on
-            rate = f"{pace:.3g} a second"
+            pace = f"{bars.tasks[0].speed or 0.0:.3g} a second"  # of those walked now
             bars.update(
-                tasks[0], completed=done, total=points, failed=failed, rate=rate
+                tasks[0], completed=done, total=points, failed=failed, rate=pace
             )
 
         yield show

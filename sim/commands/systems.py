@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,61 +24,47 @@ def execute(options: argparse.Namespace) -> None:
     from models import SYSTEMS, shipped_system
     from models.systems import parameters
 
+    systems = {name: shipped_system(name) for name in SYSTEMS}
     if options.json:
-        print(json.dumps([_facts(name) for name in SYSTEMS], indent=1))
+        facts = [
+            {
+                "name": name,
+                "description": of.description,
+                "parameters": parameters(name),
+                "state": [str(symbol) for symbol in of.system.state],
+                "strata": {s: list(fields) for s, fields in of.system.strata.items()},
+                "gait": of.gait,
+                "elements": of.elements,
+                "goal": of.goal,
+            }
+            for name, of in systems.items()
+        ]
+        print(json.dumps(facts, indent=1))
         return
-    for name in SYSTEMS:
-        print(f"{name:18}{shipped_system(name).description}")
+    for name, of in systems.items():
+        print(f"{name:18}{of.description}")
         if defaults := parameters(name):
             given = (f"{k}={json.dumps(v)}" for k, v in defaults.items())
             print(f"{'':18}--set {' '.join(given)}")
 
 
-def _facts(name: str) -> dict[str, object]:
-    from models import shipped_system
-    from models.systems import parameters
-
-    problem = shipped_system(name)
-    return {
-        "name": name,
-        "description": problem.description,
-        "parameters": parameters(name),
-        "state": [str(symbol) for symbol in problem.system.state],
-        "strata": {s: list(fields) for s, fields in problem.system.strata.items()},
-        "gait": problem.gait,
-        "elements": problem.elements,
-        "goal": problem.goal,
-    }
-
-
 def is_system(source: str, others: Collection[str], kind: str = "scenario") -> bool:
-    """Whether a word means a system and none of the shipped things of another kind.
-
-    Raises:
-        UsageError: It is a name of neither.
-    """
-    path = Path(source)
-    if path.suffix == ".toml":
-        return kind != "scenario" or _has_strata(path)
-    if path.suffix or len(path.parts) > 1 or source in others:
-        return path.suffix == ".py"
+    """Whether a word means a system and none of the shipped things of another kind."""
     from models import SYSTEMS
-    from planner.support import did_you_mean
+    from models.description import parse_toml
+    from planner.support import did_you_mean, read_file
 
+    path = Path(source)
+    if path.suffix == ".toml" and kind == "scenario":
+        with suppress(OSError, ValueError):
+            return "strata" in parse_toml(read_file(path).decode())
+        return False
+    if path.suffix or len(path.parts) > 1 or source in others:
+        return path.suffix in SUFFIXES
     if source not in SYSTEMS:
         remedy = did_you_mean(source, [*others, *SYSTEMS])
         raise UsageError(f"unknown {kind} or system {source!r}", kind.upper(), remedy)
     return True
-
-
-def _has_strata(path: Path) -> bool:
-    from models.description import parse_toml
-    from planner.support import read_file
-
-    try:
-        return "strata" in parse_toml(read_file(path).decode())
-    except (OSError, ValueError):
-        return False
 
 
 def find(source: str, values: Mapping[str, object]) -> Problem:
@@ -94,11 +80,7 @@ def find(source: str, values: Mapping[str, object]) -> Problem:
 
 
 def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
-    """Values of coordinates from words `NAME=VALUE`.
-
-    Raises:
-        UsageError: A word is not of that form, or a coordinate comes twice.
-    """
+    """Values of coordinates from words `NAME=VALUE`, one of each."""
     values: dict[str, float] = {}
     for word in words:
         name, _, value = (part.strip() for part in word.partition("="))
@@ -107,19 +89,14 @@ def coordinates(words: Sequence[str], option: str) -> dict[str, float]:
         try:
             values[name] = float(value)
         except ValueError:
-            raise UsageError(
-                f"{word!r} is not a coordinate", option, "write NAME=VALUE, as in x=1"
-            ) from None
+            what = f"{word!r} is not a coordinate"
+            raise UsageError(what, option, "write NAME=VALUE, as in x=1") from None
     return values
 
 
 @contextmanager
 def refused(where: str) -> Iterator[None]:
-    """Turn errors of bad arguments into errors of the command line.
-
-    Raises:
-        UsageError: A `ValueError` came up, with its words.
-    """
+    """Turn errors of bad arguments into errors of the command line, word by word."""
     from models import ProblemError
 
     try:

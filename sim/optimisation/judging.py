@@ -97,9 +97,8 @@ class Judge:
 
     def stepped(self, segments: Sequence[Sequence[Flow]]) -> list[list[Flow]]:
         """Flows with legs set anew before every stroke."""
-        setup = self.setup
-        rest, described = setup.state(np.zeros(3)), setup.equations
-        rules = described.limits, described.static_stability
+        setup, rest = self.setup, self.setup.state(np.zeros(3))
+        rules = setup.equations.limits, setup.equations.static_stability
         return stepped(setup.extended.shape, segments, rest, rest, *rules)
 
     def poses(self, plan: Plan) -> Array:
@@ -161,10 +160,8 @@ def top_speed(setup: Setup) -> float:
     described, twists = setup.equations, real_twists(setup)
     low, high = np.array(list(described.limits.values())).T
     if len(low) <= MOST_GRIDDED:
-        shares = np.stack(
-            np.meshgrid(*[np.linspace(0, 1, SWEPT_ANGLES)] * len(low)), axis=-1
-        )
-        shares = shares.reshape(-1, len(low))
+        even = [np.linspace(0, 1, SWEPT_ANGLES)] * len(low)
+        shares = np.stack(np.meshgrid(*even), axis=-1).reshape(-1, len(low))
     else:
         shares = np.random.default_rng(0).uniform(size=(DRAWN_ANGLES, len(low)))
     swing, fastest = low + shares * (high - low), 0.0

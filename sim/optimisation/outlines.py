@@ -29,33 +29,20 @@ BODY = -1  # in place of a leg's index
 
 @dataclass(frozen=True, eq=False)
 class MovingPart:
-    """A convex part, widened by a radius, that swings with one leg or with none.
+    """A convex part, widened by a radius, that swings with one leg or with none."""
 
-    Attributes:
-        leg: Index of the leg; `BODY` for what stays where it is in the body's frame.
-        terms: Corners by 1, cosine and sine of the joint's swing, (3, k, 2) [m].
-        radius: By which the hull of the corners is widened [m].
-    """
-
-    leg: int
-    terms: Array
-    radius: float
+    leg: int  # `BODY` for what stays where it is in the body's frame
+    terms: Array  # corners by 1, cosine and sine of the swing, (3, k, 2) [m]
+    radius: float  # by which the hull of the corners is widened [m]
 
     def corners(self, cos: Expression = 1.0, sin: Expression = 0.0) -> list[Place]:
         """Corners in counter-clockwise order, at the cosine and sine of a swing."""
-        one, by_cos, by_sin = self.terms
+        one, by_cos, by_sin = self.terms.tolist()
         if self.leg == BODY:
-            return [(float(x), float(y)) for x, y in one + by_cos]
+            return [(a + c, b + d) for (a, b), (c, d) in zip(one, by_cos, strict=True)]
         return [
-            (
-                float(one[k, 0])
-                + float(by_cos[k, 0]) * cos
-                + float(by_sin[k, 0]) * sin,
-                float(one[k, 1])
-                + float(by_cos[k, 1]) * cos
-                + float(by_sin[k, 1]) * sin,
-            )
-            for k in range(self.terms.shape[1])
+            (a + c * cos + e * sin, b + d * cos + f * sin)
+            for (a, b), (c, d), (e, f) in zip(one, by_cos, by_sin, strict=True)
         ]
 
     @property
@@ -129,7 +116,8 @@ def _hull(points: Array) -> list[int]:
     if len(corners) > 1 and np.allclose(corners[0], corners[-1]):
         corners = corners[:-1]
     apart = np.linalg.norm(points[None] - corners[:, None], axis=-1)
-    return [int(k) for k in apart.argmin(axis=1)]
+    nearest: list[int] = apart.argmin(axis=1).tolist()
+    return nearest
 
 
 def _leg_of(robot: Robot, model: mujoco.MjModel, geom: int) -> int:

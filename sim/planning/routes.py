@@ -36,12 +36,7 @@ CHORD = 0.02  # [m] of the way, at most; half a millimetre off the tightest arc
 def routed(setup: Setup) -> Setup:
     """Find the nominal path of a scenario that gives only a goal.
 
-    Any other setup is returned unchanged. Without obstacles the path is a straight
-    line.
-
-    Raises:
-        BoundError: If no way is found, or the robot cannot stand at start or goal.
-        UsageError: If OMPL is not installed.
+    Any other setup is returned unchanged. Without obstacles the path is a line.
     """
     scenario = setup.scenario
     if scenario.path.kind != "route":
@@ -116,15 +111,25 @@ class _Search:
         """Poses (N, 3) of the shortest route found, for so many segments; or None."""
         if not all(self.is_free(*pose) for pose in (nominal.START, self.goal)):
             return None
-        budget = _after(TRIALS)
+        trials = iter(range(TRIALS))  # not a time, so that it is repeatable
+
+        def spent() -> bool:
+            return next(trials, None) is None
+
         seeds = range(SEARCHES * seed, SEARCHES * (seed + 1))
-        ways = [way for way in (self._once(s, budget) for s in seeds) if way]
+        ways = [way for way in (self._once(s, spent) for s in seeds) if way]
         if not ways:
             return None
         best = min(ways, key=lambda way: way.length())
         pieces = segments * math.ceil(best.length() / (segments * CHORD) or 1)
         best.interpolate(pieces + 1)
-        return self._joined([_pose(state) for state in best.getStates()])
+        way = np.array([_pose(state) for state in best.getStates()])
+        way[:, 2] = np.unwrap(way[:, 2])
+        way[:, 2] -= way[0, 2]
+        turns = np.round((way[-1, 2] - self.goal[2]) / math.tau)
+        way[0], way[-1] = nominal.START, self.goal  # exactly
+        way[-1, 2] += math.tau * turns
+        return way
 
     def _once(self, seed: int, done: Callable[[], bool]) -> Ompl:
         """A shortened route as an OMPL path; None if none is found until `done`."""
@@ -172,16 +177,6 @@ class _Search:
             bounds.setHigh(axis, high + 2 * self.radius)
         return bounds
 
-    def _joined(self, poses: list[Pose]) -> Array:
-        """Yaw made continuous, and the ends exactly start and goal."""
-        way = np.array(poses)
-        way[:, 2] = np.unwrap(way[:, 2])
-        way[:, 2] -= way[0, 2]
-        turns = np.round((way[-1, 2] - self.goal[2]) / math.tau)
-        way[0], way[-1] = nominal.START, self.goal
-        way[-1, 2] += math.tau * turns
-        return way
-
 
 def _ompl() -> tuple[Ompl, Ompl, Ompl]:
     try:
@@ -204,9 +199,3 @@ def _state(space: Ompl, pose: Pose) -> Ompl:
     state.setXY(*pose[:2])
     state.setYaw(math.remainder(pose[2], math.tau))
     return state
-
-
-def _after(trials: int) -> Callable[[], bool]:
-    """Ends a search after a number of trials, not a time, so that it is repeatable."""
-    count = iter(range(trials))
-    return lambda: next(count, None) is None
