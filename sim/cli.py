@@ -50,15 +50,10 @@ def _execute(words: Sequence[str]) -> int:
         options = parser().parse_args(as_meant(words))
     except SystemExit as finished:  # --help
         return int(finished.code or ExitCode.OK)
-    _quiet_libraries()
-    return int(options.execute(options) or ExitCode.OK)
-
-
-def _quiet_libraries() -> None:
-    """Keep matplotlib from reporting where it may cache fonts."""
     import logging  # slow to import, and of no use to `--help`
 
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its fonts
+    return int(options.execute(options) or ExitCode.OK)
 
 
 def _fail(error: BaseException, words: Sequence[str]) -> int:
@@ -75,16 +70,12 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
         _silence(sys.stderr)
     try:
         if "--json" in words:
-            print(json.dumps({"error": _facts(code, error)}))
+            facts = {"exit_code": int(code), "kind": code.name.lower()}
+            print(json.dumps({"error": facts | {"message": one_line(error)}}))
         print(end="", flush=True)
     except OSError:
         _silence(sys.stdout, sys.stderr)
     return code
-
-
-def _facts(code: ExitCode, error: BaseException) -> dict[str, object]:
-    kind = code.name.lower()
-    return {"exit_code": int(code), "kind": kind, "message": one_line(error)}
 
 
 def _reader_left() -> bool:

@@ -10,8 +10,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from threading import Event, Thread
 
 Progress = Callable[[str, float], None]
@@ -41,18 +40,13 @@ def left(spent: float, fraction: float) -> str:
     return f"about {spent * (1 - fraction) / fraction:.0f} s left"
 
 
-@dataclass
 class Lines:
     """A plain line about the present stage, on standard error, every few seconds."""
 
-    clock: Callable[[], float] = time.monotonic
-    _began: dict[str, float] = field(default_factory=dict)
-    _stage: str = ""
-    _fraction: float = 1.0
-    _told: float = field(init=False)
-
-    def __post_init__(self) -> None:
-        self._told = self.clock()
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self.clock, self._told = clock, clock()
+        self._began: dict[str, float] = {}
+        self._stage, self._fraction = "", 1.0
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Say how far a stage is, if nothing was said for a while."""
@@ -72,9 +66,9 @@ class Lines:
 
 
 @contextmanager
-def _reminded(lines: Lines) -> Iterator[Lines]:
+def _reminded() -> Iterator[Progress]:
     """Lines also about stages that say nothing of themselves."""
-    ended = Event()
+    lines, ended = Lines(), Event()
 
     def remind() -> None:
         while not ended.wait(1.0):
@@ -87,17 +81,11 @@ def _reminded(lines: Lines) -> Iterator[Lines]:
         ended.set()
 
 
-@contextmanager
-def bar(quiet: bool = False) -> Iterator[Progress]:
+def bar(quiet: bool = False) -> AbstractContextManager[Progress]:
     """A bar for each stage on standard error, or lines where it draws no bars."""
     if quiet:
-        yield silent
-    elif may_draw():
-        with _bars() as show:
-            yield show
-    else:
-        with _reminded(Lines()) as lines:
-            yield lines
+        return nullcontext(silent)
+    return _bars() if may_draw() else _reminded()
 
 
 @contextmanager

@@ -9,13 +9,10 @@ from sim.commands.options import option
 
 HELP = "print a script that completes this command's words in a shell"
 SHELLS = ("bash", "zsh", "tcsh")
-HOW = {
-    "bash": "stratawalk completion bash > ~/.local/share/bash-completion/completions/"
-    "stratawalk",
-    "zsh": "stratawalk completion zsh > a folder of $fpath, as _stratawalk",
-    "tcsh": "stratawalk completion tcsh > /etc/profile.d/stratawalk.completion.csh",
-}
-EPILOG = f"To install it for good: {HOW['bash']}"
+EPILOG = (
+    "To install it for good: stratawalk completion bash > "
+    "~/.local/share/bash-completion/completions/stratawalk"
+)
 OPTIONS = (option("shell", choices=SHELLS, help="the shell it is for"),)
 
 

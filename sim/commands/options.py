@@ -208,6 +208,6 @@ def robot_of(options: argparse.Namespace, name: str) -> Robot:
     return robot
 
 
-def notice(text: str) -> None:
+def notice(text: str, kind: str = "notice") -> None:
     """Print what a user should know on standard error."""
-    print(f"stratawalk: notice: {text}", file=sys.stderr)
+    print(f"stratawalk: {kind}: {text}", file=sys.stderr)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import asdict, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from sim.commands.options import (
@@ -69,6 +69,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.world.changes import changes
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
+    warn = partial(notice, kind="warning")
     look = options.look if _can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
@@ -81,7 +82,12 @@ def execute(options: argparse.Namespace) -> ExitCode:
     try:
         with bar(quiet=options.json) as progress:
             summary = run(
-                scenario, folder, robot=robot, look=look, progress=progress, warn=_warn
+                scenario,
+                folder,
+                robot=robot,
+                look=look,
+                progress=progress,
+                warn=warn,
             )
     finally:
         folder.discard_if_empty()
@@ -115,17 +121,14 @@ def _judged(summary: Summary, folder: RunFolder, tolerance: float | None) -> Exi
     where = f"{summary.scenario} on {summary.robot}"
     look = f"see {folder.path}"
     if summary.verdict in FAILURES:
-        failed = SimulationError(f"the walk {summary.verdict_text}", where, look)
-        return _failed(failed, ExitCode.SIMULATION)
-    off = summary.farthest_share
-    if tolerance is None or off is None or off <= tolerance:
-        return ExitCode.OK
-    what = f"{off:.3g} of the path off the quasi-static prediction, beyond {tolerance}"
-    return _failed(SimulationError(what, where, look), ExitCode.TOLERANCE)
-
-
-def _failed(error: SimulationError, code: ExitCode) -> ExitCode:
-    print(f"stratawalk: error: {one_line(error)}", file=sys.stderr)
+        what, code = f"the walk {summary.verdict_text}", ExitCode.SIMULATION
+    else:
+        off, code = summary.farthest_share, ExitCode.TOLERANCE
+        if tolerance is None or off is None or off <= tolerance:
+            return ExitCode.OK
+        what = f"{off:.3g} of the path off the quasi-static prediction, "
+        what += f"beyond {tolerance}"
+    notice(one_line(SimulationError(what, where, look)), "error")
     return code
 
 
@@ -140,13 +143,9 @@ def _can_film(wanted: bool | None) -> bool:
     except RenderError as error:
         if wanted:
             raise
-        _warn(f"no film: {one_line(error)}")
+        notice(f"no film: {one_line(error)}", "warning")
         return False
     return True
-
-
-def _warn(text: str) -> None:
-    print(f"stratawalk: warning: {text}", file=sys.stderr)
 
 
 def _report(summary: Summary, folder: RunFolder) -> str:

@@ -8,7 +8,7 @@ import os
 import sys
 from pathlib import Path
 
-from sim.commands.options import BROWSER, RUN
+from sim.commands.options import BROWSER, RUN, notice
 
 HELP = "draw the report of a finished run, and open it where there is a display"
 OPTIONS = (RUN, BROWSER)
@@ -37,4 +37,4 @@ def open_page(address: str, wanted: bool | None) -> None:
         return
     sys.stdout.flush()
     if not webbrowser.open(address):
-        print(f"stratawalk: warning: no browser found for {address}", file=sys.stderr)
+        notice(f"no browser found for {address}", "warning")

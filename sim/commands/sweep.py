@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import needs_extra, option
+from sim.commands.options import needs_extra, notice, option
 from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
             points, folder, workers, scheduler, mix=options.force_mix, show=show
         )
     for line in write_run_folders(points, folder):
-        print(f"stratawalk: warning: no run folder, {line}", file=sys.stderr)
+        notice(f"no run folder, {line}", "warning")
     print_result(result, folder.table, options.json)
     return ExitCode.SWEEP if result.failed else ExitCode.OK
 
@@ -140,8 +140,7 @@ def _workers(options: argparse.Namespace) -> int:
         raise UsageError(what, "--workers and --scheduler", "keep one of them")
     if options.workers < 1:
         raise UsageError(f"{options.workers} workers", "--workers", "give at least 1")
-    workers: int = options.workers
-    return workers
+    return int(options.workers)
 
 
 def print_result(result: Result, table: Path, as_json: bool) -> None:
@@ -158,4 +157,4 @@ def print_result(result: Result, table: Path, as_json: bool) -> None:
     if result.failed:
         line = f"{result.failed} of {result.points} points failed"
         where = f"{table}; the column status says why"
-        print(f"stratawalk: error: {line}: {where}", file=sys.stderr)
+        notice(f"{line}: {where}", "error")

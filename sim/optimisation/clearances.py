@@ -59,8 +59,15 @@ def clearances(
     def least_distances(stratum: str) -> Expression:
         import casadi as ca
 
-        state = ca.SX.sym("state", size)
-        rows = _least_distances(setup, stratum, state, pieces)
+        state, rows = ca.SX.sym("state", size), list[Expression]()
+        pose = state[0], state[1], ca.cos(state[2]), ca.sin(state[2])
+        for leg, own in groupby(moving_parts(setup, stratum), lambda part: part.leg):
+            gain = float(setup.robot.swing_gain[leg])
+            group = FIRST_ANGLE + setup.robot.group_of_leg[leg]
+            swing = 0.0 if leg == BODY else gain * state[group]
+            angle = ca.cos(swing), ca.sin(swing)
+            found = list(_distances(list(own), angle, pose, pieces))
+            rows += [_soft_least(found)] if found else []
         return ca.Function("clearances", [state], [ca.vertcat(*rows)])
 
     def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
@@ -70,23 +77,6 @@ def clearances(
         return [found[i] - least for i in range(found.shape[0])]
 
     return of
-
-
-def _least_distances(
-    setup: Setup, stratum: str, state: Expression, pieces: Sequence[Near]
-) -> Iterator[Expression]:
-    """The least distance of the body, and of each leg, from obstacles."""
-    import casadi as ca
-
-    pose = state[0], state[1], ca.cos(state[2]), ca.sin(state[2])
-    parts, groups = moving_parts(setup, stratum), setup.robot.group_of_leg
-    for leg, own in groupby(parts, key=lambda part: part.leg):
-        gain = float(setup.robot.swing_gain[leg])
-        swing = 0.0 if leg == BODY else gain * state[FIRST_ANGLE + groups[leg]]
-        angle = ca.cos(swing), ca.sin(swing)
-        found = list(_distances(list(own), angle, pose, pieces))
-        if found:
-            yield _soft_least(found)
 
 
 def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
@@ -109,12 +99,9 @@ def near_pieces(setup: Setup, within: float) -> Iterator[Near]:
                 if shapely.distance(shapely.linestrings([begin, end]), path) < reach
                 and (_outward(begin, end, shapely.get_coordinates(points).T) > 0).any()
             ]
-            reached = [
-                corner
-                for corner in corners
-                if shapely.distance(shapely.Point(corner), path) < reach
-            ]
             if sides:
+                away = shapely.distance(shapely.points(corners), path)
+                reached = [corners[k] for k in np.flatnonzero(away < reach)]
                 yield Near(sides, reached)
 
 
@@ -207,14 +194,19 @@ def margins(
     The expressions, of a stage and a state's entries, must not be negative.
     """
     robot, kinematics = setup.robot, setup.kinematics
+    foot, _, _, weight = kinematics.terms
 
     def of(stage: Stage, state: Sequence[Expression]) -> list[Expression]:
         planted = robot.planted(stage.stratum)
-        angles = [state[FIRST_ANGLE + g] for g in robot.group_of_leg]
         raised = np.where(planted, 0.0, setup.limits.lift_angle) * robot.raise_sign
-        feet, center = _places(kinematics, angles, raised)
+        feet, (x, y) = list[Place](), map(float, kinematics.center_of_mass[:2])
+        for leg, group in enumerate(robot.group_of_leg):
+            swing = state[FIRST_ANGLE + group] * float(robot.swing_gain[leg])
+            feet.append(_sum(foot[leg], swing, float(raised[leg])))
+            moved = _sum(weight[leg], swing, float(raised[leg]))
+            x, y = x + moved[0], y + moved[1]
         return [
-            -_outward(feet[i], feet[j], center) - least
+            -_outward(feet[i], feet[j], (x, y)) - least
             for i, j in _sides(kinematics, planted)
         ]
 
@@ -232,28 +224,11 @@ def _sides(kinematics: Kinematics, planted: Array) -> Iterator[tuple[int, int]]:
             yield i, j
 
 
-def _places(
-    kinematics: Kinematics, angles: Sequence[Expression], raised: Array
-) -> tuple[list[Place], Place]:
-    """Where the feet and the centre of mass are, as expressions."""
-    foot, _, _, weight = kinematics.terms
-    feet = []
-    x, y = map(float, kinematics.center_of_mass[:2])
-    center: Place = (x, y)
-    for leg, (angle, lift) in enumerate(zip(angles, raised, strict=True)):
-        swing = angle * float(kinematics.robot.swing_gain[leg])
-        place = _sum(foot[leg], swing, float(lift))
-        moved = _sum(weight[leg], swing, float(lift))
-        feet.append(place)
-        center = center[0] + moved[0], center[1] + moved[1]
-    return feet, center
-
-
 def _sum(terms: Array, swing: Expression, lift: float) -> Place:
     """A leg's terms (3, 3, 3) at a swing to be solved for and a given lift."""
-    by_swing = np.einsum("abi,b->ai", terms, [1.0, np.cos(lift), np.sin(lift)])
     import casadi as ca
 
+    by_swing = np.einsum("abi,b->ai", terms, [1.0, np.cos(lift), np.sin(lift)])
     basis = (1.0, ca.cos(swing), ca.sin(swing))
     x, y = (sum(float(by_swing[a, i]) * basis[a] for a in range(3)) for i in range(2))
     return x, y

@@ -71,14 +71,12 @@ class Judge:
         duration = self.duration(plan.flows)
         if objective == "switches":
             return contact_switches(plan.system, plan.flows) + 1e-6 * duration
-        return duration if objective == "time" else self.strokes(plan.flows)
-
-    def strokes(self, flows: Sequence[Flow]) -> float:
-        """Way of the loaded groups' angles [rad]."""
+        if objective == "time":
+            return duration
         groups, swings = self.setup.robot.groups, self.setup.equations.swings
-        return sum(
+        return sum(  # the way of the loaded groups' angles [rad]
             abs(flow.duration * share)
-            for flow in flows
+            for flow in plan.flows
             for group, share in zip(groups, swings[flow.field], strict=True)
             if group in flow.stratum
         )

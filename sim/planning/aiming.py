@@ -36,19 +36,6 @@ def plan_along(
     return plan(setup.extended, path, setup.scenario.segments, execution=execution)
 
 
-def plan_towards(
-    setup: Setup, segment: int, target: Array, pose: Array, swing: tuple[float, ...]
-) -> Step:
-    """Plan one segment from the pose reached to a target, both in the start frame.
-
-    Segments count from 0; `swing` is the angle of every group [rad].
-    """
-    last = segment == setup.scenario.segments - 1
-    execution = setup.execution(finish=last or setup.learns)
-    here, there = setup.state(pose, swing), setup.state(target)
-    return plan_step(setup.extended, here, there, execution)
-
-
 def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     """A plan whose every segment is predicted to end on the nominal path.
 
@@ -91,16 +78,20 @@ def steer_towards(
     pose: Array,
     swing: tuple[float, ...],
 ) -> Step:
-    """Plan one segment whose predicted end is the target; arguments as `plan_towards`.
+    """Plan one segment, from 0 on, from the pose reached to the target it shall meet.
 
-    A segment that the joint range cuts short is left as it is. Where the prediction
+    Both poses are in the start frame; `swing` is the angle of every group [rad]. A
+    segment that the joint range cuts short is left as it is. Where the prediction
     jumps because other words become cheaper, the closest attempt is taken.
     """
-    wanted = relative(pose, target)
+    last = segment == setup.scenario.segments - 1
+    execution = setup.execution(finish=last or setup.learns)
+    here, wanted = setup.state(pose, swing), relative(pose, target)
     aim, best, least = wanted, None, np.inf
     for _ in range(AIMING_ROUNDS):
         tick()
-        step = plan_towards(setup, segment, compose(pose, aim), pose, swing)
+        there = setup.state(compose(pose, aim))
+        step = plan_step(setup.extended, here, there, execution)
         got = segment_ends(setup, step.plan, twists, swing)[-1]
         miss = float(np.abs(got - wanted).max())
         if step.fraction < 1 or miss < MET_WITHIN:

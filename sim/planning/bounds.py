@@ -107,14 +107,12 @@ class MarginBound:
         for stage in stages:
             segment = stage.segment(stage.rows)
             np.minimum.at(margins, segment, stage.predictor(stage.rows).margin)
-        if margins.min() >= self.least:
-            return self._slack(np.ones_like(margins), margins)
-        stratum, most = _standing_margin(setup)
-        if most <= self.least:
-            raise self._refusal(stratum, most, float(margins.min()))
-        return self._slack(np.full_like(margins, most - self.least), margins)
-
-    def _slack(self, standing: Array, margins: Array) -> Slack:
+        standing = np.ones_like(margins)
+        if margins.min() < self.least:
+            stratum, most = _standing_margin(setup)
+            if most <= self.least:
+                raise self._refusal(stratum, most, float(margins.min()))
+            standing[:] = most - self.least
         left = margins - self.least
         return Slack("min_margin", self.least, standing, left, unit="m")
 
