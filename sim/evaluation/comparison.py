@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, ROWS
+from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, ROWS
 from sim.evaluation.summary import Departure, Played, Summary
 from sim.scenarios.predictions import QUASI_STATIC, prediction_key
 
@@ -123,12 +123,15 @@ def _off(error: Departure | None, path_length: float) -> str:
 
 
 def _lines(summary: Summary) -> Iterator[str]:
-    """Quantities of the rows that have no column."""
+    """Quantities that have no column: those of the rows, then those of the walk."""
     for quantity in LINES:
         values = {label: quantity.value(summary, row) for row, label in ROWS.items()}
         words = (f"{quantity.words(v)} {k}" for k, v in values.items() if v is not None)
         if found := ", ".join(words):
-            yield f"{quantity.label:13}{found}"
+            yield f"{quantity.label:12} {found}"
+    for quantity in OF_WALKS:
+        if quantity.line and (found := quantity.words(quantity.value(summary))):
+            yield f"{quantity.label:12} {found}"
 
 
 def _clearance(summary: Summary) -> Iterator[str]:

@@ -35,6 +35,7 @@ class Quantity:
         column: Heading of its column on the terminal; a number for each row that has
             no column is shown in a line of its own.
         width: Of that column.
+        line: Whether the terminal gives a number of the walk a line of its own.
     """
 
     key: str
@@ -44,6 +45,7 @@ class Quantity:
     digits: int = 0
     column: str = ""
     width: int = 10
+    line: bool = False
 
     @property
     def title(self) -> str:
