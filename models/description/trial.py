@@ -58,20 +58,23 @@ def _require_handy(model: mujoco.MjModel, path: Path) -> None:
         )
 
 
+def report(path: Path) -> dict[str, object]:
+    """What a trial finds: the `files` of a model, what is `wrong`, or that it is `large`."""
+    try:
+        return {"files": [str(file) for file in examine(path)]}
+    except ModelError as error:
+        large = any(sign in str(error) for sign in TOO_LARGE)
+        return {"large": True} if large else {"wrong": str(error)}
+    except MemoryError:
+        return {"large": True}
+
+
 def main(path: str, seconds: str, memory: str) -> None:
-    """Try a model within limits, and print its `files`, what is `wrong`, or `large`."""
+    """Try a model within limits of time [s] and memory [bytes], and print the report."""
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
     resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    report: dict[str, object]
-    try:
-        report = {"files": [str(file) for file in examine(Path(path))]}
-    except ModelError as error:
-        large = any(sign in str(error) for sign in TOO_LARGE)
-        report = {"large": True} if large else {"wrong": str(error)}
-    except MemoryError:
-        report = {"large": True}
-    print("", json.dumps(report), sep="\n", flush=True)
+    print("", json.dumps(report(Path(path))), sep="\n", flush=True)
 
 
 if __name__ == "__main__":
