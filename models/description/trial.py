@@ -59,7 +59,7 @@ def _require_handy(model: mujoco.MjModel, path: Path) -> None:
 
 
 def report(path: Path) -> dict[str, object]:
-    """What a trial finds: the `files` of a model, what is `wrong`, or that it is `large`."""
+    """The `files` of a usable model, what is `wrong` with it, or that it is `large`."""
     try:
         return {"files": [str(file) for file in examine(path)]}
     except ModelError as error:
@@ -70,7 +70,7 @@ def report(path: Path) -> dict[str, object]:
 
 
 def main(path: str, seconds: str, memory: str) -> None:
-    """Try a model within limits of time [s] and memory [bytes], and print the report."""
+    """Try a model within limits of time [s] and memory [bytes]; print the report."""
     resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
     resource.setrlimit(resource.RLIMIT_AS, (int(memory), int(memory)))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
