@@ -37,6 +37,7 @@ class Ground:
     # Sliding pushes a contact apart by friction * push * speed: a property of the
     # engine's soft contacts, not of Coulomb's law.
     push: float = 0.0  # [s]
+    frictions: tuple[float, ...] = ()  # of every foot, where they are read
 
     @classmethod
     def of(cls, robot: Robot, model: mujoco.MjModel) -> Ground:
@@ -46,7 +47,7 @@ class Ground:
         gap = Kinematics(robot).standing.height
         data.qpos[robot.root_address_in(model) + 2] -= gap.max() - gap.min() + _TOUCH
         mujoco.mj_forward(model, data)
-        touching, springs = [], []
+        springs, frictions = [], []
         for leg in robot.leg_cards:
             geoms = {model.geom(name).id for name in leg.foot}
             own = [contact for contact in data.contact if geoms & {*contact.geom}]
@@ -54,13 +55,14 @@ class Ground:
             stiffness, damping, impedance, _ = np.transpose(data.efc_KBIP[rows])
             spring = float((stiffness * impedance / data.efc_R[rows]).sum())
             springs.append((spring, float((damping / (stiffness * impedance)).mean())))
-            touching += own
+            frictions.append(float(np.mean([contact.friction[0] for contact in own])))
         lifts = [actuator_of(model, joint) for joint in robot.lift_joints]
         stiffnesses, pushes = np.transpose(springs)
         return cls(
             contact=1 / stiffnesses,
             servo=model.actuator_gainprm[lifts, 0],
-            friction=float(np.mean([contact.friction[0] for contact in touching])),
+            friction=float(np.mean(frictions)),
             weight=robot.weight_in(model),
             push=float(pushes.mean()),
+            frictions=tuple(frictions),
         )

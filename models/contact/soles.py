@@ -64,8 +64,11 @@ class Sole:
 
     def touch(self, data: mujoco.MjData) -> Array:
         """Contact point of the foot, provided that it touches, shape (3,)."""
-        placed = _place(data, self.geoms, self.points).mean(axis=0)
-        return placed - (0.0, 0.0, self.depth)
+        return self.placed(data).mean(axis=0) - (0.0, 0.0, self.depth)
+
+    def placed(self, data: mujoco.MjData) -> Array:
+        """Its points in the world, shape (n, 3)."""
+        return _place(data, self.geoms, self.points)
 
 
 def find_sole(model: mujoco.MjModel, data: mujoco.MjData, foot: Sequence[str]) -> Sole:

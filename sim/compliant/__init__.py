@@ -1,0 +1,1 @@
+"""The compliant prediction: a body on springs over feet that rub, step by step."""

@@ -1,0 +1,222 @@
+"""A robot as a body on chains of hinges: what turns, what is heavy, what may touch.
+
+Everything is read from the compiled model of a world, in the frame of the robot's root
+where the model starts. Legs of fewer hinges than others have idle ones, whose axes are
+zero, and soles of fewer points have absent ones, which hang far above any floor. Joints
+that are no joints of legs are taken to be rigid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from models import Ground, Robot
+from models.contact import find_sole
+from models.description import actuator_of
+from planner import Array
+from sim.world.imperfections import BACKLASH
+
+ABSENT = -1e3  # [m]; radius of a point that never touches
+CORNERS = 4  # of a sole, at most
+FREE = np.inf  # [N m]; torque of a servo that has no largest one
+
+
+@dataclass(frozen=True, eq=False)
+class Anatomy:
+    """F legs of J hinges, in the order of the card; each foot has K points."""
+
+    anchor: Array  # a point of every hinge, (F, J, 3) [m]
+    axis: Array  # (F, J, 3); zero where a leg has no further hinge
+    start: Array  # angles in which all this is given, (F, J) [rad]
+    actuator: Array  # command of every hinge, (F, J), int
+    link_mass: Array  # of what each hinge turns and the next does not, (F, J) [kg]
+    link_center: Array  # (F, J, 3) [m]
+    sole: Array  # points of the last link, (F, K, 3) [m]
+    radius: Array  # by which the floor touches below them, (F, K) [m]
+    body_mass: float  # without the legs [kg]
+    body_center: Array  # (3,) [m]
+    inertia: Array  # of the whole robot about its centre of mass, (3, 3) [kg m^2]
+    turned: Array  # rotation of the root where the model starts, (3, 3)
+
+    @property
+    def mass(self) -> float:
+        """Of the whole robot [kg]."""
+        return self.body_mass + float(self.link_mass.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Servos:
+    """The joints' springs; each bears its torque in series with what is loose."""
+
+    stiffness: Array  # (F, J) [N m/rad]
+    damping: Array  # (F, J) [N m s/rad]
+    torque: Array  # the largest, (F, J) [N m]
+    slack: Array  # width of the range without torque, (F, J) [rad]
+    rub: Array  # damping within that range, (F, J) [N m s/rad]
+
+
+@dataclass(frozen=True, eq=False)
+class Footing:
+    """What the feet stand on; a foot's points share its spring."""
+
+    stiffness: Array  # of the floor under every point, (F, K) [N/m]
+    friction: Array  # (F, K)
+    gravity: Array  # (3,) [m/s^2]
+    height: float  # of the floor [m]
+
+
+def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
+    """Read the legs, masses and soles of a robot in a world."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    mujoco.mj_fwdPosition(model, data)
+    root = model.body(robot.root).id
+    origin, turned = data.xpos[root].copy(), data.xmat[root].reshape(3, 3).copy()
+    chains = [_chain(model, leg.joints) for leg in robot.leg_cards]
+    shape = len(chains), max(map(len, chains))
+    anchor, axis, start = np.zeros((*shape, 3)), np.zeros((*shape, 3)), np.zeros(shape)
+    mass, moment = np.zeros(shape), np.zeros((*shape, 3))
+    actuator = np.zeros(shape, dtype=int)
+    owner: dict[int, tuple[int, int]] = {}  # leg and link of every joint
+    for f, chain in enumerate(chains):
+        for j, joint in enumerate(chain):
+            anchor[f, j] = (data.xanchor[joint] - origin) @ turned
+            axis[f, j] = data.xaxis[joint] @ turned
+            start[f, j] = data.qpos[model.jnt_qposadr[joint]]
+            actuator[f, j] = actuator_of(model, model.joint(joint).name)
+            owner[joint] = f, j
+        anchor[f, len(chain) :] = anchor[f, len(chain) - 1]
+    centers = (data.xipos - origin) @ turned
+    body_mass, body_moment = 0.0, np.zeros(3)
+    for body, link in _links(model, root, owner):
+        if link is None:
+            body_mass += float(model.body_mass[body])
+            body_moment += model.body_mass[body] * centers[body]
+        else:
+            mass[link] += model.body_mass[body]
+            moment[link] += model.body_mass[body] * centers[body]
+    sole, radius = _soles(robot, model, data)
+    return Anatomy(
+        anchor=anchor,
+        axis=axis,
+        start=start,
+        actuator=actuator,
+        link_mass=mass,
+        link_center=moment / np.maximum(mass, 1e-12)[..., None],
+        sole=np.where(radius[..., None] > ABSENT, (sole - origin) @ turned, 0.0),
+        radius=radius,
+        body_mass=body_mass,
+        body_center=body_moment / max(body_mass, 1e-12),
+        inertia=_inertia(model, data, root, turned),
+        turned=turned,
+    )
+
+
+def servos_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Servos:
+    """Read the servos of the leg joints, with their backlash and dead bands."""
+    names = [
+        model.joint(j).name for j in model.actuator_trnid[anatomy.actuator.flat, 0]
+    ]
+    shape, real = anatomy.start.shape, anatomy.axis.any(axis=-1)
+    loose = [n if (n := BACKLASH + name) in _joints(model) else None for name in names]
+    slack = [np.ptp(model.joint(n).range) if n else 0.0 for n in loose]
+    rub = [model.joint(n).damping[0] if n else 1.0 for n in loose]
+    at = anatomy.actuator
+    dofs = model.jnt_dofadr[model.actuator_trnid[at, 0]]
+    limited = model.actuator_forcelimited[at].astype(bool)
+    return Servos(
+        stiffness=np.where(real, model.actuator_gainprm[at, 0], 1.0),
+        damping=np.where(
+            real, -model.actuator_biasprm[at, 2] + model.dof_damping[dofs], 0.0
+        ),
+        torque=np.where(real & limited, model.actuator_forcerange[at, 1], FREE),
+        slack=np.where(real, np.reshape(slack, shape), 0.0),
+        rub=np.reshape(rub, shape),
+    )
+
+
+def footing_of(
+    robot: Robot, model: mujoco.MjModel, anatomy: Anatomy, floor: str
+) -> Footing:
+    """Read the floor: its springs are the engine's own for feet that just touch."""
+    ground, height = Ground.of(robot, model), model.geom(floor).pos[2]
+    points = (anatomy.radius > ABSENT).sum(axis=1, keepdims=True)
+    shape = anatomy.radius.shape
+    return Footing(
+        stiffness=np.broadcast_to(1 / (ground.contact[:, None] * points), shape),
+        friction=np.broadcast_to(np.transpose([ground.frictions]), shape),
+        gravity=model.opt.gravity.copy(),
+        height=float(height),
+    )
+
+
+def _chain(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:
+    """The joints of a leg from the body outwards: the engine numbers them so."""
+    return sorted(int(model.joint(name).id) for name in joints)
+
+
+def _joints(model: mujoco.MjModel) -> set[str]:
+    return {model.joint(number).name for number in range(model.njnt)}
+
+
+def _links(
+    model: mujoco.MjModel, root: int, owner: dict[int, tuple[int, int]]
+) -> Iterator[tuple[int, tuple[int, int] | None]]:
+    """The robot's bodies, each with the leg and hinge that turn it, if any do."""
+    found: dict[int, tuple[int, int] | None] = {root: None}
+    for body in range(root, model.nbody):
+        if body != root:
+            parent = int(model.body_parentid[body])
+            if parent not in found:
+                continue
+            found[body] = found[parent]
+            first, count = model.body_jntadr[body], model.body_jntnum[body]
+            for joint in range(first, first + count):
+                found[body] = owner.get(joint, found[body])
+        yield body, found[body]
+
+
+def _soles(
+    robot: Robot, model: mujoco.MjModel, data: mujoco.MjData
+) -> tuple[Array, Array]:
+    """Points that may touch, (F, K, 3) in the world, and their radii, (F, K) [m]."""
+    feet = []
+    for leg in robot.leg_cards:
+        sole = find_sole(model, data, leg.foot)
+        placed = sole.placed(data)
+        feet.append((placed[_outermost(placed)], sole.depth))
+    most = max(len(points) for points, _ in feet)
+    soles, radius = np.zeros((len(feet), most, 3)), np.full((len(feet), most), ABSENT)
+    for f, (points, depth) in enumerate(feet):
+        soles[f, : len(points)], radius[f, : len(points)] = points, depth
+    return soles, radius
+
+
+def _outermost(points: Array) -> Array:
+    """Up to `CORNERS` of some points, each as far as possible from those before it."""
+    chosen = [int(np.argmax(points[:, 0]))]
+    while len(chosen) < CORNERS:
+        apart = np.linalg.norm(points[:, None] - points[chosen], axis=2).min(axis=1)
+        if apart.max() < 1e-4:
+            break
+        chosen.append(int(apart.argmax()))
+    return np.array(chosen)
+
+
+def _inertia(
+    model: mujoco.MjModel, data: mujoco.MjData, root: int, turned: Array
+) -> Array:
+    """Of all bodies at their places about the common centre of mass, root's axes."""
+    own = model.body_rootid == root
+    mass = model.body_mass[own]
+    away = (data.xipos[own] - mass @ data.xipos[own] / mass.sum()) @ turned
+    frames = turned.T @ data.ximat[own].reshape(-1, 3, 3)
+    spins = frames * model.body_inertia[own][:, None] @ np.swapaxes(frames, 1, 2)
+    squares = (away**2).sum(axis=1)[:, None, None] * np.eye(3)
+    shifted = squares - away[:, :, None] * away[:, None]
+    total: Array = (spins + mass[:, None, None] * shifted).sum(axis=0)
+    return total

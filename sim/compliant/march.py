@@ -1,0 +1,130 @@
+"""Many robots through many increments, each as long as its own contacts allow.
+
+Lanes have times of their own. An increment in which feet touch, let go or change their
+load by much, and one without an equilibrium, is repeated with a quarter of it. None is
+accepted that is no equilibrium: a lane that finds none, however short the increment,
+ends there, and so does one whose robot tips over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner import Array
+from sim.compliant.commands import SLACK, Commands
+from sim.compliant.increment import Done, Mechanics
+from sim.compliant.places import Robots
+
+TIPPED = np.cos(np.deg2rad(30))  # of the body's tilt, beyond which it has tipped over
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Lengths of increments [s]."""
+
+    longest: float = 0.02
+    shortest: float = 0.002  # that contacts and loads alone ask for
+    least: float = 1e-6  # without an equilibrium even so, a lane ends
+    calm: float = 0.08  # of the weight; a larger change of a load is resolved
+
+
+USUAL = Pace()
+
+
+@dataclass(frozen=True, eq=False)
+class Endings:
+    """Which lanes could not go on."""
+
+    time: Array  # of each, infinite where it went on, (B,) [s]
+    tipped: Array  # whether its robot tipped over, (B,), bool
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """What lanes went through: their begins and the ends of all increments, by lane."""
+
+    lane: Array  # (N,), int
+    time: Array  # (N,) [s]
+    place: Array  # of the root, (N, 3) [m]
+    turned: Array  # (N, 3, 3)
+    slip: Array  # of every foot in the increment, (N, F) [m]
+    load: Array  # of every foot, normal to the floor, (N, F) [N]
+    torque: Array  # of every servo, (N, F, J) [N m]
+    center: Array  # of mass about the root, (N, 3) [m]
+    point: Array  # where feet touch about the root, (N, F, 2) [m]
+
+    def of(self, lane: int) -> slice:
+        """The rows of a lane."""
+        return slice(*np.searchsorted(self.lane, [lane, lane + 1]).tolist())
+
+
+def march(
+    mechanics: Mechanics,
+    robots: Robots,
+    commands: Commands,
+    begin: Array,
+    end: Array,
+    yaw: Array,
+    pace: Pace = USUAL,
+) -> tuple[Track, Endings]:
+    """Walk lanes (B,) from their begins to their ends [s], from a heading [rad] each.
+
+    At its begin a robot stands unloaded in the joints' commands.
+    """
+    lanes, time, until = np.arange(len(begin)), begin, end
+    h = np.full(len(begin), pace.shortest)
+    ended, tipped = np.full(len(begin), np.inf), np.zeros(len(begin), dtype=bool)
+    first, _ = commands.over(begin, begin + SLACK)
+    done = mechanics.standing(robots, first, yaw)
+    state, rows = done.state, [_row(lanes, time, done, done.holds)]
+    while len(lanes):
+        stop = np.minimum(time + h, np.minimum(commands.next_edge(time), until))
+        length = stop - time
+        done = mechanics.increment(robots, state, *commands.over(time, stop), length)
+        event = _eventful(state, done.state, pace.calm * robots.weight)
+        accepted = done.holds & (~event | (length <= pace.shortest * (1 + SLACK)))
+        if accepted.any():
+            rows.append(_row(lanes, stop, done, accepted))
+            state = state.put(accepted, done.state)
+            time = np.where(accepted, stop, time)
+        longer = np.where(event, pace.shortest, np.minimum(2 * h, pace.longest))
+        shorter = np.maximum(length / 4, np.where(done.holds, pace.shortest, 0.0))
+        h = np.where(accepted, np.maximum(longer, pace.shortest), shorter)
+        over = accepted & (done.state.turned[:, 2, 2] < TIPPED)
+        lost = over | (~accepted & (h < pace.least))
+        if (gone := lost | (time >= until - SLACK)).any():
+            ended[lanes[lost]], tipped[lanes[over]] = time[lost], True
+            on = ~gone
+            lanes, time, h, until = lanes[on], time[on], h[on], until[on]
+            robots, state = robots.take(on), state.take(on)
+    return _track(rows), Endings(ended, tipped)
+
+
+def _eventful(before: State, after: State, calm: Array) -> Array:
+    """Whether a foot touches, lets go, or changes its load by much, (B,), bool."""
+    change = np.abs(after.force - before.force).max(axis=(1, 2, 3))
+    switched = (after.force[..., 2] > 0) != (before.force[..., 2] > 0)
+    return switched.any(axis=(1, 2)) | (change > calm)
+
+
+def _row(lanes: Array, time: Array, done: Done, which: Array) -> tuple[Array, ...]:
+    """What a track has of the lanes that were accepted, in its order."""
+    state, load = done.state, np.maximum(done.state.force[..., 2], 0.0)
+    whole = load.sum(axis=2)
+    share = load / np.maximum(whole, 1e-12)[..., None]
+    even = np.where(whole[..., None] > 0, share, 1 / load.shape[2])
+    point = (even[..., None] * done.arm[..., :2]).sum(axis=2)
+    parts = (
+        lanes, time, state.place, state.turned, done.slip, whole, done.torque,
+        done.center, point,
+    )  # fmt: skip
+    return tuple(part[which] for part in parts)
+
+
+def _track(rows: list[tuple[Array, ...]]) -> Track:
+    """The rows of all sweeps, sorted by their lanes."""
+    parts = [np.concatenate(column) for column in zip(*rows, strict=True)]
+    order = np.argsort(parts[0], kind="stable")
+    return Track(*(part[order] for part in parts))

@@ -1,0 +1,255 @@
+"""What a phase does to a robot, computed once for all phases that are alike.
+
+Lifting a leg wipes out what its foot remembers, so the motion in a phase depends on the
+commands of the last two seconds alone, and on the heading where the floor leans. Phases
+that have these in common are of one kind. Every kind is computed once, pieces of the
+walk side by side as lanes, and the walk is composed of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import groupby
+from math import ceil, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from models import MeasurementError
+from planner import Array
+from sim.compliant.commands import SLACK, Commands
+from sim.compliant.increment import LOADED, Mechanics
+from sim.compliant.march import USUAL, Pace, Track, march
+from sim.compliant.places import Robots
+from sim.motion.poses import compose, relative
+from sim.motion.stability import stability_margin
+
+MEMORY = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
+ALIKE = 1e-5  # [rad]; commands closer than this do the same
+SAME_HEADING = 0.02  # [rad], where gravity leans
+LOOKS = 4  # moments of a phase at which commands are compared
+OVERHEAD = 40.0  # lanes that an increment of many costs as much as
+HEADINGS = 3  # rounds in which headings are corrected
+
+
+class Motion(NamedTuple):
+    """What a robot does at N moments; poses are relative to where it begins."""
+
+    time: Array  # (N,) [s]
+    pose: Array  # (N, 3), yaw not wrapped
+    lean: Array  # height of the root [m], roll, pitch [rad], (N, 3)
+    slip: Array  # of every foot so far, (N, F) [m]
+    load: Array  # of every foot, (N, F) [N]
+    torque: Array  # of every servo, (N, F, J) [N m]
+    margin: Array  # along gravity, (N,) [m]
+
+    def at(self, time: Array) -> Motion:
+        """Between its moments, at times (T,); of two moments at a time the first."""
+        last = len(self.time) - 1
+        after = np.clip(np.searchsorted(self.time, time - 1e-9), 1, last)
+        span = self.time[after] - self.time[after - 1]
+        part = (time - self.time[after - 1]) / np.where(span > 0, span, 1.0)
+        part = np.clip(part, 0.0, 1.0)
+
+        def mixed(values: Array) -> Array:
+            share = part.reshape(-1, *(1,) * (values.ndim - 1))
+            return (1 - share) * values[after - 1] + share * values[after]
+
+        return Motion(time, *(mixed(values) for values in self[1:]))
+
+
+class Likeness(NamedTuple):
+    """What tells phases of one kind from those of others that last as long."""
+
+    looks: Array  # commands of the phase and of those that are remembered, (n, F, J)
+    heading: float  # of the body as it begins [rad]
+
+
+class Kind(NamedTuple):
+    """Phases that are alike, and what they do."""
+
+    like: Likeness
+    motion: Motion  # time and slip from its begin, which is its first moment
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The commands of a walk, its phases, and where it is taken to stand."""
+
+    commands: Commands
+    spans: Array  # first step of every phase and the one after its last, (P, 2)
+    heading: Array  # of the body as each phase begins, a guess at first, (P,) [rad]
+    restarts: Mapping[int, Array]  # poses (3,) at which the body stands by phase
+
+
+@dataclass(frozen=True, eq=False)
+class Phases:
+    """Kinds of phases of a robot in a world, known from earlier walks or computed."""
+
+    mechanics: Mechanics
+    robot: Robots  # one lane
+    pace: Pace = USUAL
+    kinds: dict[tuple[int, ...], list[Kind]] = field(default_factory=dict)
+
+    def follow(self, course: Course) -> Motion:
+        """The motion of a whole walk.
+
+        Raises MeasurementError where the robot tips over, or no equilibrium is found.
+        """
+        rounds = HEADINGS if self.leans else 1
+        for _ in range(rounds):
+            found = self._found(course)
+            motion, headings = _composed(course, found)
+            off = np.abs(headings - course.heading).max(initial=0.0)
+            if off <= SAME_HEADING:
+                break
+            course = Course(course.commands, course.spans, headings, course.restarts)
+        return motion
+
+    @property
+    def leans(self) -> bool:
+        """Whether gravity has a direction along the floor."""
+        return bool(self.robot.gravity[:, :2].any())
+
+    def _found(self, course: Course) -> list[Kind]:
+        """The kind of every phase; those that are new are computed."""
+        known = {shape: [k.like for k in kinds] for shape, kinds in self.kinds.items()}
+        where, new = [], []
+        for phase in range(len(course.spans)):
+            shape, like = _window(course, phase)
+            alike = known.setdefault(shape, [])
+            same = (i for i, other in enumerate(alike) if self._same(other, like))
+            number = next(same, len(alike))
+            if number == len(alike):
+                alike.append(like)
+                new.append(phase)
+            where.append((shape, number))
+        for phase, motion in list(self._computed(course, new)):  # all, or none at all
+            shape, number = where[phase]
+            self.kinds.setdefault(shape, []).append(Kind(known[shape][number], motion))
+        return [self.kinds[shape][number] for shape, number in where]
+
+    def _same(self, one: Likeness, other: Likeness) -> bool:
+        near = not self.leans or abs(one.heading - other.heading) <= SAME_HEADING
+        return near and bool(np.abs(one.looks - other.looks).max() <= ALIKE)
+
+    def _computed(
+        self, course: Course, new: Sequence[int]
+    ) -> Iterator[tuple[int, Motion]]:
+        """What new phases do, walked in pieces side by side."""
+        spans = course.spans * course.commands.timestep
+        pieces = list(_pieces(new, np.diff(spans)[:, 0]))
+        if not pieces:
+            return
+        firsts = [piece[0] for piece in pieces]
+        starts = [_remembered(course, phase) for phase in firsts]
+        track, endings = march(
+            self.mechanics,
+            self.robot.take(np.zeros(len(pieces), dtype=int)),
+            course.commands,
+            begin=spans[starts, 0],
+            end=spans[[piece[-1] for piece in pieces], 1],
+            yaw=course.heading[starts],
+            pace=self.pace,
+        )
+        lane = int(endings.time.argmin())
+        if np.isfinite(endings.time[lane]):
+            what = "tips over" if endings.tipped[lane] else "finds no equilibrium"
+            raise MeasurementError(f"the robot {what} at {endings.time[lane]:.2f} s")
+        whole = self._motion(track)
+        for lane, piece in enumerate(pieces):
+            rows = track.of(lane)
+            for phase in piece:
+                ends = track.time[rows].searchsorted(spans[phase] - SLACK)
+                inside = slice(rows.start + ends[0], rows.start + ends[1] + 1)
+                yield phase, _from_begin(Motion(*(part[inside] for part in whole)))
+
+    def _motion(self, track: Track) -> Motion:
+        """A track as motion in the world; slip is that of every increment."""
+        R, gravity = track.turned, self.robot.gravity[0]
+        yaw = np.arctan2(R[:, 1, 0], R[:, 0, 0])
+        roll = np.arctan2(R[:, 2, 1], R[:, 2, 2])
+        pitch = -np.arcsin(np.clip(R[:, 2, 0], -1, 1))
+        height = track.place[:, 2] - self.mechanics.height
+        above = height + track.center[:, 2]
+        center = track.center[:, :2] - above[:, None] * gravity[:2] / gravity[2]
+        least = LOADED * self.robot.weight[0]
+        return Motion(
+            time=track.time,
+            pose=np.column_stack([track.place[:, :2], yaw]),
+            lean=np.column_stack([height, roll, pitch]),
+            slip=track.slip,
+            load=track.load,
+            torque=track.torque,
+            margin=stability_margin(track.point, track.load > least, center),
+        )
+
+
+def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
+    """A phase and what is remembered in it: its steps, and what else matters."""
+    first = _remembered(course, phase)
+    spans = course.spans[first : phase + 1]
+    steps = spans - spans[-1, 0]
+    share = np.arange(1, LOOKS + 1) / LOOKS
+    moments = spans[:, :1] + np.ceil(share * np.diff(spans)).astype(int)
+    rows = np.append(spans[0, 0], moments.ravel() - 1)
+    like = Likeness(course.commands.rows[rows], float(course.heading[phase]))
+    return tuple(steps.ravel().tolist()), like
+
+
+def _remembered(course: Course, phase: int) -> int:
+    """The first phase that feet remember as another one begins."""
+    begins = course.spans[: phase + 1, 0]
+    steps = round(MEMORY / course.commands.timestep)
+    return max(int(np.searchsorted(begins, begins[-1] - steps, side="right")) - 1, 0)
+
+
+def _pieces(new: Sequence[int], lasting: Array) -> Iterator[list[int]]:
+    """New phases that follow one another, in pieces that take the least time together.
+
+    Every piece begins as early as its first phase remembers, and all are walked side by
+    side: many pieces walk much twice, few are more work for every lane.
+    """
+    total = float(lasting[list(new)].sum())
+    longest = max(total / max(sqrt(OVERHEAD * total / (2 * MEMORY)), 1), MEMORY)
+    for _, run in groupby(enumerate(new), key=lambda item: item[1] - item[0]):
+        phases = [phase for _, phase in run]
+        ends = np.cumsum(lasting[phases])
+        parts = ceil(ends[-1] / longest)
+        part = np.minimum(((ends - SLACK) / ends[-1] * parts).astype(int), parts - 1)
+        for number in np.unique(part):
+            yield [phases[i] for i in np.flatnonzero(part == number)]
+
+
+def _from_begin(motion: Motion) -> Motion:
+    """A phase of a walk for itself: relative poses, and slip that adds up."""
+    pose = motion.pose.copy()
+    pose[:, 2] = np.unwrap(pose[:, 2])
+    slip = motion.slip.copy()
+    slip[0] = 0.0  # of the increment that led there
+    return motion._replace(
+        time=motion.time - motion.time[0],
+        pose=relative(pose[:1], pose),
+        slip=np.cumsum(slip, axis=0),
+    )
+
+
+def _composed(course: Course, kinds: Sequence[Kind]) -> tuple[Motion, Array]:
+    """The motion of phases one after the other, and the headings they begin with."""
+    pose, slip = np.zeros(3), np.zeros_like(kinds[0].motion.slip[0])
+    begins = course.spans[:, 0] * course.commands.timestep
+    parts, headings = [], []
+    for phase, (begin, kind) in enumerate(zip(begins, kinds, strict=True)):
+        pose = course.restarts.get(phase, pose)
+        headings.append(pose[2])
+        motion = kind.motion
+        moved = compose(pose, motion.pose)
+        parts.append(
+            motion._replace(
+                time=begin + motion.time, pose=moved, slip=slip + motion.slip
+            )
+        )
+        pose, slip = moved[-1], parts[-1].slip[-1]
+    whole = Motion(*map(np.concatenate, zip(*parts, strict=True)))
+    return whole, np.array(headings)

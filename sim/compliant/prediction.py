@@ -1,0 +1,99 @@
+"""The compliant prediction of a walk, from its phases and the commands of its servos.
+
+It is a second, independent physics: exact Coulomb friction, springs, statics. What the
+scenario makes imperfect is given to it as far as the scenario says (`known`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from models import IdealTwists
+from planner import Array
+from sim.compliant.anatomy import anatomy_of, footing_of, servos_of
+from sim.compliant.commands import Commands, changes
+from sim.compliant.increment import Mechanics
+from sim.compliant.phases import Course, Motion, Phases
+from sim.compliant.places import Robots
+from sim.motion.prediction import Predictor
+from sim.motion.schedule import Schedule
+from sim.preparation.setup import Setup
+
+SMOOTH = 200.0  # commands a second, from which on they need not be told apart
+FOREVER = 1e9  # [s]
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A part of a walk with one schedule, and the pose where it begins, (3,)."""
+
+    schedule: Schedule
+    pose: Array
+
+
+def phases_of(setup: Setup) -> Phases:
+    """The robot of a setup in its world, of whose phases nothing is known yet."""
+    robot, model = setup.robot, setup.model
+    anatomy = anatomy_of(robot, model)
+    servos = servos_of(robot, model, anatomy)
+    footing = footing_of(robot, model, anatomy, setup.world.floor)
+    one = Robots(
+        stiffness=servos.stiffness[None],
+        damping=servos.damping[None],
+        torque=servos.torque[None],
+        slack=servos.slack[None],
+        rub=servos.rub[None],
+        offset=np.zeros((1, *anatomy.start.shape)),
+        radius=anatomy.radius[None],
+        floor=1 / footing.stiffness[None],
+        friction=footing.friction[None],
+        gravity=footing.gravity[None],
+        body_mass=np.array([anatomy.body_mass]),
+        body_center=anatomy.body_center[None],
+        mass=np.array([anatomy.mass]),
+    )
+    return Phases(Mechanics(anatomy, footing.height), one)
+
+
+def course_of(
+    setup: Setup, phases: Phases, legs: Sequence[Leg], rows: Iterable[Array]
+) -> Course:
+    """The course of a walk with these schedules and rows of ctrl, (n, nu) each."""
+    dt, actuator = setup.limits.timestep, phases.mechanics.anatomy.actuator
+    commanded = np.concatenate([ctrl[:, actuator] for ctrl in rows])
+    spans = [(p.start, p.stop) for leg in legs for p in leg.schedule.phases]
+    ends = np.array(spans)[:, 1] * dt
+    rate = setup.servo.rate
+    held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
+    edges = np.union1d(ends, changes(commanded, dt)) if held else ends
+    first = np.cumsum([0, *(len(leg.schedule.phases) for leg in legs[:-1])])
+    poses = {int(at): leg.pose for at, leg in zip(first, legs, strict=True)}
+    return Course(
+        commands=Commands(commanded, dt, np.append(edges, FOREVER), held),
+        spans=np.array(spans),
+        heading=_headings(setup, legs) if phases.leans else np.zeros(len(spans)),
+        restarts=poses,
+    )
+
+
+def _headings(setup: Setup, legs: Sequence[Leg]) -> Array:
+    """Of the ideal prediction as every phase begins, (P,) [rad]."""
+    twists, found = IdealTwists(setup.equations), []
+    for leg in legs:
+        starts = np.array([p.start for p in leg.schedule.phases]) - leg.schedule.start
+        predict = Predictor(leg.schedule, twists, setup.kinematics, tuple(leg.pose))
+        found.append(predict(starts).pose[:, 2])
+    return np.concatenate(found)
+
+
+def follow(
+    setup: Setup, phases: Phases, legs: Sequence[Leg], rows: Iterable[Array]
+) -> Motion:
+    """The motion of a walk; `phases` may know some from earlier walks.
+
+    Raises MeasurementError where the robot tips over, or no equilibrium is found.
+    """
+    return phases.follow(course_of(setup, phases, legs, rows))

@@ -1,0 +1,68 @@
+"""Robots march through increments that are equilibria, or not at all."""
+
+import numpy as np
+import pytest
+
+from models import MeasurementError
+from sim.compliant import increment
+from sim.compliant.equilibrium import equilibrium
+from sim.compliant.march import march
+from tests.planned import course
+
+
+@pytest.fixture(scope="module")
+def short():
+    return course(servo_stiffness=50.0)
+
+
+def marched(short, upto, **changes):
+    _, phases, way, _ = short
+    one = np.zeros(1)
+    return march(phases.mechanics, phases.robot, way.commands, one, one + upto, one)
+
+
+def test_a_standing_robot_bears_its_weight_and_stays(short):
+    (track, _), weight = marched(short, 0.4), short[1].robot.weight[0]
+    assert track.load[1:].sum(axis=1)[-1] == pytest.approx(weight, rel=1e-4)
+    assert np.abs(track.place[-1, :2]).max() < 1e-5
+
+
+def test_increments_end_where_phases_do(short):
+    (track, _), ends = marched(short, 3.0), short[2].spans[:, 1] * 0.001
+    for end in ends[ends <= 3.0]:
+        assert np.abs(track.time - end).min() < 1e-9
+
+
+def test_no_increment_is_accepted_that_is_no_equilibrium(short, monkeypatch):
+    def failing(*problem):
+        found = equilibrium(*problem)
+        found.error[:] = 2.0
+        return found
+
+    monkeypatch.setattr(increment, "equilibrium", failing)
+    track, endings = marched(short, 0.4)
+    assert endings.time[0] == 0.0
+    assert len(track.time) == 1
+    with pytest.raises(MeasurementError, match=r"finds no equilibrium at 0\.00 s"):
+        short[1].follow(short[2])
+
+
+def test_a_leg_in_the_air_follows_its_servo_exactly(short):
+    """A spring and a damper under its own weight: one increment is as good as four."""
+    _, phases, way, _ = short
+    mechanics, robot = phases.mechanics, phases.robot
+    state = mechanics.standing(robot, way.commands.rows[:1], np.zeros(1)).state
+    high = increment.State(**{**vars(state), "gap": state.gap + 1.0})
+    begin, end, h = (
+        way.commands.rows[:1],
+        way.commands.rows[:1] + 0.01,
+        np.full(1, 0.02),
+    )
+    falling = mechanics.increment(robot, high, begin, end, h)
+    quarter = high
+    for k in range(4):
+        low, up = begin + 0.0025 * k, begin + 0.0025 * (k + 1)
+        part = mechanics.increment(robot, quarter, low, up, h / 4)
+        quarter = increment.State(**{**vars(part.state), "gap": state.gap + 1.0})
+    # what is left is the weight's lever, which changes by 1 % of itself on the way
+    assert np.abs(falling.state.angles - quarter.angles).max() < 2e-6

@@ -1,0 +1,58 @@
+"""What a phase does is computed once, whatever was walked before it."""
+
+import numpy as np
+import pytest
+
+from models import MeasurementError
+from sim.compliant.march import march
+from sim.compliant.phases import Course
+from tests.planned import course
+
+REPEATED = {"segments": 6, "path.goal": [0.03, 0.03, 0.0], "servo_stiffness": 50.0}
+
+
+@pytest.fixture(scope="module")
+def walk():
+    _, phases, way, _ = course(**REPEATED)
+    return phases, way, phases.follow(way)
+
+
+def test_a_walk_of_equal_segments_has_few_kinds_of_phases(walk):
+    phases, way, _ = walk
+    assert sum(map(len, phases.kinds.values())) < 0.7 * len(way.spans)
+
+
+def test_phases_that_are_known_are_not_computed_again(walk, monkeypatch):
+    phases, way, motion = walk
+    monkeypatch.setattr("sim.compliant.phases.march", None)
+    again = phases.follow(way)
+    assert np.array_equal(again.pose, motion.pose)
+
+
+def test_a_composed_walk_is_the_one_that_is_walked_through(walk):
+    """Within 0.01 mm and 0.1 mrad, measured, where pieces have been joined."""
+    phases, way, motion = walk
+    one, end = np.zeros(1), way.spans[30, 1:] * 0.001  # of some 12 s
+    track, _ = march(phases.mechanics, phases.robot, way.commands, one, end, one)
+    found = motion.at(end)
+    assert np.hypot(*(track.place[-1] - found.pose[0])[:2]) < 1e-5
+    R = track.turned[-1]
+    assert abs(np.arctan2(R[1, 0], R[0, 0]) - found.pose[0, 2]) < 1e-4
+    assert track.slip.sum() == pytest.approx(found.slip[0].sum(), rel=0.01)
+
+
+def test_heading_matters_where_the_floor_leans():
+    _, phases, way, _ = course(slope=(0.09, 0.0), servo_stiffness=50.0)
+    here = phases.follow(way)
+    turned = {0: np.array([0.0, 0.0, np.pi / 2])}
+    there = phases.follow(
+        Course(way.commands, way.spans, way.heading + np.pi / 2, turned)
+    )
+    forward, sideways = here.pose[-1, :2], there.pose[-1, :2] @ [[0, -1], [1, 0]]
+    assert np.hypot(*(forward - sideways)) > 1e-4  # downhill is to another side
+
+
+def test_a_robot_that_tips_over_is_told_with_the_time():
+    _, phases, way, _ = course(payload=(3.0, 0.3, 0.0, 0.0), allow_unstable=True)
+    with pytest.raises(MeasurementError, match=r"the robot tips over at \d+\.\d\d s"):
+        phases.follow(way)

@@ -1,0 +1,55 @@
+"""The compliant prediction beside physics, and beside what it must tend to."""
+
+import numpy as np
+import pytest
+
+from sim.compliant.prediction import Leg, follow, phases_of
+from sim.experiments.predictions import twist_model
+from sim.motion.prediction import Predictor
+from sim.scenarios.file import load_scenario
+from sim.walking.finished import laid_commands
+from tests.planned import SHORT, course
+from tests.walks import simulated
+
+
+@pytest.mark.parametrize(
+    ("robot", "goal", "farthest"),
+    [
+        # the largest distance on the way, measured 0.04, 0.03 and 0.23 mm
+        ("hexapod", [0.01, 0.01, 0.0], 6e-5),
+        ("octopod", [0.03, 0.0, 0.0], 6e-5),
+        ("quadruped", [0.02, 0.0, 0.0], 3e-4),
+    ],
+)
+def test_soft_servos_move_the_body_as_predicted(robot, goal, farthest):
+    soft = {"robot": robot, "path.goal": goal, "servo_stiffness": 50.0}
+    done = simulated(load_scenario("line", SHORT | soft))
+    walk, achieved = done.walk, done.evaluation.achieved
+    legs = [Leg(stretch.schedule, stretch.pose) for stretch in walk.stretches]
+    rows = laid_commands(walk.setup, walk.stretches, walk.steps)
+    motion = follow(walk.setup, phases_of(walk.setup), legs, rows)
+    found = motion.at(walk.recording.moments.step * walk.setup.limits.timestep)
+    on = done.evaluation.walking
+
+    def off(pose):
+        return np.hypot(*(pose - achieved.pose)[on, :2].T).max()
+
+    rigid = done.evaluation.predicted["quasi_static"].pose
+    assert off(found.pose) < farthest < off(rigid) / 5
+    assert found.margin[on].min() == pytest.approx(achieved.margin[on].min(), abs=1e-4)
+    slipped = found.slip[-1] - found.slip[on.argmax()]
+    assert slipped.sum() == pytest.approx(achieved.slip[-1].sum(), rel=0.06)
+
+
+def test_stiff_robots_on_stiff_floors_move_as_the_quasi_static_prediction_has_it():
+    off = []
+    for stiffness in (30.0, 100.0, 300.0):
+        hard = {"servo_stiffness": stiffness, "floor_stiffness": 1000 * stiffness}
+        setup, phases, way, leg = course(**hard)
+        motion = phases.follow(way)
+        predict = Predictor(
+            leg.schedule, twist_model(setup, "quasi_static"), setup.kinematics
+        )
+        end = predict(np.array([leg.schedule.stop - 1])).pose[-1]
+        off.append(np.hypot(*(motion.pose[-1] - end)[:2]))
+    assert off[0] > 3 * off[1] > 9 * off[2]
