@@ -24,9 +24,9 @@ import numpy as np
 from planner import Array
 
 FORCE, WAY, ARM = 1e-6, 1e-9, 0.1  # allowed [N], [m]; moments count at an arm [m]
-STEPS = 14  # of Newton's method on a scale
-CAREFUL = 7  # steps after which they are shortened
-LONGEST = 0.004  # [m], and ten times as many radians, of a step
+NEWTON_STEPS = 14  # of Newton's method on a scale
+SHORTENED = 7  # steps after which they are shortened
+FARTHEST_STEP = 0.004  # [m], and ten times as many radians, of a step
 SCALES = (  # of normal and tangential gaps against a leg's own stiffness, in turn
     (0.1, 0.05), (0.02, 0.001), (0.02, 0.02), (1.0, 0.001), (0.02, 1e-4), (1.0, 1.0),
 )  # fmt: skip
@@ -149,7 +149,7 @@ def _newton(
     lanes = np.arange(len(twist))
     compliance = _compliance(contact, contact.yield_)
     law = _Law.of(contact, compliance, scale)
-    for step in range(STEPS):
+    for step in range(NEWTON_STEPS):
         if give is not None:
             flat = force.reshape(*contact.lever.shape[:3])
             turned, slope = give(_torque(contact.lever, flat), lanes)
@@ -169,8 +169,8 @@ def _newton(
             compliance = compliance[left]
         dx, df = _step(contact, law, state, compliance)
         size = np.maximum(np.abs(dx[:, :3]).max(1), 0.1 * np.abs(dx[:, 3:]).max(1))
-        cut = np.minimum(1.0, LONGEST / np.maximum(size, 1e-12))
-        cut *= 0.6 if step >= CAREFUL else 1.0
+        cut = np.minimum(1.0, FARTHEST_STEP / np.maximum(size, 1e-12))
+        cut *= 0.6 if step >= SHORTENED else 1.0
         twist = twist + cut[:, None] * dx
         force = force + cut[:, None, None, None] * df.reshape(force.shape)
     return best

@@ -25,7 +25,7 @@ from sim.compliant.equilibrium import Contact, Give, Lanes, equilibrium, motion
 from sim.compliant.places import UP, Places, Robots, Skeleton, cross, rotation, skew
 
 LEAST = 1e-9  # [s]; of a servo's time, where it has no damping
-STOP = 5e3  # [N m/rad]; stiffness at the ends of backlash
+STOP_STIFFNESS = 5e3  # [N m/rad]; stiffness at the ends of backlash
 OVERLOADED = 0.1  # [rad/(N m)]; how far a servo gives way beyond its largest torque
 LOADED = 0.01  # of the weight, from which on a foot stands
 
@@ -219,7 +219,7 @@ def _loosened(
     if not robots.slack.any():
         return state.loose, np.zeros_like(torque)
     rate = h[:, None, None] / robots.rub
-    end, stopped = robots.slack / 2, np.where(robots.slack > 0, 1 / STOP, 0.0)
+    end, stopped = robots.slack / 2, np.where(robots.slack > 0, 1 / STOP_STIFFNESS, 0.0)
     moved = np.clip(state.loose, -end, end) + rate * torque
     inside = np.clip(moved, -end, end)
     over = (moved - inside) / rate

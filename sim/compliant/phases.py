@@ -25,11 +25,11 @@ from sim.compliant.places import Robots
 from sim.motion.poses import compose, relative
 from sim.motion.stability import stability_margin
 
-MEMORY = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
+REMEMBERED = 2.0  # [s] that feet remember; 1.5 is as good, 0.3 is not
 ALIKE = 1e-5  # [rad]; commands closer than this do the same
 SAME_HEADING = 0.02  # [rad], where gravity leans
-LOOKS = 4  # moments of a phase at which commands are compared
-OVERHEAD = 40.0  # lanes that an increment of many costs as much as
+LOOKED_AT = 4  # moments of a phase at which commands are compared
+LANES_WORTH = 40.0  # lanes that an increment of many costs as much as
 HEADINGS = 3  # rounds in which headings are corrected
 
 
@@ -191,7 +191,7 @@ def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
     first = _remembered(course, phase)
     spans = course.spans[first : phase + 1]
     steps = spans - spans[-1, 0]
-    share = np.arange(1, LOOKS + 1) / LOOKS
+    share = np.arange(1, LOOKED_AT + 1) / LOOKED_AT
     moments = spans[:, :1] + np.ceil(share * np.diff(spans)).astype(int)
     rows = np.append(spans[0, 0], moments.ravel() - 1)
     like = Likeness(course.commands.rows[rows], float(course.heading[phase]))
@@ -201,7 +201,7 @@ def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
 def _remembered(course: Course, phase: int) -> int:
     """The first phase that feet remember as another one begins."""
     begins = course.spans[: phase + 1, 0]
-    steps = round(MEMORY / course.commands.timestep)
+    steps = round(REMEMBERED / course.commands.timestep)
     return max(int(np.searchsorted(begins, begins[-1] - steps, side="right")) - 1, 0)
 
 
@@ -212,7 +212,9 @@ def _pieces(new: Sequence[int], lasting: Array) -> Iterator[list[int]]:
     side: many pieces walk much twice, few are more work for every lane.
     """
     total = float(lasting[list(new)].sum())
-    longest = max(total / max(sqrt(OVERHEAD * total / (2 * MEMORY)), 1), MEMORY)
+    longest = max(
+        total / max(sqrt(LANES_WORTH * total / (2 * REMEMBERED)), 1), REMEMBERED
+    )
     for _, run in groupby(enumerate(new), key=lambda item: item[1] - item[0]):
         phases = [phase for _, phase in run]
         ends = np.cumsum(lasting[phases])
