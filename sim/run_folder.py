@@ -21,6 +21,7 @@ from sim.errors import SimulationError, UsageError, one_line
 from sim.evaluation import flows
 from sim.evaluation.assessment import Evaluation, evaluate
 from sim.evaluation.summary import Summary
+from sim.feedback.stops import written as feedback_table
 from sim.folder import Pieces, RunFolder, claim
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
@@ -80,6 +81,10 @@ class Writer:
         self.folder.write_arrays("trajectory.npz", run.arrays.items())
         self.folder.write_text("flows.csv", flows.written(run.phases))
         self.folder.write_json("summary.json", summary.to_json())
+        if followed := evaluation.walk.followed:
+            self.folder.write_text("feedback.csv", feedback_table(followed.stops))
+            if learnt := followed.learnt:
+                self.folder.write_text("learnt.toml", str(learnt))
         return run
 
 

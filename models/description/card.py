@@ -131,6 +131,7 @@ class Card:
     servo: Servo | None = None
     joint_servos: Mapping[str, JointServo] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
+    learnt: tuple[float, ...] = ()  # by a walk with feedback, of what segments miss
     description: str = ""
 
     def __post_init__(self) -> None:

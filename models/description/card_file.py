@@ -29,6 +29,7 @@ KEYS = {
     "pattern": ("strata", "groups", "twist"),
     "servo": ("stiffness", "damping", "armature", "kind"),
     "start": (),
+    "learnt": ("numbers",),
 }
 JOINT_SERVO_NUMBERS = ("sign", "center", "offset", "counts_per_radian")
 JOINT_SERVO_KEYS = ("channel", *JOINT_SERVO_NUMBERS, "limits")
@@ -80,8 +81,14 @@ def _card(table: Table) -> Card:
             if isinstance(value, dict)
         },
         start=table.gains("start"),
+        learnt=_learnt(table) if "learnt" in table else (),
         description=table.text("description", ""),
     )
+
+
+def _learnt(table: Table) -> tuple[float, ...]:
+    """What feedback wrote of an earlier walk; it checks the numbers itself."""
+    return Table(table.get("learnt"), "learnt", KEYS["learnt"]).numbers("numbers")
 
 
 def _each(table: Table, key: str, required: bool = True) -> Iterable[tuple[str, Table]]:

@@ -29,7 +29,13 @@ from sim.evaluation.motions import (
     predicted_along,
 )
 from sim.evaluation.phases import count_changes, moving_time, swing_slip, swing_travel
-from sim.evaluation.summary import Accomplished, Departure, Predicted, Summary
+from sim.evaluation.summary import (
+    Accomplished,
+    Departure,
+    Predicted,
+    Sensed,
+    Summary,
+)
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import MODELS, follows_commands, twist_model
@@ -176,6 +182,18 @@ def _deviation(
     }
 
 
+def _sensed(walk: Walk) -> Sensed | None:
+    """What feedback thinks; None if nothing was told, or all of it was exact."""
+    followed = walk.followed
+    if followed is None or followed.feedback.sensing.is_exact:
+        return None
+    return Sensed(
+        thought=list(followed.stops[-1].expected),
+        claimed=list(followed.claimed),
+        bound=list(followed.bound),
+    )
+
+
 def summarise(
     evaluation: Evaluation,
     timing: Mapping[str, float] | None = None,
@@ -261,6 +279,7 @@ def summarise(
         error_sources=None if scenario.replan else {**sources, **absent},
         servo=setup.servo.table(setup.world.servo),
         deviation=evaluation.deviation,
+        feedback=_sensed(walk),
         per_metre=per_metre(length, moving_time(walk), strokes),
         simulated_time=recording.steps * dt,
         timestep=dt,

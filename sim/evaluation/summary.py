@@ -100,6 +100,15 @@ class Played(Numbers):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Sensed(Numbers):
+    """What feedback made of a walk, at its last stop before the reading there."""
+
+    thought: list[float]  # pose
+    claimed: list[float]  # standard deviation of its position [m] and yaw [rad]
+    bound: list[float]  # least that any estimator could claim
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PerMetre(Numbers):
     """What a metre of the nominal path takes; None where it has no length."""
 
@@ -148,6 +157,7 @@ class Summary(Numbers):
     error_sources: Mapping[str, Mapping[str, list[float]] | None] | None = None
     servo: Mapping[str, object] = field(default_factory=dict)
     deviation: Mapping[str, Departure | None] = field(default_factory=dict)
+    feedback: Sensed | None = None  # of a walk that is told its pose with noise
     per_metre: PerMetre = field(default_factory=PerMetre)
     simulated_time: float  # [s]
     timestep: float  # [s]
@@ -167,6 +177,8 @@ class Summary(Numbers):
             "deviation": _each(Departure, table.get("deviation", {})),
             "per_metre": PerMetre.read(table.get("per_metre", {})),
         }
+        if (sensed := table.get("feedback")) is not None:
+            inner["feedback"] = Sensed.read(sensed)
         return super().read({**table, **inner})
 
     @property

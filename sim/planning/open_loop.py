@@ -16,7 +16,7 @@ import numpy as np
 from planner import Flow, Plan, merged, rollout
 from planner.planning import Step, grid, require_segments
 from sim.experiments.predictions import twist_model
-from sim.motion.poses import compose, nearest_turn, relative
+from sim.motion.poses import compose, nearest_turn
 from sim.planning.aiming import plan_along, segment_ends, steer_along, steer_towards
 from sim.preparation.setup import Setup
 
@@ -55,19 +55,19 @@ def plan_segment(
     segment: int,
     pose: np.ndarray,
     swing: tuple[float, ...],
-    missing: np.ndarray | None = None,
+    meant: np.ndarray | None = None,
 ) -> Step:
     """Plan a segment, from 0 on, from the pose reached to its end on the nominal path.
 
     The predicted end meets the target; the error of the paper's words is not left to
-    the next segment, since there may be none. Where it is expected to end off its
-    prediction by what is missing, shape (3,), seen from where it starts, it is aimed as
-    much to the other side. The groups swing by angles in radians.
+    the next segment, since there may be none. The groups swing by angles in radians.
+    Where another motion is meant, shape (3,), seen from where the segment starts, its
+    end is the target.
     """
     target = segment_target(setup, segment)
     here = np.array([*pose[:2], nearest_turn(pose[2], to=target[2])])
-    if missing is not None:
-        target = compose(here, relative(here, target) - missing)
+    if meant is not None:
+        target = compose(here, meant)
     twists = twist_model(setup, setup.scenario.steered_on)
     step = steer_towards(setup, twists, segment, target, here, swing)
     return _step_on_counts(setup, step, swing)

@@ -14,6 +14,8 @@ from models import Equations, Kinematics, Robot, equations, load
 from planner import Array, Execution, ExtendedSystem, Path, extend
 from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
+from sim.feedback.filter import Feedback, Learnt, Misses
+from sim.feedback.sensing import sensing_of
 from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
@@ -66,7 +68,19 @@ class Setup:
     def learns(self) -> bool:
         """Whether replanning allows for what segments missed before."""
         asked, scenario = self.scenario.learn, self.scenario
-        return scenario.replan and (scenario.is_imperfect if asked is None else asked)
+        needed = scenario.is_imperfect or scenario.sense != "exact"
+        return scenario.replan and (needed if asked is None else asked)
+
+    def feedback(self) -> Feedback:
+        """What says, as a walk is planned piece by piece, where the robot is."""
+        known = self.scenario.learnt or self.robot.card.learnt
+        try:
+            learnt = Learnt.of(known) if known and self.learns else None
+        except ValueError as error:
+            raise UsageError.at("learnt", error) from error
+        misses = Misses() if self.learns else Misses.none()
+        radius = self.kinematics.reach
+        return Feedback(sensing_of(self.scenario), radius, misses, learnt)
 
     @property
     def stance(self) -> StanceRule:

@@ -92,14 +92,27 @@ def scenario_from(
             raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
     if "path" not in values:
         raise UsageError("path is missing", where, "give path")
+    if isinstance(file := values.get("learnt"), str):
+        values["learnt"] = _learnt(Path(file))
     standing = shapes.decode(values.get("obstacles", ()))
     path = nominal.decode(values["path"])
     return Scenario(**{**values, "path": path, "obstacles": standing})
 
 
+def _learnt(path: Path) -> object:
+    """The numbers in a learnt.toml, or in that of a run's folder."""
+    path = path / "learnt.toml" if path.is_dir() else path
+    table = read_toml(path).get("learnt")
+    if not isinstance(table, dict) or "numbers" not in table:
+        what = "no [learnt] table with numbers"
+        raise UsageError(what, str(path), "give a learnt.toml, or the run that has it")
+    return table["numbers"]
+
+
 def anchor(table: Values, folder: Path) -> None:
     """Make the files that a scenario names findable from wherever it is read next."""
     _anchor(table, "robot", folder, ".xml")
+    _anchor(table, "learnt", folder)
     if isinstance(table.get("path"), dict):
         _anchor(table["path"], "file", folder)
 

@@ -73,6 +73,56 @@ class Settings:
         None,
         "plan",
     )
+    sense: Literal["exact", "mocap", "tag", "gyro"] = setting(
+        "sensors that tell replanning the pose: exactly, a motion-capture system, "
+        "a camera with tags, or a gyroscope alone",
+        "exact",
+        "plan",
+    )
+    sense_position: Annotated[float, Range(0, 1)] | None = setting(
+        "standard deviation of a reading of x and of y; that of the kind if not given",
+        None,
+        "plan",
+        "m",
+    )
+    sense_yaw: Annotated[float, Range(0, 4)] | None = setting(
+        "standard deviation of a reading of the yaw", None, "plan", "rad"
+    )
+    sense_readings: Annotated[int, Range(1, 10_000)] | None = setting(
+        "readings that are averaged at a stop", None, "plan"
+    )
+    sense_delay: Annotated[float, Range(0, 10)] | None = setting(
+        "time that a reading takes, for which the robot stands still", None, "plan", "s"
+    )
+    sense_every: Annotated[int, Range(1, 100_000)] = setting(
+        "segments from one stop with readings to the next", 1, "plan"
+    )
+    sense_until: Annotated[int, Range(0, 100_000)] | None = setting(
+        "segments after which there are no more readings", None, "plan"
+    )
+    sense_lost: Annotated[float, Range(0, 1)] = setting(
+        "share of stops whose reading is lost", 0.0, "plan"
+    )
+    sense_wild: Annotated[float, Range(0, 1)] = setting(
+        "share of stops whose reading is wrong by up to 0.1 m and 0.5 rad", 0.0, "plan"
+    )
+    gyro_noise: Annotated[float, Range(0, 1)] | None = setting(
+        "growth of a gyroscope's error; no gyroscope if neither given nor of the kind",
+        None,
+        "plan",
+        "rad/sqrt(s)",
+    )
+    gyro_drift: Annotated[float, Range(0, 1)] | None = setting(
+        "standard deviation of its unknown constant rate", None, "plan", "rad/s"
+    )
+    sense_draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
+        "number of the random draw of what sensors tell", 0, "plan"
+    )
+    learnt: tuple[float, ...] | None = setting(
+        "what an earlier walk has learnt of the robot: its learnt.toml, or numbers",
+        None,
+        "plan",
+    )
     steer: Literal["ideal", "quasi-static", "identified"] = setting(
         "prediction that is to reach the goal", "ideal", "plan"
     )

@@ -9,6 +9,7 @@ from functools import cached_property
 from planner import Array
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
+from sim.feedback.stops import Followed
 from sim.motion.schedule import Phase, Schedule
 from sim.physics.recording import Recording
 from sim.preparation.setup import Setup
@@ -41,6 +42,7 @@ class Walk:
     origin: Array  # start pose in the world, (3,)
     saturated_segments: int
     seconds: dict[str, float]  # spent on replanning and on simulating
+    followed: Followed | None = None  # if segments were planned from where it stood
 
     @cached_property
     def phases(self) -> tuple[Phase, ...]:

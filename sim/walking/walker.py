@@ -10,6 +10,7 @@ import numpy as np
 from planner import Array, Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward, Rehearsal
+from sim.feedback.stops import Followed
 from sim.motion.poses import seen_from
 from sim.motion.prediction import inspections
 from sim.motion.schedule import Schedule, Scheduler
@@ -81,21 +82,27 @@ class Walker:
             self._origin = self.setup.pose(self._recorder.engine.state.qpos)
             self._recorder.walk_starts = self.steps
 
-    def go(self, segments: Sequence[Iterable[Flow]], first: int = 0) -> None:
+    def go(
+        self, segments: Sequence[Iterable[Flow]], first: int = 0, stop: float = 0.0
+    ) -> None:
         """Carry out the flows of consecutive segments, the first of that number.
 
-        All feet are put down. After the last segment of the scenario the robot stands
-        still for a while.
+        All feet are put down, and the robot stands still for the time of a stop [s].
+        After the last segment of the scenario it stands still for a while.
         """
         count, last = self.setup.scenario.segments, first + len(segments)
         scheduler = self._scheduler()
         scheduler.segment = first
         schedule_flows(self.setup, scheduler, segments)
+        if stop:
+            scheduler.hold(stop)
         if last == count:
             scheduler.hold(self.setup.limits.hold)
         self._play(scheduler.finish(), share=(first / count, last / count))
 
-    def finish(self, saturated_segments: int = 0) -> Walk:
+    def finish(
+        self, saturated_segments: int = 0, followed: Followed | None = None
+    ) -> Walk:
         """The walk so far."""
         origin = np.zeros(3) if self._origin is None else self._origin
         return Walk(
@@ -104,6 +111,7 @@ class Walker:
             recording=self._recorder.finish(),
             origin=origin,
             saturated_segments=saturated_segments,
+            followed=followed,
             seconds=self.seconds,
         )
 

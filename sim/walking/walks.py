@@ -1,9 +1,9 @@
 """Walks in the physics: open loop, or planned again from every pose that is reached.
 
 A robot that is not as it should be misses every segment by much the same. Planning from
-the pose makes good what was missed, one segment late; what is likely to be missed can
-be allowed for beforehand, for which all segments bring the legs back to angle 0, as
-otherwise only the last one does.
+the pose makes good what was missed, one segment late; what is likely to be missed is
+allowed for beforehand, as `sim.feedback` has learnt it, for which all segments bring
+the legs back to angle 0, as otherwise only the last one does.
 """
 
 from __future__ import annotations
@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 
 from models import Robot, equations
-from planner import Plan
+from planner import Array, Plan
+from planner.planning import Step
 from sim.experiments.predictions import twist_model
-from sim.motion.poses import seen_from
+from sim.feedback.filter import Feedback
+from sim.feedback.sensing import Sensor
+from sim.feedback.stops import Followed, Stop, stop_after
 from sim.motion.schedule import LegState
 from sim.planning.aiming import segment_ends
-from sim.planning.open_loop import plan_segment
+from sim.planning.open_loop import plan_segment, segment_target
 from sim.planning.soundness import require_sound, require_sound_flows
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup, prepare
@@ -28,8 +31,6 @@ from sim.scenarios.body_path import waypoints
 from sim.scenarios.scenario import Scenario
 from sim.walking.finished import Walk
 from sim.walking.walker import Walker
-
-LEARNED = 0.5  # of what a segment misses more than expected; halves it every segment
 
 
 def walk(robot: Robot, plan: Plan, progress: Progress = silent, **changes: Any) -> Walk:
@@ -70,32 +71,47 @@ def carry_out(walker: Walker, planned: Plan | None) -> Walk:
     """
     walker.stand()
     if planned is None:
-        return walker.finish(replanned(walker))
+        return walker.finish(*replanned(walker))
     walker.go(list(planned.segments()))
     return walker.finish()
 
 
-def replanned(walker: Walker) -> int:
+def replanned(walker: Walker) -> tuple[int, Followed]:
     """Walk segment by segment, with all feet down in between.
 
-    Gives how many segments were scaled down to the joint range.
+    Gives how many segments were scaled down to the joint range, and what feedback made
+    of each.
     """
-    setup, saturated = walker.setup, 0
-    missing = np.zeros(3) if setup.learns else None
-    for segment in range(setup.scenario.segments):
-        began, pose, swing = time.perf_counter(), walker.pose, walker.swing
-        step = plan_segment(setup, segment, pose, swing, missing)
+    setup, scenario = walker.setup, walker.setup.scenario
+    feedback, dt = setup.feedback(), setup.limits.timestep
+    random = np.random.default_rng([scenario.sense_draw, scenario.draw])
+    sensor = Sensor(feedback.sensing, random)
+    saturated, stops = 0, list[Stop]()
+    for segment in range(scenario.segments):
+        began, steps, swing = time.perf_counter(), walker.steps, walker.swing
+        step, meant = next_segment(setup, feedback, segment, swing)
         walker.seconds["plan"] += time.perf_counter() - began
         saturated += step.fraction < 1
-        legs = LegState(swing, setup.robot.card.bottom)
-        require_sound_flows(setup, step.plan.segments(), legs)
-        walker.go(list(step.plan.segments()), first=segment)
-        if missing is not None:
-            twists = twist_model(setup, setup.scenario.steered_on)
-            predicted = segment_ends(setup, step.plan, twists, swing)[-1]
-            missed = seen_from(pose, walker.pose) - predicted
-            missing = missing + LEARNED * (missed - missing)
-    return saturated
+        walker.go(list(step.plan.segments()), segment, feedback.sensing.stop)
+        seconds, pose = (walker.steps - steps) * dt, walker.pose
+        seen, now = sensor.read(pose, seconds), walker.steps * dt
+        stops.append(stop_after(feedback, segment, now, seconds, meant, seen, pose))
+    return saturated, Followed(tuple(stops), feedback, setup.learns)
+
+
+def next_segment(
+    setup: Setup, feedback: Feedback, segment: int, swing: tuple[float, ...]
+) -> tuple[Step, Array]:
+    """A segment's plan from where the robot is thought to be, and the motion it means.
+
+    The groups begin at angles `swing` [rad]; the motion is seen from there, (3,).
+    """
+    aim = feedback.aim(segment_target(setup, segment)) if setup.learns else None
+    step = plan_segment(setup, segment, feedback.pose, swing, aim)
+    legs = LegState(swing, setup.robot.card.bottom)
+    require_sound_flows(setup, step.plan.segments(), legs)
+    twists = twist_model(setup, setup.scenario.steered_on)
+    return step, segment_ends(setup, step.plan, twists, swing)[-1]
 
 
 def expected_steps(setup: Setup, planned: Plan | None) -> int:

@@ -1,0 +1,307 @@
+"""Feedback from noisy poses: an extended Kalman filter of pose and of what is missed.
+
+What an imperfect robot misses in a segment is nearly the same all along a walk, and
+changes with the direction in which it goes: a motion that is meant to be u becomes
+u + b + A u and some scatter, all in the frame in which the segment begins. The filter
+estimates the pose, b, A, and offset and rate of a gyroscope. Nothing is learnt from
+what was not seen.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import Self
+
+import numpy as np
+
+from planner import Array
+from sim.feedback.sensing import Sensing
+from sim.motion.poses import compose, rotate, seen_from, wrap
+
+POSE, BIAS, SLOPE = slice(0, 3), slice(3, 6), slice(6, 15)
+OFFSET, RATE = 15, 16  # of the gyroscope
+STATES = 17
+GATE = 11.345  # 99 % of chi-squared with three degrees of freedom
+STRANGE = 3  # readings in a row beyond the gate that mean that the robot was moved
+NEARLY_UNKNOWN = np.array([0.02, 0.02, 0.05])  # bias, for the bound [m], [m], [rad]
+LEAST = 1e-12  # standard deviation [m], [rad], which keeps exact readings regular
+
+
+def _of(*values: float) -> Array:
+    return np.array(values)
+
+
+@dataclass(frozen=True)
+class Misses:
+    """Standard deviations of what a segment misses, lengths as shares of a radius.
+
+    The defaults are those of twenty hobby robots, rounded up.
+
+    Attributes:
+        bias: Of b before anything is seen, (3,).
+        slope: Of A before anything is seen, (3, 3).
+        scatter: Of a segment's miss about b + A u, (3,).
+        wander: Of the change of b from a segment to the next, (3,).
+    """
+
+    bias: Array = field(default_factory=lambda: _of(0.015, 0.015, 0.010))
+    slope: Array = field(
+        default_factory=lambda: np.outer(_of(1, 1, 0.8), _of(0.1, 0.1, 0.02))
+    )
+    scatter: Array = field(default_factory=lambda: _of(0.001, 0.001, 0.0012))
+    wander: Array = field(default_factory=lambda: _of(0.05e-3, 0.05e-3, 0.05e-3))
+
+    @classmethod
+    def none(cls) -> Self:
+        """Of a robot whose segments miss nothing that could be learnt."""
+        return cls(bias=np.zeros(3), slope=np.zeros((3, 3)), wander=np.zeros(3))
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """What a walk has learnt of its robot, for the next walk.
+
+    Attributes:
+        bias: b, x and y [m] and yaw [rad], (3,).
+        slope: A, (3, 3).
+        covariance: Of the entries of b and of the rows of A, (12, 12).
+    """
+
+    bias: Array
+    slope: Array
+    covariance: Array
+
+    def __post_init__(self) -> None:
+        shapes = {"bias": (3,), "slope": (3, 3), "covariance": (12, 12)}
+        for name, shape in shapes.items():
+            value = np.array(getattr(self, name), dtype=float)
+            if value.shape != shape or not np.isfinite(value).all():
+                raise ValueError(f"{name} must be {shape} finite numbers")
+            object.__setattr__(self, name, value)
+        if np.linalg.eigvalsh(self.covariance).min() < -1e-12:
+            raise ValueError("covariance must be positive semidefinite")
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """As files have it: b, the rows of A, and the lower half of the covariance."""
+        half = self.covariance[np.tril_indices(12)]
+        return tuple(np.concatenate([self.bias, self.slope.ravel(), half]).tolist())
+
+    def __str__(self) -> str:
+        return f"[learnt]\nnumbers = [{', '.join(map(repr, self.numbers))}]\n"
+
+    @classmethod
+    def of(cls, numbers: tuple[float, ...]) -> Self:
+        """What files have; a ValueError says what is wrong with it."""
+        if len(numbers) != 90:
+            raise ValueError(f"90 numbers are needed, got {len(numbers)}")
+        half = np.zeros((12, 12))
+        half[np.tril_indices(12)] = numbers[12:]
+        whole = half + np.tril(half, -1).T
+        return cls(np.array(numbers[:3]), np.reshape(numbers[3:12], (3, 3)), whole)
+
+
+class Feedback:
+    """Says where to go next, from what was meant and what was seen.
+
+    Poses are x, y [m] and yaw [rad] in the frame in which the walk starts.
+
+    Args:
+        sensing: The noise of what it will be told.
+        radius: Mean distance of the feet from the body's centre [m].
+        misses: What is expected of segments.
+        learnt: What an earlier walk has learnt, in place of what `misses` expects.
+        batch: Shape of many walks that are followed at once.
+
+    Attributes:
+        pose: Estimate of the pose, (*batch, 3).
+        bias: Estimate of b, (*batch, 3).
+        slope: Estimate of A, (*batch, 3, 3).
+        scatter: Standard deviation of what a segment misses about that, (3,).
+        covariance: Of pose, b, A by rows, offset and rate, (*batch, 17, 17).
+
+    Example:
+        >>> from math import radians
+        >>> from sim import Feedback, Sensing
+        >>> camera = Sensing(position=0.002, yaw=radians(1))
+        >>> feedback = Feedback(camera, radius=0.2)
+        >>> meant = feedback.aim([0.005, 0.0, 0.0])  # walk this, and then
+        >>> feedback.moved(meant)
+        >>> feedback.seen([0.004, 0.001, 0.02])
+        >>> bool(feedback.pose[0] < 0.005)
+        True
+    """
+
+    def __init__(
+        self,
+        sensing: Sensing,
+        radius: float,
+        misses: Misses | None = None,
+        learnt: Learnt | None = None,
+        batch: tuple[int, ...] = (),
+    ) -> None:
+        misses = Misses() if misses is None else misses
+        self.sensing, self.batch = sensing, batch
+        unit = np.array([radius, radius, 1.0])
+        self.scatter, self._wander = misses.scatter * unit, misses.wander * unit
+        self.pose, self.bias = np.zeros((*batch, 3)), np.zeros((*batch, 3))
+        self.slope = np.zeros((*batch, 3, 3))
+        self.gyro = np.zeros((*batch, 2))  # offset [rad] and rate [rad/s]
+        first = np.zeros(STATES)
+        first[BIAS] = misses.bias * unit
+        first[SLOPE] = (misses.slope * np.outer(unit, 1 / unit)).ravel()
+        first[RATE] = sensing.gyro_drift
+        self.covariance = np.broadcast_to(np.diag(first**2), (*batch, STATES, STATES))
+        if learnt is not None:
+            self.bias, self.slope = self.bias + learnt.bias, self.slope + learnt.slope
+            self.covariance = self.covariance.copy()
+            self.covariance[..., 3:15, 3:15] = learnt.covariance
+        self._strange = np.zeros(batch, int)
+
+    @property
+    def claimed(self) -> Array:
+        """Standard deviation that it claims for its pose, (*batch, 3) [m], [rad]."""
+        variances = np.diagonal(self.covariance, axis1=-2, axis2=-1)[..., POSE]
+        return np.sqrt(np.maximum(variances, 0.0))
+
+    @property
+    def learnt(self) -> Learnt:
+        """What one walk has learnt of its robot."""
+        return Learnt(self.bias, self.slope, self.covariance[3:15, 3:15])
+
+    def missing(self, meant: Array) -> Array:
+        """What a meant motion is expected to miss, b + A u, (*batch, 3)."""
+        return self.bias + (self.slope @ np.asarray(meant)[..., None])[..., 0]
+
+    def aim(self, target: Array) -> Array:
+        """The motion to mean so as to end at a target, in the robot's frame.
+
+        It is (I + A)^-1 (wanted - b), shape (*batch, 3); x, y [m], yaw [rad].
+        """
+        wanted = seen_from(self.pose, np.broadcast_to(target, self.pose.shape))
+        left = (wanted - self.bias)[..., None]
+        return np.linalg.solve(np.eye(3) + self.slope, left)[..., 0]
+
+    def moved(self, meant: Array, seconds: float = 1.0) -> None:
+        """Take note of a segment that was walked, and of the time that it took [s]."""
+        meant = np.asarray(meant, dtype=float)
+        step = meant + self.missing(meant)
+        turn = np.zeros((*self.batch, 3, 3))
+        turn[..., :2, 0] = rotate(np.array([1.0, 0.0]), self.pose[..., 2])
+        turn[..., :2, 1] = rotate(np.array([0.0, 1.0]), self.pose[..., 2])
+        turn[..., 2, 2] = 1.0
+        moves = np.zeros((*self.batch, STATES, STATES))  # derivative by the state
+        moves[...] = np.eye(STATES)
+        moves[..., POSE, BIAS] = turn
+        by_slope = turn[..., None] * meant[..., None, None, :]
+        moves[..., POSE, SLOPE] = by_slope.reshape(*self.batch, 3, 9)
+        moves[..., :2, 2] = rotate(step[..., :2], self.pose[..., 2] + np.pi / 2)
+        moves[..., OFFSET, RATE] = seconds
+        added = np.zeros((*self.batch, STATES, STATES))
+        added[..., POSE, POSE] = (turn * self.scatter**2) @ np.swapaxes(turn, -1, -2)
+        added[..., BIAS, BIAS] = np.diag(self._wander**2)
+        added[..., OFFSET, OFFSET] = (self.sensing.gyro_noise or 0.0) ** 2 * seconds
+        self.covariance = moves @ self.covariance @ np.swapaxes(moves, -1, -2) + added
+        self.pose = compose(self.pose, step)
+        self.gyro = self.gyro + self.gyro[..., 1:] * [seconds, 0.0]
+
+    def seen(self, pose: Array | None = None, gyro: Array | None = None) -> None:
+        """Take a reading: a camera's pose (*batch, 3), a gyroscope's yaw (*batch,).
+
+        What was not told is None or NaN. A reading that is farther off than 99 % should
+        be counts for less the farther it is. After three such in a row the robot was
+        moved: its pose is learnt anew, and what it misses is kept.
+        """
+        if gyro is not None:
+            told = np.asarray(gyro, dtype=float)[..., None]
+            expected = (self.pose[..., 2] + self.gyro[..., 0])[..., None]
+            self._take(wrap(told - expected), [(2, OFFSET)], np.array([LEAST]))
+        if pose is None:
+            return
+        told = np.asarray(pose, dtype=float)
+        off = told - self.pose
+        off[..., 2] = wrap(off[..., 2])
+        noise = np.maximum(self.sensing.noise, LEAST)
+        self._take(off, [(0,), (1,), (2,)], noise, gated=not self.sensing.is_exact)
+        if self.sensing.is_exact:
+            self.pose = np.where(np.isnan(told), self.pose, told)
+
+    def _take(
+        self,
+        off: Array,
+        sums: list[tuple[int, ...]],
+        noise: Array,
+        gated: bool = False,
+    ) -> None:
+        """Update by how far readings of sums of the state are off what is expected."""
+        told = ~np.isnan(off)
+        reads = np.zeros((len(sums), STATES))
+        for row, states in enumerate(sums):
+            reads[row, list(states)] = 1.0
+        seeing = told[..., None] * reads  # a reading that is not told sees nothing
+        off = np.where(told, off, 0.0)
+        variance = np.where(told & np.isfinite(noise), noise, 1.0)[..., None] ** 2
+        doubt = variance * np.eye(len(sums))
+        if gated:
+            doubt = self._gate(off, seeing, doubt, np.asarray(told.any(axis=-1)))
+        spread = seeing @ self.covariance
+        total = spread @ np.swapaxes(seeing, -1, -2) + doubt
+        gain = np.swapaxes(np.linalg.solve(total, spread), -1, -2)
+        change = (gain @ off[..., None])[..., 0]
+        left = self.covariance - gain @ spread
+        self.covariance = (left + np.swapaxes(left, -1, -2)) / 2
+        self.pose = self.pose + change[..., POSE]
+        self.bias = self.bias + change[..., BIAS]
+        self.slope = self.slope + change[..., SLOPE].reshape(self.slope.shape)
+        self.gyro = self.gyro + change[..., OFFSET:]
+
+    def _gate(self, off: Array, seeing: Array, doubt: Array, told: Array) -> Array:
+        """Variance of a reading, raised where it is farther off than it should be."""
+        across = np.swapaxes(seeing, -1, -2)
+        total = seeing @ self.covariance @ across + doubt
+        solved = np.linalg.solve(total, off[..., None])[..., 0]
+        beyond = (off * solved).sum(axis=-1) / GATE
+        self._strange = np.where(beyond > 1, self._strange + 1, self._strange * ~told)
+        was_moved = self._strange >= STRANGE
+        shifted = np.where(was_moved[..., None], off**2, 0.0)
+        self.covariance = self.covariance.copy()
+        self.covariance[..., POSE, POSE] += shifted[..., None] * np.eye(3)
+        self._strange = np.where(was_moved, 0, self._strange)
+        factor = np.where(was_moved, 1.0, np.maximum(beyond, 1.0) ** 2)
+        return doubt * factor[..., None, None]
+
+
+def bound(
+    sensing: Sensing,
+    meant: Array,
+    seen: Array,
+    scatter: Array,
+    seconds: Array,
+) -> tuple[float, float]:
+    """Least error of position [m] and yaw [rad] that any estimator could have.
+
+    The posterior Cramer-Rao bound at the last stop but before its reading (Van Trees,
+    Detection, Estimation and Modulation Theory), where nothing is unknown but a
+    constant bias, for which nearly nothing is known beforehand.
+
+    Args:
+        sensing: Noise of the readings.
+        meant: Motions that were meant, (n, 3).
+        seen: Readings that were told, (n, 4); only which of them are NaN counts.
+        scatter: Standard deviation of what segments miss about their bias, (3,).
+        seconds: Time that each segment took, (n,) [s].
+
+    Returns:
+        Root mean square of the distance from the truth, and that of the yaw.
+    """
+    ideal = Misses(NEARLY_UNKNOWN, np.zeros((3, 3)), scatter, np.zeros(3))
+    knows = Feedback(sensing, 1.0, ideal)
+    for k, motion in enumerate(meant):
+        knows.moved(motion - knows.bias, float(seconds[k]))
+        if k < len(meant) - 1:
+            told = np.isnan(seen[k])
+            camera = np.where(told[:3], np.nan, knows.pose)
+            knows.seen(camera, np.where(told[3], np.nan, knows.pose[2]))
+    x, y, yaw = knows.claimed
+    return sqrt(x**2 + y**2), float(yaw)

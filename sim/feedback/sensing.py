@@ -1,0 +1,134 @@
+"""Sensors that tell a robot's pose when it stops, and their readings in a simulation.
+
+A camera gives the whole pose with white noise; some of its readings are lost, some are
+wild. A gyroscope gives the yaw alone; its error grows as a random walk and by a
+constant rate. What is not told is NaN.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import inf, isfinite, radians, sqrt
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from planner import Array
+
+if TYPE_CHECKING:
+    from sim.scenarios.settings import Settings
+
+WILD = (0.1, 0.1, 0.5)  # how far a wild reading is off at most [m], [m], [rad]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensing:
+    """What is told of the pose at the stop after each segment.
+
+    Attributes:
+        position: Standard deviation of one reading of x and of y [m]; infinite if there
+            is none.
+        yaw: That of its yaw [rad]; infinite if it has none.
+        readings: Taken and averaged at a stop.
+        every: Stops from one that is told to the next.
+        until: Segments after which there are no more readings; None if there are.
+        lost: Share of stops whose reading is lost.
+        wild: Share of stops whose reading is anywhere within `WILD`.
+        gyro_noise: Growth of a gyroscope's error [rad/sqrt(s)]; None without one.
+        gyro_drift: Standard deviation of its unknown constant rate [rad/s].
+        delay: Time that one reading takes [s].
+    """
+
+    position: float = 0.0
+    yaw: float = 0.0
+    readings: int = 1
+    every: int = 1
+    until: int | None = None
+    lost: float = 0.0
+    wild: float = 0.0
+    gyro_noise: float | None = None
+    gyro_drift: float = 0.0
+    delay: float = 0.0
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether every reading is the pose itself."""
+        return self.position == self.yaw == self.wild == 0.0
+
+    @property
+    def sees_position(self) -> bool:
+        """Whether any reading tells where the robot is."""
+        return isfinite(self.position)
+
+    @property
+    def noise(self) -> Array:
+        """Standard deviation of an averaged reading, x, y [m] and yaw [rad], (3,)."""
+        return np.array([self.position, self.position, self.yaw]) / sqrt(self.readings)
+
+    @property
+    def stop(self) -> float:
+        """Time for which the robot stands still to be seen [s]."""
+        return self.readings * self.delay
+
+
+KINDS = {
+    "exact": Sensing(),
+    "mocap": Sensing(position=0.2e-3, yaw=radians(0.1), delay=0.01),
+    "tag": Sensing(position=2e-3, yaw=radians(1.0), delay=0.033),
+    "gyro": Sensing(position=inf, yaw=inf, gyro_noise=2e-4, gyro_drift=2e-4),
+}
+"""Kinds of sensors by the name that the setting `sense` gives."""
+
+
+def sensing_of(settings: Settings) -> Sensing:
+    """The sensors that a scenario asks for: a kind, and what replaces its numbers."""
+    given: dict[str, Any] = {
+        "position": settings.sense_position,
+        "yaw": settings.sense_yaw,
+        "readings": settings.sense_readings,
+        "every": settings.sense_every,
+        "until": settings.sense_until,
+        "lost": settings.sense_lost,
+        "wild": settings.sense_wild,
+        "delay": settings.sense_delay,
+        "gyro_noise": settings.gyro_noise,
+        "gyro_drift": settings.gyro_drift,
+    }
+    known = {name: value for name, value in given.items() if value is not None}
+    return replace(KINDS[settings.sense], **known)
+
+
+class Sensor:
+    """Simulated readings of many walks at once, shape `batch`; drawn from `random`."""
+
+    def __init__(
+        self, sensing: Sensing, random: np.random.Generator, batch: tuple[int, ...] = ()
+    ) -> None:
+        self.sensing, self._random, self._batch = sensing, random, batch
+        self._rate = random.normal(0.0, 1.0, batch) * sensing.gyro_drift
+        self._offset = np.zeros(batch)
+        self._stops = 0
+
+    def read(self, pose: Array, seconds: float) -> Array:
+        """A reading at the stop after a segment that took some seconds.
+
+        It is x, y, yaw of the camera and the yaw of the gyroscope, shape (*batch, 4),
+        of a pose (*batch, 3); what is not told is NaN.
+        """
+        sensing, random = self.sensing, self._random
+        self._stops += 1
+        told = np.full((*self._batch, 4), np.nan)
+        noise = np.where(np.isfinite(sensing.noise), sensing.noise, np.nan)
+        seen = pose + noise * random.normal(0.0, 1.0, (*self._batch, 3))
+        wild = pose + np.array(WILD) * random.uniform(-1.0, 1.0, (*self._batch, 3))
+        strays = random.random(self._batch) < sensing.wild
+        lost = random.random(self._batch) < sensing.lost
+        within = sensing.until is None or self._stops <= sensing.until
+        if self._stops % sensing.every == 0 and within:
+            seen = np.where(strays[..., None], wild, seen)
+            told[..., :3] = np.where(lost[..., None], np.nan, seen)
+        if sensing.gyro_noise is not None:
+            grown = sensing.gyro_noise * sqrt(seconds) * random.normal(size=self._batch)
+            self._offset = self._offset + self._rate * seconds + grown
+            told[..., 3] = pose[..., 2] + self._offset
+        return told

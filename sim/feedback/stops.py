@@ -1,0 +1,140 @@
+"""What a walk with feedback meant, saw, thought and did, segment by segment."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import astuple, dataclass, fields
+from functools import cached_property
+
+import numpy as np
+
+from planner import Array
+from sim.feedback.filter import Feedback, Learnt, bound
+from sim.motion.poses import seen_from
+
+Numbers = tuple[float, ...]
+FLAT = 1e-6  # singular values below it, as a share of the largest, are none
+NAMES = {  # of the columns of feedback.csv, by the fields of a stop
+    "meant": ("x", "y", "yaw"),
+    "seen": ("x", "y", "yaw", "gyro"),
+    "thought": ("x", "y", "yaw"),
+    "claimed": ("x", "y", "yaw"),
+    "expected": ("x", "y", "yaw"),
+    "doubt": ("x", "y", "yaw"),
+    "true": ("x", "y", "yaw"),
+    "bias": ("x", "y", "yaw"),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """The end of a segment; poses in the start frame, lengths in m, angles in rad.
+
+    Attributes:
+        segment: Its number, from 0.
+        time: Of the stop [s].
+        seconds: That the segment took [s].
+        meant: Motion that was planned, in the frame where the segment began.
+        seen: What was told: the camera's pose, the gyroscope's yaw; NaN if it was not.
+        expected: Pose that was thought before that.
+        doubt: Standard deviation that is claimed for that.
+        thought: Pose that is thought after it.
+        claimed: Standard deviation that is then claimed.
+        true: Pose in the physics.
+        bias: b, what is thought that every segment misses.
+    """
+
+    segment: int
+    time: float
+    seconds: float
+    meant: Numbers
+    seen: Numbers
+    expected: Numbers
+    doubt: Numbers
+    thought: Numbers
+    claimed: Numbers
+    true: Numbers
+    bias: Numbers
+
+
+COLUMNS = tuple(
+    column
+    for item in fields(Stop)
+    for column in (
+        [f"{item.name}_{name}" for name in NAMES[item.name]]
+        if item.name in NAMES
+        else [item.name]
+    )
+)
+
+
+def written(stops: Iterable[Stop]) -> str:
+    """The text of feedback.csv: one line a stop, empty where nothing was told."""
+    lines = io.StringIO()
+    writer = csv.writer(lines, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for stop in stops:
+        flat = np.hstack([np.ravel(value) for value in astuple(stop)[1:]]).tolist()
+        told = ["" if np.isnan(value) else value for value in flat]
+        writer.writerow([stop.segment, *told])
+    return lines.getvalue()
+
+
+def stop_after(
+    feedback: Feedback,
+    segment: int,
+    time: float,
+    seconds: float,
+    meant: Array,
+    seen: Array,
+    true: Array,
+) -> Stop:
+    """Tell feedback of a segment that was walked, and take down what it makes of it."""
+    feedback.moved(meant, seconds)
+    before = feedback.pose, feedback.claimed
+    feedback.seen(seen[:3], seen[3])
+    after = feedback.pose, feedback.claimed
+    rows = meant, seen, *before, *after, true, feedback.bias
+    return Stop(segment, time, seconds, *(tuple(row.tolist()) for row in rows))
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A walk that was planned piece by piece: its stops, and feedback at the end."""
+
+    stops: tuple[Stop, ...]
+    feedback: Feedback
+    learns: bool
+
+    @property
+    def learnt(self) -> Learnt | None:
+        """For the next walk of the same robot; None if nothing was to be learnt."""
+        return self.feedback.learnt if self.learns else None
+
+    @property
+    def claimed(self) -> tuple[float, float]:
+        """Claimed error before the last reading, as `bound` gives it [m], [rad]."""
+        spread = np.array(self.stops[-1].doubt)
+        return float(np.hypot(*spread[:2])), float(spread[2])
+
+    @cached_property
+    def bound(self) -> tuple[float, float]:
+        """Least error of position [m] and yaw [rad] that any estimator could have had.
+
+        Scatter is taken from what the segments truly missed, beside the affine function
+        of what was meant that fits best.
+        """
+        meant = np.array([stop.meant for stop in self.stops])
+        poses = np.array([np.zeros(3), *(stop.true for stop in self.stops)])
+        missed = seen_from(poses[:-1], poses[1:]) - meant
+        known = np.column_stack([np.ones(len(meant)), meant])
+        fitted, _, rank, _ = np.linalg.lstsq(known, missed, rcond=FLAT)
+        left = len(meant) - int(rank)
+        scatter = self.feedback.scatter
+        if left > 0:
+            scatter = np.sqrt(((missed - known @ fitted) ** 2).sum(axis=0) / left)
+        seen = np.array([stop.seen for stop in self.stops])
+        seconds = np.array([stop.seconds for stop in self.stops])
+        return bound(self.feedback.sensing, meant, seen, scatter, seconds)
