@@ -13,6 +13,7 @@ physics       The engine steps; contact and slip are measured and recorded
 preparation   Everything that can be decided before the first step is decided
 experiments   Fields are measured, and so is the creep of a standing robot
 obstacles     The robot's outline and its distance from obstacles
+feedback      Where the robot is, as sensors tell, and what its segments miss
 planning      Plans are made, aimed, kept within bounds, led around obstacles
 walking       Plans are carried out
 evaluation    Achieved and predicted motion are compared

@@ -10,6 +10,8 @@ from .evaluation.assessment import (
     evaluate as evaluate,
 )
 from .evaluation.deviations import error_sources as error_sources
+from .feedback.filter import Feedback as Feedback
+from .feedback.sensing import Sensing as Sensing
 from .optimisation.judging import (
     Judge as Judge,
     least_time as least_time,

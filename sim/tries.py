@@ -11,7 +11,7 @@ from statistics import median
 from models import Robot
 from planner import PlannerError
 from sim.errors import StratawalkError, one_line
-from sim.evaluation.quantities import MARGIN, POSITION, ROWS, YAW
+from sim.evaluation.quantities import CLAIMED, MARGIN, POSITION, ROWS, WRONG, YAW
 from sim.folder import RunFolder
 from sim.progress import Progress
 from sim.run_folder import run
@@ -25,6 +25,8 @@ MEASURES = {  # columns of the table: quantities, and of which row of the compar
     "quasi_static": (POSITION, "quasi_static"),
     "yaw": (YAW, "goal"),
     "margin": (MARGIN, "achieved"),
+    "thought": (WRONG, ""),
+    "claimed": (CLAIMED, ""),
 }
 
 
@@ -39,6 +41,8 @@ class Try:
     quasi_static: float | None = None
     yaw: float | None = None  # off the goal's [rad]
     margin: float | None = None  # least, achieved [m]
+    thought: float | None = None  # off where it was, with feedback from sensors [m]
+    claimed: float | None = None  # error that feedback claims for that [m]
 
 
 def walk_tries(
@@ -90,7 +94,9 @@ def _lines(tries: Sequence[Try], path_length: float) -> Iterator[str]:
         return
     yield f"{'':13}{'median':>22}{'worst':>22}"
     for name, (quantity, row) in MEASURES.items():
-        values = [getattr(one, name) for one in walked]
+        values = [v for one in walked if (v := getattr(one, name)) is not None]
+        if not values:
+            continue
         ends = median(values), min(values) if quantity is MARGIN else max(values)
         words = [quantity.words(end) for end in ends]
         if quantity is POSITION and path_length:

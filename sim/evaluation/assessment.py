@@ -187,10 +187,18 @@ def _sensed(walk: Walk) -> Sensed | None:
     followed = walk.followed
     if followed is None or followed.feedback.sensing.is_exact:
         return None
+    last = followed.stops[-1]
+    wrong = departure(np.array(last.expected), np.array(last.true))
+    (claimed, claimed_yaw), (least, least_yaw) = followed.claimed, followed.bound
     return Sensed(
-        thought=list(followed.stops[-1].expected),
-        claimed=list(followed.claimed),
-        bound=list(followed.bound),
+        thought=list(last.expected),
+        wrong=wrong.position,
+        wrong_yaw=wrong.yaw,
+        claimed=claimed,
+        claimed_yaw=claimed_yaw,
+        bound=least,
+        bound_yaw=least_yaw,
+        sees_position=followed.feedback.sensing.sees_position,
     )
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from math import degrees
 
 from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, ROWS
-from sim.evaluation.summary import Departure, Played, Summary
+from sim.evaluation.summary import Departure, Played, Sensed, Summary
 from sim.scenarios.predictions import QUASI_STATIC, prediction_key
 
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are mentioned
@@ -77,6 +78,8 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
     if seconds is not None:
         yield "a metre", f"takes {seconds:.0f} s and {strokes:.1f} rad of strokes"
+    if (sensed := summary.feedback) is not None:
+        yield "thought", _thought(sensed)
     if saturated := summary.saturated_segments:
         yield "saturated", f"{saturated} segments scaled down to the joint range"
     if summary.fastest_swing < CAPPED * summary.swing_speed:
@@ -94,6 +97,25 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
             f"parts of the robot touched each other {summary.self_contacts} times, "
             "which no prediction takes into account",
         )
+
+
+def _thought(sensed: Sensed) -> str:
+    """What feedback made of the walk, before the reading at its end."""
+    if not sensed.sees_position:
+        return (
+            f"to be where it was {1e3 * sensed.wrong:.1f} mm away: its position is "
+            "never seen, and nothing is promised of it"
+        )
+    pairs = (
+        (sensed.wrong, sensed.wrong_yaw),
+        (sensed.claimed, sensed.claimed_yaw),
+        (sensed.bound, sensed.bound_yaw),
+    )
+    wrong, claimed, least = (
+        f"{1e3 * position:.2f} mm and {degrees(yaw):.2f} degrees"
+        for position, yaw in pairs
+    )
+    return f"{wrong} off where it was; it claimed {claimed}, the least can be {least}"
 
 
 def _rows(summary: Summary) -> Iterator[str]:

@@ -81,6 +81,8 @@ OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
     MARGIN,
     Quantity("predicted.*.slip", "slip", "mm", 1e3, 1, "slip", 11),
 )
+WRONG = Quantity("feedback.wrong", "wrongly thought", "mm", 1e3, 2)
+CLAIMED = Quantity("feedback.claimed", "claimed error", "mm", 1e3, 2)
 OF_WALKS = (
     Quantity("achieved.creep_floor", "creep floor", "mm", 1e3, 3),
     Quantity("contact_switches", "contact switches"),
@@ -90,6 +92,9 @@ OF_WALKS = (
     Quantity("distance_walked", "way walked", "m", 1.0, 4),
     Quantity("swing_travel", "swing of loaded groups", "rad", 1.0, 2),
     Quantity("air_travel", "swing in the air", "rad", 1.0, 2),
+    WRONG,
+    CLAIMED,
+    Quantity("feedback.bound", "least error", "mm", 1e3, 2),
     Quantity("simulated_time", "simulated time", "s", 1.0, 2),
 )
 QUANTITIES = (POSITION, YAW, *OF_ROWS, *OF_WALKS)

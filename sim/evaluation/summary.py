@@ -104,8 +104,13 @@ class Sensed(Numbers):
     """What feedback made of a walk, at its last stop before the reading there."""
 
     thought: list[float]  # pose
-    claimed: list[float]  # standard deviation of its position [m] and yaw [rad]
-    bound: list[float]  # least that any estimator could claim
+    wrong: float  # of the position that was thought [m]
+    wrong_yaw: float  # [rad]
+    claimed: float  # root mean square error that it claims for its position [m]
+    claimed_yaw: float  # [rad]
+    bound: float  # least that any estimator could claim [m]
+    bound_yaw: float  # [rad]
+    sees_position: bool
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -37,6 +37,11 @@ class Sensing:
         gyro_noise: Growth of a gyroscope's error [rad/sqrt(s)]; None without one.
         gyro_drift: Standard deviation of its unknown constant rate [rad/s].
         delay: Time that one reading takes [s].
+
+    Example:
+        >>> from sim import Sensing
+        >>> Sensing(position=0.002, yaw=0.02, readings=4).noise
+        array([0.001, 0.001, 0.01 ])
     """
 
     position: float = 0.0

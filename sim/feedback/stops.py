@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from planner import Array
-from sim.feedback.filter import Feedback, Learnt, bound
+from sim.feedback.filter import Feedback, bound
+from sim.feedback.misses import Learnt
 from sim.motion.poses import seen_from
 
 Numbers = tuple[float, ...]

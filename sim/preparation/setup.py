@@ -14,7 +14,8 @@ from models import Equations, Kinematics, Robot, equations, load
 from planner import Array, Execution, ExtendedSystem, Path, extend
 from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
-from sim.feedback.filter import Feedback, Learnt, Misses
+from sim.feedback.filter import Feedback
+from sim.feedback.misses import Learnt, Misses
 from sim.feedback.sensing import sensing_of
 from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule

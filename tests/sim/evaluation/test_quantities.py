@@ -13,6 +13,7 @@ from sim.evaluation.summary import (
     PerMetre,
     Predicted,
     PredictionError,
+    Sensed,
     Summary,
 )
 
@@ -54,6 +55,7 @@ def summary():
             "ideal": filled(PredictionError),
         },
         per_metre=PerMetre(),
+        feedback=filled(Sensed),
         missed=[0.002],
     )
 
