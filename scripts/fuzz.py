@@ -163,7 +163,7 @@ def quicken() -> None:
     inspection = import_module("models.description.inspection")
     trial = import_module("models.description.trial")
 
-    def tried(path: Path) -> list[str]:
+    def tried(path: Path, limits: object) -> list[str]:
         report = trial.report(path)
         if "files" not in report:
             raise ModelError(str(report.get("wrong", "too large")))

@@ -21,7 +21,8 @@ from typing import TextIO
 
 from sim import interruption
 from sim.commands.parsing import as_meant, parser
-from sim.errors import ExitCode, exit_code, one_line
+from sim.endings import begin
+from sim.errors import ExitCode, exit_code, last_words
 from sim.pictures import gl
 
 
@@ -35,6 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         Exit code, `errors.ExitCode`.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
+    begin(words)
     gl.choose()
     with interruption.listening():
         try:
@@ -65,13 +67,13 @@ def _fail(error: BaseException, words: Sequence[str]) -> int:
     try:
         if "--debug" in words:
             traceback.print_exception(error)
-        print(f"stratawalk: error: {one_line(error)}", file=sys.stderr, flush=True)
+        print(f"stratawalk: error: {last_words(error)}", file=sys.stderr, flush=True)
     except OSError:  # it is on a full disk
         _silence(sys.stderr)
     try:
         if "--json" in words:
             facts = {"exit_code": int(code), "kind": code.name.lower()}
-            print(json.dumps({"error": facts | {"message": one_line(error)}}))
+            print(json.dumps({"error": facts | {"message": last_words(error)}}))
         print(end="", flush=True)
     except OSError:
         _silence(sys.stdout, sys.stderr)

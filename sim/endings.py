@@ -1,8 +1,14 @@
-"""How the command ends: its exit codes, and the signals that end it."""
+"""How the command ends: its exit codes, the signals that end it, and what goes on.
+
+Every ending before the end says what is done and kept, and the command that goes on.
+Work of which something is kept says so while it lasts; this module remembers it.
+"""
 
 from __future__ import annotations
 
 import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from enum import IntEnum
 
 
@@ -18,6 +24,7 @@ class ExitCode(IntEnum):
     TOLERANCE = 7  # a comparison came out larger than allowed
     SWEEP = 8  # a sweep ended with failed points
     BUG = 70  # ours
+    HUNG_UP = 129  # SIGHUP
     INTERRUPTED = 130  # SIGINT
     TERMINATED = 143  # SIGTERM
 
@@ -25,4 +32,49 @@ class ExitCode(IntEnum):
 ENDS = {  # what a message says of each signal
     signal.SIGINT: (ExitCode.INTERRUPTED, "interrupted: Ctrl-C"),
     signal.SIGTERM: (ExitCode.TERMINATED, "terminated: SIGTERM"),
+    signal.SIGHUP: (ExitCode.HUNG_UP, "hung up: SIGHUP"),
 }
+_words: list[str] = []  # of the command line
+_kept: list[Callable[[], str]] = []  # what is told of unfinished work, innermost last
+
+
+def heeded() -> list[signal.Signals]:
+    """The signals that end the command; after `nohup` a dropped connection does not."""
+    nohup = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    return [number for number in ENDS if number != signal.SIGHUP or not nohup]
+
+
+def begin(words: Sequence[str]) -> None:
+    """Remember the words of a command line that is begun, and of none before it."""
+    _words[:] = words
+    _kept.clear()
+
+
+@contextmanager
+def keeping(tell: Callable[[], str]) -> Iterator[None]:
+    """Work of which something is kept if it ends early: `tell` says what, and how on.
+
+    An error leaves it in force, since its message is yet to be written.
+    """
+    _kept.append(tell)
+    yield
+    _kept.remove(tell)
+
+
+def again(*more: str) -> str:
+    """The command line with further words, of which the last ones count."""
+    import shlex
+
+    return shlex.join(["stratawalk", *_words, *more])
+
+
+def way_on() -> str:
+    """What is kept of unfinished work, and the command that goes on."""
+    if kept := kept_work():
+        return kept
+    return f"written files are complete, start again: {again()}"
+
+
+def kept_work() -> str:
+    """As `way_on`; empty where no work has said that something is kept."""
+    return _kept[-1]() if _kept else ""

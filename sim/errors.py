@@ -13,8 +13,8 @@ from typing import ClassVar, Self
 
 from models import MeasurementError, ModelError, ProblemError, UnknownRobotError
 from planner import PlannerError
-from sim.endings import ENDS, ExitCode as ExitCode
-from sim.interruption import Terminated
+from sim.endings import ENDS, ExitCode as ExitCode, kept_work, way_on
+from sim.interruption import HungUp, Terminated
 
 LONGEST = 1000  # characters of a line; what is left out is in its middle
 ROOT = Path(__file__).resolve().parent.parent
@@ -125,13 +125,15 @@ _EXIT_CODES: dict[type[BaseException], ExitCode] = {
     ModelError: ExitCode.MODEL,
     PlannerError: ExitCode.SIMULATION,
     MeasurementError: ExitCode.SIMULATION,
-    Terminated: ExitCode.TERMINATED,  # before what it is a kind of
+    Terminated: ExitCode.TERMINATED,  # before what they are kinds of
+    HungUp: ExitCode.HUNG_UP,
     KeyboardInterrupt: ExitCode.INTERRUPTED,
     OSError: ExitCode.FILES,
     MemoryError: ExitCode.SIMULATION,
 }
 
 _SIGNALS = dict(ENDS.values())  # what ended the command, by its exit code
+_GO_ON = (ExitCode.FILES, ExitCode.SWEEP)  # after which kept work goes on
 
 
 def exit_code(error: BaseException) -> ExitCode:
@@ -142,6 +144,13 @@ def exit_code(error: BaseException) -> ExitCode:
         (code for kind, code in _EXIT_CODES.items() if isinstance(error, kind)),
         ExitCode.BUG,
     )
+
+
+def last_words(error: BaseException) -> str:
+    """What the command says as it ends with an error, and how to go on where it can."""
+    code = exit_code(error)
+    further = way_on() if code in _SIGNALS else kept_work() if code in _GO_ON else ""
+    return "; ".join(filter(None, (one_line(error), further)))
 
 
 def one_line(error: BaseException) -> str:
@@ -161,7 +170,7 @@ def _describe(error: BaseException) -> str:
         )
     if code in _SIGNALS:
         notes = "".join(f", {note}" for note in getattr(error, "__notes__", ()))
-        return f"{_SIGNALS[code]}{notes}; written files are complete, start again"
+        return f"{_SIGNALS[code]}{notes}"
     if isinstance(error, OSError):
         place = error.filename or "no file named"
         remedy = "free some space" if error.errno == errno.ENOSPC else "check the path"

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: how the command answers them, whatever it is doing.
+"""Ctrl-C, SIGTERM and SIGHUP: how the command answers, whatever it is doing.
 
 The first signal raises an exception where the command is, so that it can save what it
 has; the second ends it at once. A library may turn that exception into an error of its
@@ -25,7 +25,7 @@ from planner.support import (
     remove_unfinished,
     unanswered_interruption,
 )
-from sim.endings import ENDS
+from sim.endings import ENDS, heeded, way_on
 
 NOTICE_TIME = 0.6  # [s] in which the command has to notice a signal
 
@@ -33,6 +33,12 @@ NOTICE_TIME = 0.6  # [s] in which the command has to notice a signal
 class Terminated(KeyboardInterrupt):
     """SIGTERM, raised where it arrives as Ctrl-C raises KeyboardInterrupt."""
 
+
+class HungUp(KeyboardInterrupt):
+    """SIGHUP, as `Terminated`: the terminal is gone, an ssh was dropped."""
+
+
+RAISED = {signal.SIGTERM: Terminated, signal.SIGHUP: HungUp}
 
 _noticed = [-NOTICE_TIME]  # when the command noticed the last signal [s]
 
@@ -48,7 +54,7 @@ def listening() -> Iterator[None]:
         yield
         return
     forget_interruption()
-    before = {number: signal.signal(number, _raise) for number in ENDS}
+    before = {number: signal.signal(number, _raise) for number in heeded()}
     try:
         yield
     finally:
@@ -93,7 +99,7 @@ def _raise(number: int, frame: FrameType | None) -> NoReturn:
     _noticed[0] = time.monotonic()
     if unanswered_interruption() is not None:
         _end_now(number, "for the second time")
-    stop = Terminated() if number == signal.SIGTERM else KeyboardInterrupt()
+    stop = RAISED.get(signal.Signals(number), KeyboardInterrupt)()
     note_interruption(stop, _say_that_work_goes_on)
     raise stop
 
@@ -117,7 +123,7 @@ def _end_now(number: int, when: str) -> NoReturn:
     remove_unfinished()
     best, (code, what) = best_so_far(), ENDS[signal.Signals(number)]
     come_to = f", planning had come to {best}" if best else ""
-    line = f"{what} {when}{come_to}; written files are complete, start again"
+    line = f"{what} {when}{come_to}; {way_on()}"
     with suppress(OSError):  # standard error may be closed, or on a full disk
         os.write(2, f"stratawalk: error: {line}\n".encode())
     os._exit(code)

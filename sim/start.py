@@ -13,12 +13,13 @@ import sys
 import warnings
 from typing import NoReturn
 
-from sim.endings import ENDS
+from sim.endings import ENDS, again, begin, heeded
 
 
 def main() -> int:
     """Run the command in a process of its own; its exit code."""
-    for number in ENDS:
+    begin(sys.argv[1:])
+    for number in heeded():
         signal.signal(number, _end_early)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)  # they waited for this
     _prepare_streams()
@@ -40,7 +41,7 @@ def main() -> int:
 
 def _end_early(number: int, frame: object) -> NoReturn:
     code, what = ENDS[signal.Signals(number)]
-    line = f"stratawalk: error: {what}; nothing was begun, start again\n"
+    line = f"stratawalk: error: {what}; nothing was begun, start again: {again()}\n"
     os.write(2, line.encode())
     os._exit(code)
 

@@ -7,7 +7,10 @@ from contextlib import suppress
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-PACKAGES = ("stratawalk", "mujoco", "numpy", "scipy", "sympy", "shapely")
+PACKAGES = (
+    *("stratawalk", "mujoco", "numpy", "scipy", "sympy", "shapely"),
+    *("casadi", "ompl"),  # whose solvers optimise plans and find ways around obstacles
+)
 
 
 def versions() -> dict[str, str]:

@@ -4,12 +4,14 @@ from .compiled import (
     actuator_of as actuator_of,
     compile_model as compile_model,
     is_position_servo as is_position_servo,
+    read_spec as read_spec,
     root_body as root_body,
     silence_the_engine as silence_the_engine,
 )
 from .inspection import (
+    Limits as Limits,
     elements_with_files as elements_with_files,
     inspect_model as inspect_model,
 )
 from .robot import FOLDER as FOLDER
-from .table import parse_toml as parse_toml
+from .table import Table as Table, parse_toml as parse_toml

@@ -17,7 +17,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 
@@ -104,15 +104,30 @@ def _found(model: mujoco.MjModel, kind: str, name: str) -> Path | None:
     return None
 
 
-SECONDS = 30
-MEMORY = 4 * 10**9  # bytes
+class Limits(NamedTuple):
+    """What the compilation of a model may take, and the way out where it may not."""
+
+    seconds: int  # of the processor
+    memory: int  # bytes
+    move: str  # files from elsewhere
+
+
+ROBOT = Limits(
+    30,
+    4 * 10**9,
+    "move them there, or give --allow-external if you trust it",
+)
+PATIENCE = 30  # [s] by the clock
 ROOT = Path(__file__).resolve().parents[2]
 TRIAL = "models.description.trial"
 SHOWN = 3  # files that a message names
 
 
 def inspect_model(
-    path: Path, others: tuple[Path, ...] = (), allow_external: bool = False
+    path: Path,
+    others: tuple[Path, ...] = (),
+    allow_external: bool = False,
+    limits: Limits = ROBOT,
 ) -> Opened:
     """Make sure that a model may be read, and find the files that it opens.
 
@@ -120,35 +135,36 @@ def inspect_model(
     compile, have numbers that are not finite, or open files that they may not. This
     costs the start of a process.
     """
-    files = {Path(file) for file in _tried(path)}
+    files = {Path(file) for file in _tried(path, limits)}
     taken = outside((files | set(others)) - {path}, path.parent)
     if taken and not allow_external:
         named = ", ".join(map(str, taken[:SHOWN]))
         more = f" and {len(taken) - SHOWN} more" if len(taken) > SHOWN else ""
         raise ModelError(
-            f"it opens files outside its own folder: {path}; {named}{more}; move them "
-            "there, or give --allow-external if you trust it"
+            f"it opens files outside its own folder: {path}; {named}{more}; "
+            f"{limits.move}"
         )
     return Opened(tuple(sorted(files | {path})), tuple(taken))
 
 
-def _tried(path: Path) -> list[str]:
+def _tried(path: Path, limits: Limits) -> list[str]:
     """The files that a model opens, as the process that compiled it says."""
     too_large = ModelError(
-        f"too large: {path}; it takes more than {SECONDS} s or {MEMORY // 10**9} GB to "
-        "compile, leave parts out"
+        f"too large: {path}; it takes more than {limits.seconds} s or "
+        f"{limits.memory // 10**9} GB to compile, leave parts out"
     )
+    given = map(str, (path, limits.seconds, limits.memory))
     # No pictures, one thread, and this code whatever else is installed.
     paths = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     quick = {"MUJOCO_GL": "disabled", "OPENBLAS_NUM_THREADS": "1"}
     try:
         done = subprocess.run(
-            [sys.executable, "-P", "-m", TRIAL, str(path), str(SECONDS), str(MEMORY)],
+            [sys.executable, "-P", "-m", TRIAL, *given],
             env={**os.environ, **quick, "PYTHONPATH": paths},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            timeout=SECONDS,
+            timeout=PATIENCE,
         )
     except subprocess.TimeoutExpired:
         raise too_large from None

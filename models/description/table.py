@@ -60,7 +60,7 @@ class Table:
         self, values: object, where: str = "", known: Collection[str] = ()
     ) -> None:
         if not isinstance(values, Mapping):
-            raise ValueError(f"{where} must be a table, got {values!r}")
+            raise ValueError(f"{where} must be a table, got {shortened(values)}")
         self.values, self.where = values, where
         for key in values.keys() - set(known or values):
             place = where or "the file"

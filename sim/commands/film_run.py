@@ -38,13 +38,9 @@ def execute(options: argparse.Namespace) -> None:
     start = -math.inf if options.start is None else options.start
     stop = math.inf if options.stop is None else options.stop
 
-    from models.description import inspect_model
     from sim.pictures.run_film import film_folder
     from sim.progress import bar
 
-    model = Path(options.run) / "model.xml"
-    if model.is_file():  # a stranger's, perhaps
-        inspect_model(model)
     with bar(quiet=options.json) as progress:
         film = film_folder(
             Path(options.run),

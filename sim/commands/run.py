@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from dataclasses import asdict, replace
 from functools import partial
+from itertools import count
 from typing import TYPE_CHECKING
 
 from sim.commands.options import (
@@ -21,6 +23,7 @@ from sim.commands.options import (
     setting_option,
     whole,
 )
+from sim.endings import again, keeping
 from sim.errors import ExitCode, RenderError, SimulationError, one_line
 
 if TYPE_CHECKING:
@@ -79,8 +82,9 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if robot.opened.files:
         for change in changes(robot, drawn(scenario, robot)):
             notice(f"{change}: {robot.path}")
+    kept = partial(_kept, folder, look, options.out)
     try:
-        with bar(quiet=options.json) as progress:
+        with bar(quiet=options.json) as progress, keeping(kept):
             summary = run(
                 scenario,
                 folder,
@@ -100,10 +104,18 @@ def _walk_tries(
 ) -> ExitCode:
     """Walk draws one after another; the worst and the median are printed."""
     from sim.progress import bar
-    from sim.tries import describe, walk_tries
+    from sim.tries import TABLE, describe, walk_tries
 
     draws = range(scenario.draw, scenario.draw + options.tries)
-    with bar(quiet=options.json) as progress:
+
+    def kept() -> str:
+        table = folder.path / TABLE
+        done = table.read_text().count("\n") - 1 if table.is_file() else 0
+        rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
+        on = again(*rest, *_elsewhere(folder, options.out))
+        return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
+
+    with bar(quiet=options.json) as progress, keeping(kept):
         tries = walk_tries(scenario, robot, folder, draws, progress)
     if options.json:
         print(json.dumps([asdict(one) for one in tries]))
@@ -112,6 +124,24 @@ def _walk_tries(
         print(f"{describe(tries, length)}\n\n{'folder':13}{folder.path}")
     walked = all(one.goal is not None for one in tries)
     return ExitCode.OK if walked else ExitCode.SIMULATION
+
+
+def _kept(folder: RunFolder, look: str | None, out: str | None) -> str:
+    """What is kept of a walk that ends early, and the command that goes on."""
+    there = sorted(path.name for path in folder.path.glob("[!.]*"))
+    if "summary.json" in there:
+        on = "show" if look is None else "film"
+        return f"the walk is complete, go on: stratawalk {on} {folder.path}"
+    if not there:
+        return f"nothing is kept, start again: {again()}"
+    on = again(*_elsewhere(folder, out))
+    return f"{folder.path} keeps {', '.join(there)}, start again: {on}"
+
+
+def _elsewhere(folder: RunFolder, out: str | None) -> list[str]:
+    """The option for another folder, where one was named, which exists now."""
+    names = (f"{folder.path}-{number}" for number in count(2))
+    return ["--out", next(n for n in names if not os.path.lexists(n))] if out else []
 
 
 def _judged(summary: Summary, folder: RunFolder, tolerance: float | None) -> ExitCode:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands.options import needs_extra, notice, option
+from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -83,12 +84,24 @@ def execute(options: argparse.Namespace) -> ExitCode:
     workers, scheduler = _workers(options), options.scheduler
     points = points_of(sweep, shard)
     folder = claim(Path(options.out), shard, options.resume)
-    with sweep_bar(quiet=options.json) as show:
+    far = "points that are done"
+
+    def kept() -> str:
+        on = again(*([] if options.resume else ["--resume"]))
+        return f"{far} are kept in {options.out}, go on: {on}"
+
+    with sweep_bar(quiet=options.json) as bar, keeping(kept):
+
+        def show(done: int, failed: int, count: int) -> None:
+            nonlocal far
+            far = f"{done} of {count} points are done, they"
+            bar(done, failed, count)
+
         result = carry_on(
             points, folder, workers, scheduler, mix=options.force_mix, show=show
         )
-    for line in write_run_folders(points, folder):
-        notice(f"no run folder, {line}", "warning")
+        for line in write_run_folders(points, folder):
+            notice(f"no run folder, {line}", "warning")
     print_result(result, folder.table, options.json)
     return ExitCode.SWEEP if result.failed else ExitCode.OK
 

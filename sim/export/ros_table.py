@@ -8,21 +8,30 @@ from __future__ import annotations
 
 from math import radians
 from pathlib import Path
-from typing import Any
 
 import yaml
 
 from models import JointServo
+from models.description import Table
 from planner.support import read_file
 from sim.errors import UsageError
 
-KEYS = ("name", "id", "ticks", "center", "max_radians", "sign", "offset")
-OPTIONAL = {"sign": 1, "offset": 0.0}
-REMEDY = f"give every servo {', '.join(KEYS)}"
+LARGEST = 10**5  # bytes, of which the reader takes a second
+REMEDY = "give every servo name, id, ticks, center, max_radians, sign, offset"
 
 
 class RosLoader(yaml.SafeLoader):  # type: ignore[misc]
-    """YAML with the angles in degrees that rosparam knows."""
+    """YAML with the angles in degrees that rosparam knows, and without aliases.
+
+    Aliases of aliases are a gigabyte in a line; no servo needs them.
+    """
+
+    def compose_node(self, parent: yaml.Node, index: object) -> yaml.Node:
+        """The next node, which must stand there itself."""
+        if self.check_event(yaml.AliasEvent):
+            place = self.peek_event().start_mark
+            raise yaml.MarkedYAMLError(None, None, "write aliases out", place)
+        return super().compose_node(parent, index)
 
 
 def _angle(loader: yaml.SafeLoader, node: yaml.Node) -> float:
@@ -36,11 +45,11 @@ RosLoader.add_constructor("!radians", _angle)
 def read_ros_table(path: Path) -> dict[str, JointServo]:
     """Read the servos of a robot, by the names of their joints."""
     try:
-        read = yaml.load(read_file(path), Loader=RosLoader)  # noqa: S506
+        read = yaml.load(read_file(path, LARGEST), Loader=RosLoader)  # noqa: S506
     except OSError as error:
         what = f"cannot be read, {error.strerror}"
         raise UsageError(what, str(path), "give a YAML file") from error
-    except (yaml.YAMLError, ValueError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         reason = " ".join(str(error).split())
         raise UsageError(f"not YAML, {reason}", str(path), REMEDY) from error
     listed = read.get("SERVOS", read) if isinstance(read, dict) else read
@@ -50,43 +59,30 @@ def read_ros_table(path: Path) -> dict[str, JointServo]:
     table: dict[str, JointServo] = {}
     for number, servo in enumerate(servos, start=1):
         try:
-            joint, read_servo = _servo(servo)
+            joint, read_servo = _servo(Table(servo, f"servo {number}"))
             if joint in table:
-                raise ValueError(f"{joint!r} is there twice")
-        except (ValueError, TypeError) as error:
-            raise UsageError(f"servo {number}: {error}", str(path), REMEDY) from error
+                raise ValueError(f"servo {number}: {joint!r} is there twice")
+        except ValueError as error:
+            raise UsageError(str(error), str(path), REMEDY) from error
         table[joint] = read_servo
     return table
 
 
-def _servo(given: Any) -> tuple[str, JointServo]:
-    if not isinstance(given, dict):
-        raise ValueError(f"{given!r} is not a table")
-    values = OPTIONAL | given
-    if missing := [key for key in KEYS if key not in values]:
-        raise ValueError(f"{', '.join(missing)} missing")
-    ticks, turned = _number(values, "ticks"), _number(values, "max_radians")
-    center, sign = _number(values, "center"), _number(values, "sign")
-    offset, number = _number(values, "offset"), values["id"]
-    if isinstance(number, bool) or not isinstance(number, int):
-        raise ValueError(f"id must be a whole number, got {number!r}")
+def _servo(given: Table) -> tuple[str, JointServo]:
+    ticks, turned = given.number("ticks"), given.number("max_radians")
+    center, sign = given.number("center"), given.number("sign", 1)
+    offset = given.number("offset", 0.0)
     if not (ticks > 0 and turned > 0):
-        raise ValueError("ticks and max_radians must be positive")
+        raise ValueError(f"{given.where}: ticks and max_radians must be positive")
     ends = sorted(
         offset + sign * (count - center) * turned / ticks for count in (0, ticks - 1)
     )
-    return str(values["name"]), JointServo(
-        channel=number,
+    return str(given.get("name")), given.make(
+        JointServo,
+        channel=given.whole("id"),
         sign=sign,
         center=center,
         offset=offset,
         counts_per_radian=ticks / turned,
         limits=(ends[0], ends[1]),
     )
-
-
-def _number(values: dict[str, Any], key: str) -> float:
-    value = values[key]
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{key} must be a number, got {value!r}")
-    return float(value)

@@ -10,12 +10,7 @@ import mujoco
 import numpy as np
 
 from models import Robot, load
-from models.description import (
-    actuator_of,
-    compile_model,
-    inspect_model,
-    silence_the_engine,
-)
+from models.description import actuator_of
 from planner import Array
 from sim.export.servo_commands import ServoCommands, taken
 from sim.progress import Progress, silent
@@ -69,11 +64,8 @@ class Source:
 def from_run(folder: Path, *, allow_external: bool = False) -> Source:
     """A walk from its run folder, whose robot may open files elsewhere if allowed."""
     run = read_run(folder)
-    silence_the_engine()
-    inspect_model(folder / "model.xml")  # may refuse it as it refuses any robot's
+    model = run.model
     with reading(folder):
-        spec = mujoco.MjSpec.from_file(str(folder / "model.xml"))
-        model = compile_model(spec, str(folder / "model.xml"))
         model.key("start")
     name, geometry = run.scenario.robot, run.scenario.geometry
     robot = load(name, allow_external=allow_external, geometry=geometry)

@@ -68,7 +68,7 @@ def contours(walk: Run) -> Drawing:
     """
     if not walk.scenario.bumps:
         return join([])
-    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+    model = walk.model
     fields = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_HFIELD)
     lines = [line for geom in fields for line in _contours_of(model, int(geom))]
     width = CONTOUR_WIDTH * walk.reach

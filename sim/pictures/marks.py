@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import mujoco
 import numpy as np
 import shapely
 
@@ -62,7 +61,7 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
 
 def _covered(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
     """The robot's outline; beside obstacles also the floor that it swept over."""
-    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+    model = walk.model
     robot = Solids(model, root_body(model, walk.model_file))
     if walk.scenario.obstacles:
         yield Mark("floor swept over", swept(robot, walk, clock), palette.SWEPT)

@@ -54,6 +54,7 @@ def film_folder(
     folder = folder.resolve()
     with blamed_on(folder):
         walk = read_run(folder).in_world()
+        _ = walk.model  # which is refused here, and not by the processes that draw
         first, last = walk.time[[*rows_of(walk.time, stretch)]]
         if first == last:
             what = "nothing to film between {:g} and {:g} s".format(*stretch)

@@ -27,7 +27,8 @@ from sim.runs.run import read_run
 
 def draw(piece: Piece) -> None:
     """Draw frames of the film of a run folder."""
-    walk, frames = read_run(piece.folder).in_world(), piece.frames
+    walk = read_run(piece.folder, inspected=True).in_world()
+    frames = piece.frames
     film_clock = clock(walk.time, walk.scenario.playback, piece.stretch)
     view = camera(walk, film_clock, view_of(piece.camera))
     captions = Captions(walk, film_clock, view)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import os
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from math import prod
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +20,12 @@ from sim.errors import UsageError
 
 UNREADABLE = (
     OSError, KeyError, ValueError, IndexError, EOFError, ModelError, zipfile.BadZipFile,
-    zlib.error, csv.Error,
+    zlib.error, csv.Error, RuntimeError,
 )  # fmt: skip
+MOST_BYTES = 5 * 10**8  # of the arrays of a file, packed or not
+MOST_ARRAYS = 100
+LARGEST = 1e9  # number; what is drawn from larger ones overflows
+NUMBERS = "biuf"  # kinds of arrays: whether, whole and real numbers
 
 
 class Arrays(Mapping[str, Array]):
@@ -39,19 +45,66 @@ class Arrays(Mapping[str, Array]):
     def __len__(self) -> int:
         return len(self._names)
 
+    def check(self) -> None:
+        """Read every array once, which refuses what is wrong with it."""
+        for name in self._names:
+            self._load(name)
 
-def archive(folder: Path, name: str) -> Arrays:
-    """The arrays of one of a folder's files."""
+
+def archive(folder: Path, name: str, apart: Collection[str] = ()) -> Arrays:
+    """The arrays of one of a folder's files, a row a moment but for those `apart`.
+
+    What the file declares is compared with what it holds, and with what may be read,
+    before any of it is. Arrays that are read have finite numbers.
+    """
 
     def load(key: str) -> Array:
         with reading(folder), open_file(folder / name) as file:
             array = np.load(file, allow_pickle=False)[key]
-            if not isinstance(array, np.ndarray):
-                raise ValueError(f"{key} is no array")
+            if not (np.abs(array) < LARGEST).all():
+                row = int(np.argwhere(~(np.abs(array) < LARGEST))[0, 0])
+                what = f"{key} of {name} is not finite, or beyond {LARGEST:g}"
+                raise ValueError(f"{what}, in row {row}")
         return array
 
-    with open_file(folder / name) as file, np.load(file, allow_pickle=False) as arrays:
-        return Arrays(arrays.files, load)
+    with open_file(folder / name) as file:
+        if os.fstat(file.fileno()).st_size > MOST_BYTES:
+            raise ValueError(f"{name} is larger than {MOST_BYTES / 1e9:g} GB")
+        with zipfile.ZipFile(file) as archive:
+            shapes = dict(_declared(archive, name))
+    rows = {shape[:1] for key, shape in shapes.items() if key not in apart}
+    if len(rows) > 1 or () in rows or (0,) in rows:
+        raise ValueError(f"the arrays of {name} have not as many rows as each other")
+    return Arrays(shapes, load)
+
+
+def _declared(
+    archive: zipfile.ZipFile, name: str
+) -> Iterator[tuple[str, tuple[int, ...]]]:
+    """Names and shapes of arrays, once they are found to be as large as declared."""
+    members = archive.infolist()
+    total = sum(member.file_size for member in members)
+    if len(members) > MOST_ARRAYS or total > MOST_BYTES:
+        raise ValueError(
+            f"{name} declares {len(members)} arrays of {total / 1e9:.3g} GB, and "
+            f"{MOST_ARRAYS} of {MOST_BYTES / 1e9:g} GB are the most"
+        )
+    for member in members:
+        key = member.filename.removesuffix(".npy")
+        if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise ValueError(f"{key} of {name} is packed in an unknown way")
+        with archive.open(member) as file:
+            old = np.lib.format.read_magic(file) == (1, 0)
+            form = np.lib.format
+            read = form.read_array_header_1_0 if old else form.read_array_header_2_0
+            shape, _, dtype = read(file)
+            size = file.tell() + prod(shape) * dtype.itemsize
+        if dtype.kind not in NUMBERS or size != member.file_size:
+            raise ValueError(
+                f"{key} of {name} declares {size} bytes of numbers and has "
+                f"{member.file_size}"
+            )
+        yield key, shape
 
 
 @contextmanager

@@ -11,15 +11,24 @@ from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from models import Card
-from models.description import parse_card, parse_toml
+from models.description import (
+    Limits,
+    compile_model,
+    inspect_model,
+    parse_card,
+    parse_toml,
+    read_spec,
+)
 from planner import Array
 from planner.support import open_file, read_file
+from sim.errors import UsageError
 from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.summary import Summary
@@ -30,6 +39,10 @@ from sim.scenarios.file import anchor, scenario_from
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.scenario import Scenario
 
+if TYPE_CHECKING:
+    import mujoco
+
+LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 DRAWN = ("ideal", "quasi_static")  # predictions in pictures of the robot
 FILES = ("model.xml", "model.toml")  # without which nothing can be shown
@@ -54,6 +67,7 @@ class Run:
     arrays: Mapping[str, Array]  # of trajectory.npz, (T, ...) but for the start pose
     commands: Mapping[str, Array]  # `time` [s] and `ctrl`, a row a physics step
     frame: Array | None = None  # pose in the world, (3,), in which others are given
+    inspected: bool = False  # whether its model may be compiled without a look at it
 
     time = _array("time")  # of each row [s], (T,)
     phase = _array("phase")  # index of each row's phase, (T,)
@@ -69,10 +83,27 @@ class Run:
         """The folder's own name, by which people know the run."""
         return self.folder.name
 
-    @property
+    @cached_property
     def model_file(self) -> Path:
-        """MJCF file of robot and world."""
-        return self.folder / "model.xml"
+        """MJCF file of robot and world, which has been found fit to be compiled."""
+        path = self.folder / "model.xml"
+        if not self.inspected:
+            inspect_model(path, limits=LIMITS)
+        return path
+
+    @cached_property
+    def model(self) -> mujoco.MjModel:
+        """Robot and world, compiled; the states of the run are states of it."""
+        model = compile_model(read_spec(self.model_file), str(self.model_file))
+        self.require_width(self.qpos, model.nq)
+        self.require_width(self.qvel, model.nv)
+        return model
+
+    def require_width(self, array: Array, width: int) -> None:
+        """Refuse states or commands that are not those of the model."""
+        if array.shape[1:] != (width,):
+            what = f"rows of {array.shape[1:]} numbers where its model has {width}"
+            raise UsageError(what, str(self.folder), "walk the scenario again")
 
     @cached_property
     def scenario(self) -> Scenario:
@@ -199,8 +230,12 @@ def _in_world(frame: Array, poses: Array) -> Array:
     return np.concatenate([points, poses[..., 2:] + frame[2]], axis=-1)
 
 
-def read_run(folder: Path) -> Run:
-    """Read the folder of a run that came to its end, or raise UsageError."""
+def read_run(folder: Path, *, inspected: bool = False) -> Run:
+    """Read the folder of a run that came to its end, or raise UsageError.
+
+    All its arrays are read once, and its model is compiled in a process with limits
+    before anything else does, unless that has been done.
+    """
     with reading(folder):
         for name in FILES:
             open_file(folder / name).close()
@@ -208,10 +243,24 @@ def read_run(folder: Path) -> Run:
             folder=folder.resolve(),
             settings=parse_toml(read_file(folder / "scenario.toml").decode()),
             card_text=read_file(folder / "model.toml").decode(),
-            summary=Summary.read(json.loads(read_file(folder / "summary.json"))),
+            summary=Summary.read(_finite(read_file(folder / "summary.json"))),
             phases=flows.read(read_file(folder / "flows.csv").decode()),
-            arrays=archive(folder, "trajectory.npz"),
-            commands=archive(folder, "commands.npz"),
+            arrays=(states := archive(folder, "trajectory.npz", apart=(START,))),
+            commands=(commands := archive(folder, "commands.npz")),
+            inspected=inspected,
         )
+        for arrays in () if inspected else (states, commands):
+            arrays.check()
         _ = run.card, run.nominal, run.obstacles  # which say in time what is wrong
     return run
+
+
+def _finite(text: bytes) -> dict[str, Any]:
+    """A table of JSON, in which all numbers are finite."""
+
+    def number(text: str) -> float:
+        if not isfinite(value := float(text)):
+            raise ValueError(f"{text} is not a finite number")
+        return value
+
+    return json.loads(text, parse_float=number, parse_constant=number)

@@ -22,6 +22,7 @@ from planner import Array, Path
 from planner.support import read_file
 from sim.errors import UsageError
 from sim.scenarios.declaration import (
+    LEAST,
     Range,
     accept,
     is_list,
@@ -39,7 +40,7 @@ MOST_POSES, MOST_BYTES = 100_000, 10**8  # in such a file
 WHERE = "the nominal path"
 
 Coordinate = Annotated[float, Range(-FARTHEST_POSE, FARTHEST_POSE)]
-Length = Annotated[float, Range(0, FARTHEST_POSE, above=True)]
+Length = Annotated[float, Range(LEAST, FARTHEST_POSE)]
 NONE_BEYOND = f"none beyond {FARTHEST_POSE:g}"
 
 

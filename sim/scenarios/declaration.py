@@ -23,6 +23,7 @@ from sim.errors import UsageError
 
 Table = Mapping[str, Any]  # as TOML has it
 
+LEAST = 1e-9  # of what must be above 0: what is divided by less overflows
 Effect = Literal[
     "label", "equations", "plan", "motion", "world", "drive", "refusal", "rows", "film"
 ]
@@ -33,11 +34,10 @@ are written, the film."""
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Limits of a number; `above` leaves out the lower one itself."""
+    """Limits of a number."""
 
     low: float
     high: float
-    above: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +193,7 @@ def _number(value: object, base: type, limits: Range) -> float:
     if not is_number(value) or not limits.low <= value <= limits.high:
         raise ValueError
     number: float = base(value)
-    if (limits.above and value == limits.low) or number != value:
+    if number != value:
         raise ValueError
     return number
 
@@ -210,7 +210,7 @@ def _text(value: object, limits: Text) -> str:
 
 @cache
 def words(kind: object) -> str:
-    """For example `a number above 0 and up to 0.02`."""
+    """For example `a number from 0 to 0.02`."""
     kinds = [option for option in options(kind) if option is not NoneType]
     if len(kinds) > 1:
         return ", or ".join(map(words, kinds))
@@ -225,11 +225,7 @@ def words(kind: object) -> str:
         return f"a list of {count}numbers, {', '.join(map(words, each))}"
     if origin is Annotated and isinstance(inner[1], Range):
         noun = "a whole number" if inner[0] is int else "a number"
-        limits = inner[1]
-        above = (
-            f"above {limits.low:g} and up" if limits.above else f"from {limits.low:g}"
-        )
-        return f"{noun} {above} to {limits.high:g}"
+        return f"{noun} from {inner[1].low:g} to {inner[1].high:g}"
     if origin is Annotated and inner[1].file_name:
         return "a name without slashes"
     if origin is Mapping:

@@ -14,7 +14,7 @@ from functools import partial
 from typing import Annotated, Literal, get_type_hints
 
 from sim.errors import UsageError
-from sim.scenarios.declaration import Range, Setting, Text, accept, setting
+from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setting
 
 imperfection = partial(setting, imperfection=True)
 Mass = Annotated[float, Range(0, 1e3)]
@@ -131,10 +131,10 @@ class Settings:
         "none",
         "plan",
     )
-    path_tolerance: Annotated[float, Range(0, 100, above=True)] | None = setting(
+    path_tolerance: Annotated[float, Range(LEAST, 100)] | None = setting(
         "how far an optimised plan may depart from the path", None, "plan", "m"
     )
-    yaw_tolerance: Annotated[float, Range(0, 1e3, above=True)] | None = setting(
+    yaw_tolerance: Annotated[float, Range(LEAST, 1e3)] | None = setting(
         "how far it may depart from the path's yaw; pi leaves the yaw free",
         None,
         "plan",
@@ -155,7 +155,7 @@ class Settings:
     timestep: Annotated[float, Range(1e-6, 0.02)] = setting(
         "time step of the physics", 0.001, ("world", "motion"), "s"
     )
-    servo_stiffness: Annotated[float, Range(0, 1e6, above=True)] | None = setting(
+    servo_stiffness: Annotated[float, Range(LEAST, 1e6)] | None = setting(
         "stiffness of every servo", None, ("world", "drive"), "N m/rad"
     )
     servo_damping: Annotated[float, Range(0, 1e6)] | None = setting(
@@ -220,19 +220,19 @@ class Settings:
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the random draw of zeros, feet and floor", 0, ("world", "drive")
     )
-    swing_speed: Annotated[float, Range(0, 100, above=True)] = setting(
+    swing_speed: Annotated[float, Range(LEAST, 100)] = setting(
         "highest speed of a swing joint", 0.5, "motion", "rad/s"
     )
-    swing_acceleration: Annotated[float, Range(0, 1e4, above=True)] = setting(
+    swing_acceleration: Annotated[float, Range(LEAST, 1e4)] = setting(
         "highest acceleration of a swing joint", 5.0, "motion", "rad/s2"
     )
-    lift_height: Annotated[float, Range(0, 1, above=True)] | None = setting(
+    lift_height: Annotated[float, Range(LEAST, 1)] | None = setting(
         "height of a lifted foot above the floor", None, "motion", "m"
     )
-    hold: Annotated[float, Range(0, 60, above=True)] = setting(
+    hold: Annotated[float, Range(LEAST, 60)] = setting(
         "time of standing still before and after the walk", 0.5, "motion", "s"
     )
-    plan_time: Annotated[float, Range(0, 1e5, above=True)] = setting(
+    plan_time: Annotated[float, Range(LEAST, 1e5)] = setting(
         "longest time that planning may take", 300.0, "refusal", "s"
     )
     min_margin: Annotated[float, Range(0, 1)] | None = setting(
@@ -250,7 +250,7 @@ class Settings:
     sample_every: Annotated[int, Range(1, 1_000_000)] = setting(
         "physics steps between recorded rows", 10, "rows"
     )
-    playback: Annotated[float, Range(0, 1000, above=True)] | None = setting(
+    playback: Annotated[float, Range(LEAST, 1000)] | None = setting(
         "speed of the film, in times real time; if not given, it fits the walk",
         None,
         "film",

@@ -41,6 +41,11 @@ class Sweep:
     run_folders: tuple[int, ...] = ()  # numbers of the points that get a run folder
     filmed: bool = False  # whether these folders get films
 
+    def __post_init__(self) -> None:
+        if len(self) > MOST_POINTS:
+            remedy = f"ask for {MOST_POINTS} at most"
+            raise UsageError(f"{len(self)} points", f"sweep {self.name!r}", remedy)
+
     def __len__(self) -> int:
         return math.prod(len(choices) for _, choices in self.blocks)
 
@@ -75,9 +80,8 @@ def read_sweep(source: str) -> Sweep:
     given = Counter([*fixed, *(key for keys, _ in blocks for key in keys)])
     for key in (key for key, times in given.items() if times > 1):
         raise UsageError(f"{key} is given twice", source, "keep it in one table")
-    if (count := math.prod(len(choices) for _, choices in blocks)) > MOST_POINTS:
-        raise UsageError(f"{count} points", source, f"ask for {MOST_POINTS} at most")
-    without, kept = _without(table.get("without", [])), _inner(table, "keep")
+    count = math.prod(len(choices) for _, choices in blocks)
+    without, kept = left_out(table.get("without", [])), _inner(table, "keep")
     return Sweep(
         path.stem, scenario, fixed, blocks, without, *_run_folders(kept, count)
     )
@@ -151,7 +155,8 @@ def _anchored(block: Block, folder: Path) -> Block:
     return keys, [tuple(values[key] for key in keys) for values in rows]
 
 
-def _without(given: object) -> tuple[str, ...]:
+def left_out(given: object) -> tuple[str, ...]:
+    """The measures that a sweep leaves out, in order."""
     if not isinstance(given, list) or not all(word in MEASURES for word in given):
         what = f"without = {given!r} is not allowed"
         names = " and ".join(MEASURES)

@@ -18,11 +18,13 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
+from planner.support import read_file
 from sim.errors import FilesError, UsageError
 from sim.folder import RunFolder, ensure_folder
-from sim.sweeps.file import Sweep
+from sim.sweeps.file import Sweep, left_out
 from sim.sweeps.identity import differences, software
 
+UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
 
 
@@ -55,6 +57,14 @@ class About:
     asked: Mapping[str, Any]  # scenario, fixed and varying settings, measures left out
     software: Mapping[str, str]
 
+    def __post_init__(self) -> None:
+        vary = self.asked["vary"]
+        tables = self.software, self.asked["scenario"], self.asked["set"], vary
+        lists = all(isinstance(values, list) for values in vary.values())
+        if not (lists and all(isinstance(table, Mapping) for table in tables)):
+            raise TypeError("it does not say what a sweep is about")
+        _ = self.sweep
+
     @classmethod
     def of(cls, sweep: Sweep) -> About:
         """What a sweep is about, with the software of today."""
@@ -74,13 +84,16 @@ class About:
     def read(cls, path: Path) -> About | None:
         """What the sweep of a folder is about; None where nothing says so yet."""
         try:
-            found = json.loads(path.read_text())
+            found = json.loads(read_file(path))
             return cls(found["asked"], found["software"])
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            what = f"cannot be read, {error}"
+        except OSError as error:
+            what = f"cannot be read, {error.strerror}"
             raise FilesError(what, str(path), "choose another folder") from error
+        except UNREADABLE as error:
+            what = f"not as a sweep wrote it, {type(error).__name__} {error}"
+            raise UsageError(what, str(path), "choose another folder") from error
 
     @property
     def sweep(self) -> Sweep:
@@ -88,9 +101,12 @@ class About:
         blocks = []
         for names, choices in self.asked["vary"].items():
             keys = tuple(names.split(SIDE_BY_SIDE))
-            blocks.append((keys, [tuple(c) if keys[1:] else (c,) for c in choices]))
+            rows = [tuple(c) if keys[1:] else (c,) for c in choices]
+            if any(len(row) != len(keys) for row in rows):
+                raise ValueError(f"{names} has rows of another length")
+            blocks.append((keys, rows))
         scenario, fixed = self.asked["scenario"], self.asked["set"]
-        without = tuple(self.asked["without"])
+        without = left_out(self.asked["without"])
         return Sweep("merged", scenario, fixed, tuple(blocks), without)
 
     def differences(self, other: About) -> list[str]:

@@ -2,21 +2,29 @@
 
 A line is on the disk before its point counts as done. Whatever ends the process, every
 line but the last is whole; a torn last line is cut off when the ledger is next opened,
-and its point is walked again.
+and its point is walked again. A line begins with a seal, the digest of the rest of it:
+one that somebody has changed is refused.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
+from math import isfinite
 from pathlib import Path
 
-from sim.errors import FilesError
+from planner.support import open_file
+from sim.errors import FilesError, UsageError
 
 OK = "ok"
+SEAL = b'{"seal": "%b", '
+LENGTH = len(SEAL % bytes(16))
+LONGEST = 10**6  # bytes of a line
+LARGEST = 2**63  # whole number that a table takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +36,29 @@ class Outcome:
     numbers: Mapping[str, object] = field(default_factory=dict)  # by dotted names
     software: Mapping[str, str] = field(default_factory=dict)  # that they come from
 
+    def __post_init__(self) -> None:
+        words = [self.digest, self.status, *self.software.values()]
+        if not all(isinstance(word, str) for word in words):
+            raise TypeError("digest, status and software are texts")
+        if not all(map(_is_plain, self.numbers.values())):
+            raise TypeError("numbers are finite, or texts")
+
+    @property
+    def line(self) -> bytes:
+        """The line of the ledger that says so."""
+        return _sealed(json.dumps(asdict(self)).encode())
+
+    @classmethod
+    def read(cls, line: bytes) -> Outcome:
+        """What a line says; a ValueError if it is not as it was written."""
+        content = b"{" + line[LENGTH:-1]
+        if line != _sealed(content):
+            raise ValueError("it was changed since")
+        try:
+            return cls(**json.loads(content))
+        except (TypeError, AttributeError, RecursionError) as error:
+            raise ValueError(str(error)) from error
+
 
 class Ledger:
     """A ledger that is open for writing."""
@@ -37,7 +68,7 @@ class Ledger:
 
     def add(self, outcomes: Iterable[Outcome]) -> None:
         """Write lines and wait until they are on the disk."""
-        content = "".join(f"{json.dumps(asdict(one))}\n" for one in outcomes).encode()
+        content = b"".join(one.line for one in outcomes)
         try:
             while content:
                 content = content[os.write(self._handle, content) :]
@@ -66,12 +97,34 @@ def opened(path: Path) -> Iterator[Ledger]:
 def read_ledger(path: Path) -> dict[str, Outcome]:
     """Finished points by their digests; none where there is no ledger yet.
 
-    A line that cannot be read counts as not written: its point is walked again.
+    A torn last line counts as not written, and its point is walked again.
     """
     known: dict[str, Outcome] = {}
-    with suppress(FileNotFoundError), path.open("rb") as file:
-        for line in (line for line in file if line.endswith(b"\n")):
-            with suppress(ValueError, TypeError):
-                outcome = Outcome(**json.loads(line))
-                known[outcome.digest] = outcome
+    with suppress(FileNotFoundError), open_file(path) as file:
+        lines = iter(lambda: file.readline(LONGEST), b"")
+        for number, line in enumerate(lines, start=1):
+            if not line.endswith(b"\n") and len(line) < LONGEST:
+                break
+            try:
+                outcome = Outcome.read(line)
+            except ValueError as error:
+                what = f"line {number} is not as a sweep wrote it, {error}"
+                remedy = "delete that line; --resume walks its point again"
+                raise UsageError(what, str(path), remedy) from error
+            known[outcome.digest] = outcome
     return known
+
+
+def _sealed(content: bytes) -> bytes:
+    """A line that holds a JSON object, with the first digits of its digest in front."""
+    digest = hashlib.sha256(content).hexdigest()[:16]
+    return SEAL % digest.encode() + content[1:] + b"\n"
+
+
+def _is_plain(value: object) -> bool:
+    """Whether a table has room for a value: a number, a text, yes or no, or nothing."""
+    if isinstance(value, float):
+        return isfinite(value)
+    if isinstance(value, int):
+        return abs(value) < LARGEST
+    return value is None or isinstance(value, str)

@@ -129,19 +129,14 @@ def carry_on(
         if tasks := points.tasks(known):
             counter = _Counter(points.digests, show)
             counter.add(known.values())
-            try:
-                with (
-                    opened(folder.ledger) as ledger,
-                    open_pool(min(workers, len(tasks)), scheduler) as pool,
-                ):
-                    for outcome in pool.carry_out(tasks):
-                        ledger.add([outcome])
-                        known[outcome.digest] = outcome
-                        counter.add([outcome])
-            except KeyboardInterrupt as stop:
-                far = f"{counter.done} of {counter.points} points are done"
-                stop.add_note(f"{far}, go on with --resume")
-                raise
+            with (
+                opened(folder.ledger) as ledger,
+                open_pool(min(workers, len(tasks)), scheduler) as pool,
+            ):
+                for outcome in pool.carry_out(tasks):
+                    ledger.add([outcome])
+                    known[outcome.digest] = outcome
+                    counter.add([outcome])
         write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known, len(tasks))
 

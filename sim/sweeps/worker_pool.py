@@ -14,6 +14,7 @@ import tempfile
 import time
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,6 +27,7 @@ from sim.errors import SweepError, UsageError, one_line
 from sim.sweeps.identity import differences, software
 from sim.sweeps.ledger import Outcome
 from sim.sweeps.worker import Task
+from sim.versions import PACKAGES
 
 NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error
 ANSWER = "15s"  # for the scheduler to come forward
@@ -37,7 +39,7 @@ QUIET = {
     "distributed.scheduler.worker-ttl": None,
     "distributed.comm.timeouts.tcp": "600s",
 }
-SHARED = ("mujoco", "stratawalk", "numpy", "scipy", "machine", "code")
+SHARED = (*PACKAGES, "machine", "code")
 """Versions that must be the same on every worker."""
 
 
@@ -53,7 +55,18 @@ class WorkerPool:
     deaths: Counter[str] = field(default_factory=Counter)
 
     def carry_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """Outcomes of tasks as they come; SweepError where no worker may take part."""
+        """Outcomes of tasks as they come.
+
+        SweepError where no worker may take part, or the scheduler is lost.
+        """
+        try:
+            yield from self._carried_out(tasks)
+        except (OSError, CancelledError) as error:
+            what = f"the scheduler is gone, {type(error).__name__}"
+            where = str(self.client.scheduler.address)
+            raise SweepError(what, where, "start it and its workers again") from error
+
+    def _carried_out(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
         waiting, seen = deque(tasks), time.monotonic()
         done: list[Outcome] = []
         while waiting or self.running:
@@ -130,6 +143,8 @@ class WorkerPool:
         task, _ = self.running.pop(future)
         if future.status == "finished":
             return task, future.result()
+        if future.status in ("cancelled", "lost") and self.client.status != "running":
+            raise CancelledError
         error = future.exception() if future.status == "error" else None
         future.cancel()
         if error is not None and not isinstance(error, KilledWorker):
@@ -165,7 +180,8 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
 
     They are processes on this machine, or those of the Dask scheduler at an address.
     """
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     logging.getLogger("distributed").handlers[:] = [logging.NullHandler()]
     dask.config.set(QUIET)
     with ExitStack() as stack:
@@ -179,7 +195,7 @@ def open_pool(workers: int, scheduler: str | None) -> Iterator[WorkerPool]:
             raise UsageError(what, str(at), remedy) from error
         # The scheduler reports every death, instead of trying a task again itself.
         before = client.run_on_scheduler(_allow_failures, 0)
-        stack.callback(client.run_on_scheduler, _allow_failures, before)
+        stack.callback(_restore, client, before)
         try:
             yield WorkerPool(client)
         except KeyboardInterrupt:
@@ -210,6 +226,11 @@ def _local(stack: ExitStack, workers: int) -> LocalCluster:
         logging.getLogger("asyncio").setLevel(logging.CRITICAL)
         raise
     return stack.enter_context(cluster)
+
+
+def _restore(client: Client, before: int) -> None:
+    with suppress(OSError):  # the scheduler may be gone
+        client.run_on_scheduler(_allow_failures, before)
 
 
 def _allow_failures(count: int, dask_scheduler: Any = None) -> int:

@@ -111,7 +111,7 @@ class _Robot:
 
     def __init__(self, scene: SceneApi, walk: Run) -> None:
         self._scene, self._walk = scene, walk
-        self._model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+        self._model = walk.model
         self._data = mujoco.MjData(self._model)
         self._root = root_body(self._model, walk.model_file)
         bodies = np.flatnonzero(self._model.body_rootid == self._root)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import socket
 from collections.abc import Callable
+from copy import copy
 from pathlib import Path
 from typing import TYPE_CHECKING
 from unittest.mock import patch
@@ -47,7 +48,6 @@ def serve(
     """Show a run until interrupted; `started` is called with the page's address."""
     with blamed_on(folder):
         walk = read_run(folder).in_world()
-        _ = walk.ctrl  # from which contact forces follow
         model = looked_through(walk)
         playback = Playback(end=float(walk.time[-1]), speed=speed)
     bound = _bound(host, port)
@@ -66,7 +66,8 @@ def looked_through(walk: Run) -> mujoco.MjModel:
     Paths and support polygon lie under the body, and discs as wide as MuJoCo's own
     would cover the footprints.
     """
-    model = mujoco.MjModel.from_xml_path(str(walk.model_file))
+    model = copy(walk.model)
+    walk.require_width(walk.ctrl, model.nu)
     torso = model.geom_bodyid == root_body(model, walk.model_file)
     model.geom_rgba[torso, 3] *= TORSO
     scale = model.vis.scale

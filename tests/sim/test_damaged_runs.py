@@ -1,12 +1,18 @@
 """A run folder that was damaged is refused in one line, whatever reads it."""
 
+import io
 import json
+import re
+import resource
 import shutil
+import zipfile
 
+import imageio.v3 as iio
 import numpy as np
 import pytest
 
 from sim.cli import main
+from tests.commands import refusal, run
 
 COMMANDS = {
     "film": ("film", "run", "--to", "0.1"),
@@ -54,6 +60,32 @@ def words(change):
     return lambda path: path.write_text(change(path.read_text()))
 
 
+def member(name, content, change=None):
+    """An archive of arrays, one of which is replaced by some bytes."""
+
+    def damage(path):
+        with zipfile.ZipFile(path) as old:
+            kept = {each: old.read(each) for each in old.namelist()}
+        kept[name] = content(kept[name])
+        with zipfile.ZipFile(path, "w", change or zipfile.ZIP_DEFLATED) as new:
+            for each, bytes_ in kept.items():
+                new.writestr(each, bytes_)
+
+    return damage
+
+
+def declaring(shape):
+    """An array whose header declares another shape than it has."""
+
+    def content(array):
+        header = io.BytesIO()
+        given = {"descr": "<f8", "fortran_order": False, "shape": shape}
+        np.lib.format.write_array_header_1_0(header, given)
+        return header.getvalue() + bytes(1000)
+
+    return content
+
+
 def without(key):
     """A summary that lacks a key."""
     return words(
@@ -62,21 +94,72 @@ def without(key):
 
 
 VIEWS = "film view replay"
+ALL = f"{VIEWS} show export compare"
 DAMAGES = {
     "states cut": ("trajectory.npz", cut, f"{VIEWS} show export compare"),
-    "states rotten": ("trajectory.npz", rotten, VIEWS),
+    "states rotten": ("trajectory.npz", rotten, f"{VIEWS} show compare"),
+    "states of no number": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(qpos=kept["qpos"] * np.nan)),
+        ALL,
+    ),
+    "states beyond all drawing": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(qpos=kept["qpos"] + 1e30)),
+        ALL,
+    ),
+    "states that declare eight gigabytes": (
+        "trajectory.npz",
+        member("qpos.npy", declaring((10**9,))),
+        ALL,
+    ),
+    "states that declare as many twice below zero": (
+        "trajectory.npz",
+        member("qpos.npy", declaring((-25, -5))),
+        ALL,
+    ),
+    "states that inflate to a gigabyte": (
+        "trajectory.npz",
+        member("qpos.npy", lambda array: bytes(10**9)),
+        "show",
+    ),
+    "states packed in a way of their own": (
+        "trajectory.npz",
+        member("qpos.npy", bytes, zipfile.ZIP_LZMA),
+        "show",
+    ),
+    "states of fewer moments": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(qpos=kept["qpos"][:-1])),
+        ALL,
+    ),
+    "states of another robot": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(qpos=kept["qpos"][:, 1:])),
+        VIEWS,
+    ),
+    "words for states": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update(qpos=np.full(len(kept["time"]), "x"))),
+        ALL,
+    ),
+    "a hundred arrays more": (
+        "trajectory.npz",
+        arrays(lambda kept: kept.update({str(i): kept["time"] for i in range(100)})),
+        "show",
+    ),
     "states empty": ("trajectory.npz", emptied, f"{VIEWS} show export compare"),
     "states gone": ("trajectory.npz", removed, f"{VIEWS} show export compare"),
     "states without rows": (
         "trajectory.npz",
-        arrays(lambda kept: kept.update(time=kept["time"][:0])),
+        arrays(lambda kept: kept.update({k: v[:0] for k, v in kept.items()})),
         f"{VIEWS} show",
     ),
     "commands empty": ("commands.npz", emptied, "view export"),
     "commands of no number": (
         "commands.npz",
         arrays(lambda kept: kept.update(ctrl=kept["ctrl"] * np.nan)),
-        "export",
+        "view export",
     ),
     "a number for commands": (
         "commands.npz",
@@ -84,6 +167,21 @@ DAMAGES = {
         "export",
     ),
     "a summary without its name": ("summary.json", without("scenario"), "show"),
+    "a summary of no number": (
+        "summary.json",
+        words(lambda text: text.replace('"segments": 2', '"segments": NaN')),
+        "show",
+    ),
+    "a summary beyond all numbers": (
+        "summary.json",
+        words(lambda text: text.replace('"segments": 2', '"segments": 1e999')),
+        "show",
+    ),
+    "a summary of brackets": (
+        "summary.json",
+        words(lambda text: "[" * 100_000),
+        "show",
+    ),
     "a summary cut": ("summary.json", cut, "show export compare"),
     "phases cut": ("flows.csv", cut, f"{VIEWS} show compare"),
     "a phase of great length": (
@@ -124,17 +222,39 @@ def test_a_damaged_run_is_refused_in_one_line(
     assert "a bug of ours" not in line
 
 
-BOMB = '<worldbody><replicate count="300000"><geom size="1"/></replicate></worldbody>'
+BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'
+FOREIGN = '<asset><texture type="2d" name="t" file="{}"/></asset>'
+MODELS = [name for name in COMMANDS if name not in ("show", "compare")]
+LIMITS = (10.0, 2 * 10**9)  # [s] of the processor, bytes
 
 
 @pytest.mark.physics
 @pytest.mark.full
-@pytest.mark.parametrize("command", ["film", "export"])
-def test_the_model_of_a_run_may_be_a_bomb(
+@pytest.mark.parametrize("command", MODELS)
+def test_the_model_of_a_run_may_be_a_bomb(walked, tmp_path, command):
+    shutil.copytree(walked, tmp_path / "run")
+    (tmp_path / "run" / "model.xml").write_text(f"<mujoco>{BOMB}</mujoco>")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = run(COMMANDS[command], tmp_path, MUJOCO_GL="egl")  # none has been loaded
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert done.returncode == 3
+    assert re.search("too large: .*run/model.xml; ", refusal(done))
+    assert used.ru_utime + used.ru_stime - before.ru_utime - before.ru_stime < LIMITS[0]
+    assert 1024 * used.ru_maxrss < LIMITS[1]
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize("command", MODELS)
+def test_the_model_of_a_run_opens_no_files_outside_its_folder(
     walked, tmp_path, monkeypatch, capsys, command
 ):
     shutil.copytree(walked, tmp_path / "run")
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "run" / "model.xml").write_text(f"<mujoco>{BOMB}</mujoco>")
+    iio.imwrite(tmp_path / "secret.png", np.zeros((8, 8, 3), np.uint8))
+    model = tmp_path / "run" / "model.xml"
+    opening = FOREIGN.format(tmp_path / "secret.png") + "</mujoco>"
+    model.write_text(model.read_text().replace("</mujoco>", opening))
     assert main(COMMANDS[command]) == 3
-    assert "too large: run/model.xml; " in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "it opens files outside its own folder: " in said
+    assert "secret.png; walk the scenario again" in said

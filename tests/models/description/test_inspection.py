@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+from models.description.inspection import Limits, inspect_model
 from models.description.robot import FOLDER
 from models.errors import ModelError
 from models.library import load
@@ -154,12 +155,11 @@ def test_a_model_that_grows_without_end_is_refused_in_time(robot, more):
     assert time.monotonic() - began < LIMIT
 
 
-def test_memory_is_limited(robot, monkeypatch):
+def test_memory_is_limited(robot):
     """The compiler itself would take this model, at twice its 0.6 GB."""
-    monkeypatch.setattr("models.description.inspection.MEMORY", 10**9)
     field = '<hfield name="h" nrow="12000" ncol="12000" size="1 1 1 1"/>'
     with pytest.raises(ModelError, match="too large: .*more than 30 s or 1 GB"):
-        load(str(robot(f"<asset>{field}</asset>")))
+        inspect_model(robot(f"<asset>{field}</asset>"), limits=Limits(30, 10**9, ""))
 
 
 def test_a_pipe_is_not_waited_for(robot):

@@ -225,7 +225,8 @@ def test_film_that_cannot_be_drawn_is_refused_before_the_walk(stratawalk, tmp_pa
 
 @pytest.mark.physics
 @pytest.mark.parametrize(
-    ("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
+    ("sent", "code"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
 )
 def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     words = ("run", "line", "--segments", "400", "--no-video", "--out", "here")
@@ -244,7 +245,26 @@ def test_signal_ends_a_run_with_one_line_and_whole_files(tmp_path, sent, code):
     assert process.returncode == code
     (line,) = told(stderr)
     assert line.startswith("stratawalk: error: ")
+    assert re.search("; here keeps .*model.xml, .*scenario.toml, start again: ", line)
+    assert line.endswith(f": stratawalk {' '.join(words)} --out here-2")
     assert [p.name for p in (tmp_path / "here").iterdir() if ".part" in p.name] == []
+
+
+def test_a_dropped_connection_does_not_end_a_command_after_nohup(tmp_path):
+    program = (
+        "import os, signal, sys, sim.start\n"
+        "from sim.commands import scenarios\n"
+        "list_them = scenarios.execute\n"
+        "def execute(options):\n"
+        "    os.kill(os.getpid(), signal.SIGHUP)\n"
+        "    list_them(options)\n"
+        "scenarios.execute = execute\n"
+        "sys.argv = ['stratawalk', 'scenarios']\n"
+        "sys.exit(sim.start.main())\n"
+    )
+    command = ["nohup", sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, env=OUTSIDE)
+    assert (done.returncode, "corridor" in done.stdout) == (0, True)
 
 
 def test_reader_that_leaves_is_no_error(tmp_path):

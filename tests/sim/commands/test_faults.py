@@ -148,7 +148,8 @@ def test_a_plan_is_never_saved_over_another(stratawalk, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)]
+    ("number", "code"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)],
 )
 def test_a_signal_while_the_command_loads_is_one_line(tmp_path, number, code):
     """Sent as soon as our first module runs, long before all of it is loaded."""
@@ -166,7 +167,7 @@ def test_a_signal_while_the_command_loads_is_one_line(tmp_path, number, code):
         [sys.executable, "-c", program], capture_output=True, text=True, env=OUTSIDE
     )
     assert (done.returncode, done.stdout) == (code, "")
-    refusal(done)
+    assert refusal(done).endswith("nothing was begun, start again: stratawalk robots")
 
 
 def test_a_library_that_was_stopped_halfway_says_nothing_more(stratawalk, tmp_path):

@@ -60,8 +60,12 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
         ("[", "not YAML"),
         ("", "no servos"),
         ("[]", "no servos"),
-        ("- 3", "servo 1: 3 is not a table"),
-        ("- {name: a, id: 1}", "servo 1: ticks, center, max_radians missing"),
+        ("- 3", "servo 1 must be a table, got 3"),
+        ("- {name: a, id: 1}", "servo 1.ticks is missing"),
+        ("[" * 5000, "not YAML"),
+        (listed().replace("1024", "1" + "0" * 400), "ticks must be a number"),
+        (listed().replace("512", ".inf"), "center must be a number, got inf"),
+        ("- &a 1\n- *a\n", "write aliases out in .*line 2"),
         (listed().replace("512", "x"), "center must be a number, got 'x'"),
         (listed().replace("id: 20", "id: x"), "id must be a whole number"),
         (listed().replace("1024", "0"), "must be positive"),
@@ -73,6 +77,19 @@ def test_servos_may_stand_under_a_name_and_have_keys_of_their_own(tmp_path):
 def test_what_is_no_servo_table_is_refused(tmp_path, text, said):
     with pytest.raises(UsageError, match=said):
         read_ros_table(written(tmp_path, text))
+
+
+def test_aliases_that_would_not_end_are_refused_at_once(tmp_path):
+    lines = [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 30)]
+    bomb = written(tmp_path, "a0: &a0 [1]\n" + "\n".join(lines))
+    with pytest.raises(UsageError, match="write aliases out") as refused:
+        read_ros_table(bomb)
+    assert len(str(refused.value)) < 500
+
+
+def test_a_table_is_read_in_a_second_or_not_at_all(tmp_path):
+    with pytest.raises(UsageError, match="larger than 0.1 MB"):
+        read_ros_table(written(tmp_path, listed() + "#" * 10**5))
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path):

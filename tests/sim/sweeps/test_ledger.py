@@ -8,9 +8,9 @@ import time
 
 import pytest
 
-from sim.errors import FilesError
+from sim.errors import FilesError, UsageError
 from sim.sweeps.folder import sole_owner
-from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
+from sim.sweeps.ledger import OK, Outcome, _sealed, opened, read_ledger
 
 FIRST, SECOND = (Outcome(code, OK, {"x": 0.1}, {"mujoco": "1"}) for code in "ab")
 
@@ -35,6 +35,50 @@ def test_a_torn_last_line_is_cut_off_and_nothing_else_is_lost(tmp_path, cut):
         ledger.add([SECOND])
     assert read_ledger(path) == {"a": FIRST, "b": SECOND}
     assert all(json.loads(line) for line in path.read_text().splitlines())
+
+
+def edited(path, old, new):
+    """A ledger of two points in which some text is replaced."""
+    with opened(path) as ledger:
+        ledger.add([FIRST, SECOND])
+    text = path.read_bytes()
+    assert old in text
+    path.write_bytes(text.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [(b"0.1", b"0.2"), (b'{"x": 0.1}', b"5"), (b'"ok"', b'"ko"'), (b'"a"', b'"c"'),
+     (b'{"seal": ', b""), (b"\n", b"\n\n"), (b"0.1", b"0.1" + b" " * 10**6)],
+)  # fmt: skip
+def test_a_line_that_was_changed_is_refused_with_its_number(tmp_path, old, new):
+    path = tmp_path / "ledger"
+    edited(path, old, new)
+    with pytest.raises(
+        UsageError, match="line [12] is not as a sweep wrote it"
+    ) as said:
+        read_ledger(path)
+    assert str(path) in str(said.value)
+    assert "--resume walks its point again" in str(said.value)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"5", b"{}", b"[1]", b"{" * 10**5,
+        b'{"digest": "a", "status": "ok", "numbers": 5}',
+        b'{"digest": "a", "status": 1}',
+        b'{"digest": "a", "status": "ok", "numbers": {"x": NaN}}',
+        b'{"digest": "a", "status": "ok", "numbers": {"x": [1]}}',
+        b'{"digest": "a", "status": "ok", "numbers": {"x": 99999999999999999999}}',
+        b'{"digest": "a", "status": "ok", "software": ["x"]}',
+    ],
+)  # fmt: skip
+def test_a_seal_alone_makes_no_outcome(tmp_path, content):
+    path = tmp_path / "ledger"
+    path.write_bytes(_sealed(content))
+    with pytest.raises(UsageError, match="line 1 is not as a sweep wrote it"):
+        read_ledger(path)
 
 
 def test_a_missing_ledger_knows_no_points(tmp_path):

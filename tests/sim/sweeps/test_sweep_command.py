@@ -1,6 +1,7 @@
 """`stratawalk sweep` with real workers: its table, its refusals, and going on."""
 
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -12,6 +13,7 @@ import polars
 import psutil
 import pytest
 
+from sim.cli import main
 from sim.simulation import simulate
 from sim.sweeps.file import read_sweep
 from sim.sweeps.worker import numbers
@@ -120,6 +122,50 @@ def test_a_sweep_begun_with_other_software_is_refused(again, key):
     assert f'{key}: "older", now "{now}"' in done.stderr
 
 
+def test_a_ledger_with_another_number_makes_no_table(again, capsys):
+    file, folder = again
+    ledger, table = folder / "ledger.jsonl", folder / "table.parquet"
+    before = table.read_bytes()
+    ledger.write_text(re.sub(r'("path_length": )', r"\g<1>1", ledger.read_text()))
+    words = ["sweep", str(file), "--out", str(folder), "--resume"]
+    for words in (words, ["merge", str(folder)]):
+        assert main(words) == 2
+        said = capsys.readouterr().err
+        assert (
+            f"line 1 is not as a sweep wrote it, it was changed since: {ledger}" in said
+        )
+    assert table.read_bytes() == before
+
+
+ABOUT = {"scenario": {}, "set": {}, "vary": {}, "without": []}
+
+
+@pytest.mark.parametrize(
+    "about",
+    [
+        {"asked": {}, "software": {}},
+        {"asked": 5, "software": {}},
+        {"asked": ABOUT, "software": 5},
+        {"asked": ABOUT | {"vary": {"friction": 5}}, "software": {}},
+        {"asked": ABOUT | {"vary": {"a with b": [[1]]}}, "software": {}},
+        {
+            "asked": ABOUT | {"vary": dict.fromkeys("abc", [*range(101)])},
+            "software": {},
+        },
+        {"asked": ABOUT | {"without": ["all"]}, "software": {}},
+        [],
+    ],
+    ids=str,
+)
+def test_what_no_sweep_has_written_is_not_merged(tmp_path, capsys, about):
+    (tmp_path / "sweep.json").write_text(json.dumps(about))
+    (tmp_path / "ledger.jsonl").write_text("")
+    assert main(["merge", str(tmp_path)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert len(line) < 600
+    assert not (tmp_path / "table.parquet").exists()
+
+
 @pytest.fixture(scope="module")
 def failing(tmp_path_factory):
     """A sweep of which every second point has no plan."""
@@ -225,4 +271,6 @@ def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_pat
     assert not psutil.wait_procs(workers, timeout=30)[1]
     assert process.returncode == 130
     assert len(said.splitlines()) == 1
-    assert "1 of 2 points are done, go on with --resume" in said
+    on = f"stratawalk sweep {file} --out {tmp_path / 'out'} --workers 1 --resume"
+    assert f"1 of 2 points are done, they are kept in {tmp_path / 'out'}, " in said
+    assert said.endswith(f"go on: {on}\n")

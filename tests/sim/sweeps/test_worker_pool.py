@@ -6,14 +6,19 @@ import time
 from contextlib import contextmanager
 
 import pandas
+import psutil
 import pytest
 
 from sim.cli import main
 from sim.sweeps.file import read_sweep
 from sim.sweeps.folder import Shard
+from sim.sweeps.identity import software
+from sim.sweeps.ledger import read_ledger
 from sim.sweeps.sweeping import points_of
-from sim.sweeps.worker_pool import open_pool
-from tests.sweeps import ENV, poisoned, stratawalk, write_sweep
+from sim.sweeps.worker_pool import SHARED, open_pool
+from sim.versions import PACKAGES
+from tests.commands import told
+from tests.sweeps import ENV, command, poisoned, stratawalk, write_sweep
 
 pytestmark = pytest.mark.physics
 POISON = "[grid]\nfriction = [0.5, 0.666, 0.8]\n"
@@ -70,6 +75,11 @@ def test_a_point_that_kills_its_worker_harms_no_other(tmp_path):
     assert deadly == "its worker died, 2 times: it was killed, or out of memory"
 
 
+def test_solvers_are_part_of_what_a_point_was_made_with():
+    assert {"casadi", "ompl"} < {*PACKAGES} < {*software()}
+    assert {"casadi", "ompl"} < {*SHARED}
+
+
 def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
     file = write_sweep(tmp_path, POISON)
     here = stratawalk("sweep", file, "--out", tmp_path / "here", "--workers", 1)
@@ -110,6 +120,41 @@ def test_workers_with_another_mujoco_get_no_points(tmp_path):
     assert done.returncode == 8
     assert 'mujoco: "4.0.0", there "4.0.9"' in done.stderr
     assert not (out / "table.parquet").exists()
+
+
+def test_a_scheduler_that_is_lost_takes_no_point_with_it(tmp_path):
+    file = write_sweep(tmp_path, "[grid]\nhold = [0.1, 60.0]\n")  # a second, a minute
+    file.write_text(file.read_text().replace("hold = 0.1\n", "", 1))
+    out = tmp_path / "out"
+    ledger = out / "ledger.jsonl"
+    with cluster(tmp_path, 1) as address:
+        words = ("sweep", file, "--out", out, "--scheduler", address)
+        process = subprocess.Popen(
+            command(*words), env=ENV, stderr=subprocess.PIPE, text=True
+        )
+        while process.poll() is None and not (
+            ledger.exists() and ledger.stat().st_size
+        ):
+            time.sleep(0.05)
+        (mine,) = (
+            found
+            for found in psutil.net_connections("tcp4")
+            if (found.laddr, found.status) == (listening(address), "LISTEN")
+        )
+        psutil.Process(mine.pid).kill()
+        _, said = process.communicate(timeout=120)
+    assert process.returncode == 8
+    (line,) = told(said)
+    assert line.startswith("stratawalk: error: the scheduler is gone, ")
+    assert "1 of 2 points are done, they are kept in " in line
+    assert line.endswith(f"go on: stratawalk {' '.join(map(str, words))} --resume")
+    assert len(read_ledger(ledger)) == 1
+
+
+def listening(address):
+    """Host and port of an address."""
+    host, _, port = address.removeprefix("tcp://").partition(":")
+    return host, int(port)
 
 
 def test_a_scheduler_that_does_not_answer_is_refused(tmp_path, monkeypatch, capsys):
