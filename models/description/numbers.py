@@ -1,6 +1,7 @@
 """Checks for NaN and infinity in a model, in its text and after its compilation.
 
-The compiler accepts most of them and silently replaces some by defaults.
+The compiler accepts most of them and silently replaces some by defaults. It also takes
+text that is not UTF-8, which nothing can write down again.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import numpy as np
 
 from models.errors import ModelError
 
+UNDECODED = re.compile("[\udc80-\udcff]")  # bytes that are not UTF-8
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 TAG = re.compile(r"<([A-Za-z_][\w.-]*)((?:[^<>\"']|\"[^\"]*\"|'[^']*')*)>")
 ATTRIBUTE = re.compile(r"([\w.:-]+)\s*=\s*(\"[^\"]*\"|'[^']*')")
@@ -30,9 +32,17 @@ WORDS = {"jnt": "joint", "tex": "texture", "cam": "camera", "mat": "material"}
 
 
 def check_text(path: Path) -> None:
-    """Refuse an MJCF file that writes a number that is not finite."""
-    text = path.read_bytes().decode("utf-8", errors="replace")
+    """Refuse an MJCF file with a number that is not finite, or text that is not UTF-8.
+
+    Comments may have anything in them.
+    """
+    text = path.read_bytes().decode(errors="surrogateescape")
     text = COMMENT.sub(lambda comment: "\n" * comment[0].count("\n"), text)
+    if odd := UNDECODED.search(text):
+        byte, line = ord(odd[0]) - 0xDC00, text.count("\n", 0, odd.start()) + 1
+        raise ModelError(
+            f"byte {byte:#x} is no text in UTF-8: {path}, line {line}; save it as such"
+        )
     for tag in TAG.finditer(text):
         attributes = [
             (name, html.unescape(value[1:-1]))

@@ -162,6 +162,15 @@ def test_memory_is_limited(robot):
         inspect_model(robot(f"<asset>{field}</asset>"), limits=Limits(30, 10**9, ""))
 
 
+def test_text_in_another_encoding_is_refused_by_its_line(robot):
+    path = robot('<!-- é -->\n<custom><text name="a" data="é"/></custom>')
+    path.write_bytes(path.read_text().encode("latin-1"))
+    before, _, _ = path.read_text("latin-1").partition("<custom>")
+    line = before.count("\n") + 1
+    with pytest.raises(ModelError, match=f"byte 0xe9 is no text .*, line {line}; "):
+        load(str(path))
+
+
 def test_a_pipe_is_not_waited_for(robot):
     path = robot('<asset><mesh name="m" file="m.obj"/></asset>')
     os.mkfifo(path.parent / "m.obj")

@@ -127,13 +127,12 @@ def test_a_ledger_with_another_number_makes_no_table(again, capsys):
     ledger, table = folder / "ledger.jsonl", folder / "table.parquet"
     before = table.read_bytes()
     ledger.write_text(re.sub(r'("path_length": )', r"\g<1>1", ledger.read_text()))
-    words = ["sweep", str(file), "--out", str(folder), "--resume"]
-    for words in (words, ["merge", str(folder)]):
+    going_on = ["sweep", str(file), "--out", str(folder), "--resume"]
+    for words in (going_on, ["merge", str(folder)]):
         assert main(words) == 2
         said = capsys.readouterr().err
-        assert (
-            f"line 1 is not as a sweep wrote it, it was changed since: {ledger}" in said
-        )
+        assert "line 1 is not as a sweep wrote it, it was changed since: " in said
+        assert str(ledger) in said
     assert table.read_bytes() == before
 
 
