@@ -10,12 +10,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from sim.errors import ExitCode, RenderError, one_line
+from sim.errors import ExitCode, FilesError, RenderError, one_line
 
 OPTIONS = ()
-HELP = "say what works here: physics, pictures, films, figures and reports"
+HELP = "say what works here: physics, pictures, films, reports, installed packages"
 PICTURES = 3  # of a film to try
 PROBE_STEPS = 2000  # of the default robot, a tenth of a second or less
+SHOWN = 3  # differences of packages
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
 
@@ -62,7 +63,7 @@ def _examined(check: Check) -> Finding:
     """A check's finding, whatever it stumbles over."""
     try:
         return Finding(True, check.look())
-    except RenderError as error:
+    except (RenderError, FilesError) as error:
         return Finding(False, f"{error.what}: {error.where}", error.remedy)
     except ImportError as error:
         package = str(error.name or "").partition(".")[0] or "stratawalk"
@@ -135,10 +136,23 @@ def _report() -> str:
     return f"Jinja2 {jinja2.__version__}, {NAME} of every run"
 
 
+def _packages() -> str:
+    from sim.packages import differences
+
+    if differ := list(differences()):
+        said = ", ".join(what for _, what in differ[:SHOWN])
+        more = f", and {len(differ) - SHOWN} more" if differ[SHOWN:] else ""
+        anew = " ".join(f"'{wanted}'" for wanted in dict(differ))
+        remedy = f"{REINSTALL} --no-deps {anew}"
+        raise FilesError(said + more, "packages", remedy)
+    return "of the wanted versions, every file as it was installed"
+
+
 CHECKS = {
     "physics": Check(_physics, ExitCode.SIMULATION, MUJOCO),
     "rendering": Check(_rendering, ExitCode.RENDER, "pyopengl"),
     "film": Check(_film, ExitCode.RENDER, "imageio-ffmpeg"),
     "figures": Check(_figures, ExitCode.RENDER, "matplotlib"),
     "report": Check(_report, ExitCode.RENDER, "jinja2"),
+    "packages": Check(_packages, ExitCode.FILES, "stratawalk"),
 }

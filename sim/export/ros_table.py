@@ -16,7 +16,7 @@ from models.description import Table
 from planner.support import read_file
 from sim.errors import UsageError
 
-LARGEST = 10**5  # bytes, of which the reader takes a second
+YAML_BYTES = 10**5  # bytes, of which the reader takes a second
 REMEDY = "give every servo name, id, ticks, center, max_radians, sign, offset"
 
 
@@ -45,7 +45,7 @@ RosLoader.add_constructor("!radians", _angle)
 def read_ros_table(path: Path) -> dict[str, JointServo]:
     """Read the servos of a robot, by the names of their joints."""
     try:
-        read = yaml.load(read_file(path, LARGEST), Loader=RosLoader)  # noqa: S506
+        read = yaml.load(read_file(path, YAML_BYTES), Loader=RosLoader)  # noqa: S506
     except OSError as error:
         what = f"cannot be read, {error.strerror}"
         raise UsageError(what, str(path), "give a YAML file") from error

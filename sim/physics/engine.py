@@ -21,6 +21,7 @@ from sim.errors import SimulationError
 
 OF_SPEED = (mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 LAST_STATES = 100  # states before a divergence
+RUNAWAY = 100.0  # [rad/s] or [m/s], which no joint is commanded to
 STRETCH = 4000  # steps of one record at most: a tenth of a second of work as a rule
 FIRST = 50  # steps handed to the engine at once to begin with
 BUSY_TIME = 0.3  # [s] that it may be busy at once, Ctrl-C waits meanwhile
@@ -114,11 +115,26 @@ class Engine:
             moved = np.flatnonzero((np.diff(record.qpos, axis=0) != 0).any(axis=1))
             step = int(moved[-1]) + 1 if len(moved) else 0
             name = mujoco.mjtWarning(int(risen[0])).name.removeprefix("mjWARN_")
-            at = self._joint(int(risen[0]), int(now[0, risen[0], 0]))
-            failure = self._failure(f"simulation diverged{at}, warning {name}", step)
             self.last = self._last(record, step + 1)
+            at = self._runaway(self.last.qvel)
+            at = at or self._joint(int(risen[0]), int(now[0, risen[0], 0]))
+            failure = self._failure(f"simulation diverged{at}, warning {name}", step)
             self.steps += step + 1  # the engine completed this step and no further one
             raise failure
+
+    def _runaway(self, qvel: Array) -> str:
+        """Which joint was too fast first, in words, the root apart, by the last speeds.
+
+        A warning names the first coordinate of those that are bad at the same time,
+        which is the root's as a rule, whatever threw it.
+        """
+        joints = self.model.dof_jntid
+        own = self.model.jnt_type[joints] != mujoco.mjtJoint.mjJNT_FREE
+        speed = np.where(own, np.abs(qvel), 0.0)
+        rows = np.flatnonzero((speed > RUNAWAY).any(axis=1))
+        if not len(rows):
+            return ""
+        return f" at joint {self.model.joint(joints[speed[rows[0]].argmax()]).name!r}"
 
     def _joint(self, warning: int, place: int) -> str:
         """Which joint a warning is about, in words; it tells a coordinate's place."""

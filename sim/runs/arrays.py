@@ -22,7 +22,7 @@ UNREADABLE = (
     OSError, KeyError, ValueError, IndexError, EOFError, ModelError, zipfile.BadZipFile,
     zlib.error, csv.Error, RuntimeError,
 )  # fmt: skip
-MOST_BYTES = 5 * 10**8  # of the arrays of a file, packed or not
+UNPACKED = 5 * 10**8  # of the arrays of a file, packed or not
 MOST_ARRAYS = 100
 LARGEST = 1e9  # number; what is drawn from larger ones overflows
 NUMBERS = "biuf"  # kinds of arrays: whether, whole and real numbers
@@ -68,8 +68,8 @@ def archive(folder: Path, name: str, apart: Collection[str] = ()) -> Arrays:
         return array
 
     with open_file(folder / name) as file:
-        if os.fstat(file.fileno()).st_size > MOST_BYTES:
-            raise ValueError(f"{name} is larger than {MOST_BYTES / 1e9:g} GB")
+        if os.fstat(file.fileno()).st_size > UNPACKED:
+            raise ValueError(f"{name} is larger than {UNPACKED / 1e9:g} GB")
         with zipfile.ZipFile(file) as archive:
             shapes = dict(_declared(archive, name))
     rows = {shape[:1] for key, shape in shapes.items() if key not in apart}
@@ -84,10 +84,10 @@ def _declared(
     """Names and shapes of arrays, once they are found to be as large as declared."""
     members = archive.infolist()
     total = sum(member.file_size for member in members)
-    if len(members) > MOST_ARRAYS or total > MOST_BYTES:
+    if len(members) > MOST_ARRAYS or total > UNPACKED:
         raise ValueError(
             f"{name} declares {len(members)} arrays of {total / 1e9:.3g} GB, and "
-            f"{MOST_ARRAYS} of {MOST_BYTES / 1e9:g} GB are the most"
+            f"{MOST_ARRAYS} of {UNPACKED / 1e9:g} GB are the most"
         )
     for member in members:
         key = member.filename.removesuffix(".npy")

@@ -23,8 +23,8 @@ from sim.errors import FilesError, UsageError
 OK = "ok"
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
-LONGEST = 10**6  # bytes of a line
-LARGEST = 2**63  # whole number that a table takes
+LONGEST_LINE = 10**6  # bytes of a line
+INT64 = 2**63  # whole number that a table takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,9 +101,9 @@ def read_ledger(path: Path) -> dict[str, Outcome]:
     """
     known: dict[str, Outcome] = {}
     with suppress(FileNotFoundError), open_file(path) as file:
-        lines = iter(lambda: file.readline(LONGEST), b"")
+        lines = iter(lambda: file.readline(LONGEST_LINE), b"")
         for number, line in enumerate(lines, start=1):
-            if not line.endswith(b"\n") and len(line) < LONGEST:
+            if not line.endswith(b"\n") and len(line) < LONGEST_LINE:
                 break
             try:
                 outcome = Outcome.read(line)
@@ -126,5 +126,5 @@ def _is_plain(value: object) -> bool:
     if isinstance(value, float):
         return isfinite(value)
     if isinstance(value, int):
-        return abs(value) < LARGEST
+        return abs(value) < INT64
     return value is None or isinstance(value, str)

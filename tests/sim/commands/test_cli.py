@@ -197,7 +197,7 @@ def test_physics_that_diverges_says_so_in_one_line_and_leaves_its_commands(
     sets = [word for value in wild for word in ("--set", value)]
     done = stratawalk(*SHORT, "--no-video", "--out", "here", *sets)
     assert done.returncode == 4
-    assert "diverged at joint 'root', warning BADQACC: t = 0.03" in refusal(done)
+    assert "diverged at joint 'lift_3', warning BADQACC: t = 0.03" in refusal(done)
     assert (tmp_path / "here" / "commands.npz").exists()
     assert not (tmp_path / "here" / "summary.json").exists()
 

@@ -2,10 +2,13 @@
 
 import json
 import tomllib
+from base64 import urlsafe_b64encode
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
 
+from sim import packages
 from sim.cli import main
 from sim.commands.doctor import CHECKS, MUJOCO
 from sim.pictures import gl
@@ -14,8 +17,9 @@ PROJECT = Path(__file__).resolve().parents[3] / "pyproject.toml"
 
 
 @pytest.fixture
-def examined(capsys):
-    """The doctor's exit code and findings."""
+def examined(capsys, monkeypatch):
+    """The doctor's exit code and findings; all packages are as they must be."""
+    monkeypatch.setattr(packages, "differences", lambda: iter(()))
 
     def run():
         code = main(["doctor", "--json"])
@@ -88,6 +92,64 @@ def test_a_film_is_really_made(examined, monkeypatch):
     monkeypatch.setenv(gl.ASKED, "off")
     _, findings = examined()
     assert "0 of 3 pictures" in findings["film"]["detail"]
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """A package of two files that is installed, and a checkout that pins it."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(packages, "PINS", tmp_path)
+    content = b"x = 1\n"
+    digest = urlsafe_b64encode(sha256(content).digest()).rstrip(b"=").decode()
+    (tmp_path / "simple_thing.py").write_bytes(content)
+    info = tmp_path / "simple_thing-1.2.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Name: simple-thing\nVersion: 1.2\n")
+    record = f"simple_thing.py,sha256={digest},6\n{info.name}/RECORD,,\n"
+    (info / "RECORD").write_text(record)
+    pin = "simple-thing==1.2 \\\n    --hash=sha256:{}\n".format("0" * 64)
+    other = "appnope==1.0 ; sys_platform == 'none'\nabsent-thing==1\n"
+    (tmp_path / "constraints.txt").write_text(pin + other)
+    return tmp_path
+
+
+def test_packages_as_they_were_pinned_and_installed_are_as_they_must_be(installed):
+    assert list(packages.differences()) == []
+
+
+def test_a_package_of_another_version_is_told(installed):
+    pins = installed / "constraints.txt"
+    pins.write_text(pins.read_text().replace("==1.2", "==1.3"))
+    told = [("simple-thing==1.3", "simple-thing 1.2, wanted ==1.3")]
+    assert list(packages.differences()) == told
+
+
+@pytest.mark.parametrize("damage", [lambda p: p.write_text("x = 2"), Path.unlink])
+def test_a_file_that_was_changed_after_its_installation_is_told(installed, damage):
+    damage(installed / "simple_thing.py")
+    ((wanted, what),) = packages.differences()
+    assert wanted == "simple-thing==1.2"
+    assert what == f"{installed / 'simple_thing.py'} is not as it was installed"
+
+
+def test_without_pins_the_requirements_of_the_package_count(tmp_path, monkeypatch):
+    monkeypatch.setattr(packages, "PINS", tmp_path)
+    names = {str(wanted) for wanted in packages._wanted()}
+    assert MUJOCO in names
+    assert not any("pytest" in name for name in names)
+
+
+@pytest.mark.physics
+def test_packages_that_differ_end_with_6_and_the_command_that_repairs_them(
+    examined, monkeypatch
+):
+    differ = [("numpy==2.0", f"numpy/{i}.py is not as it was") for i in range(5)]
+    monkeypatch.setattr(packages, "differences", lambda: iter(differ))
+    code, findings = examined()
+    assert code in (5, 6)  # 5 where no pictures can be drawn
+    found = findings["packages"]
+    assert found["detail"].endswith("numpy/2.py is not as it was, and 2 more: packages")
+    assert found["repair"].endswith("--force-reinstall --no-deps 'numpy==2.0'")
 
 
 def test_the_engine_to_install_is_the_one_required():
