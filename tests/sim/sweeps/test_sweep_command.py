@@ -154,7 +154,6 @@ ABOUT = {"scenario": {}, "set": {}, "vary": {}, "without": []}
         {"asked": ABOUT | {"without": ["all"]}, "software": {}},
         [],
     ],
-    ids=str,
 )
 def test_what_no_sweep_has_written_is_not_merged(tmp_path, capsys, about):
     (tmp_path / "sweep.json").write_text(json.dumps(about))
