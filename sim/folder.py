@@ -164,8 +164,11 @@ def _next_free(parent: Path, name: str) -> Path:
 
 
 @contextmanager
-def blamed_on(folder: Path) -> Iterator[None]:
-    """Refuse a finished run whose files are damaged, whatever goes wrong with them."""
+def blamed_on(place: Path, remedy: str = "") -> Iterator[None]:
+    """Refuse a finished run whose files are damaged, whatever goes wrong with them.
+
+    Or another place, with a remedy of its own.
+    """
     try:
         yield
     except Exception as error:
@@ -173,8 +176,8 @@ def blamed_on(folder: Path) -> Iterator[None]:
             raise
         raise UsageError(
             f"its files do not fit together, {type(error).__name__}: {error}",
-            str(folder),
-            f"walk it again: stratawalk run {folder / 'scenario.toml'}",
+            str(place),
+            remedy or f"walk it again: stratawalk run {place / 'scenario.toml'}",
         ) from error
 
 

@@ -30,7 +30,7 @@ OPTIONS = (
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
-    from sim.folder import ensure_folder
+    from sim.folder import blamed_on, ensure_folder
     from sim.progress import bar, stage
     from sim.studies.findings import findings
     from sim.studies.maps import draw_maps
@@ -40,7 +40,11 @@ def execute(options: argparse.Namespace) -> None:
     results = read_results(given, prediction_key(options.prediction))
     beside = (given if given.is_dir() else given.parent) / "maps"
     folder = ensure_folder(beside if options.out is None else Path(options.out))
-    with bar(quiet=options.json) as progress, stage(progress, "drawing maps"):
+    with (
+        bar(quiet=options.json) as progress,
+        stage(progress, "drawing maps"),
+        blamed_on(given, "give the table that a sweep has written"),
+    ):
         found, drawn = findings(results), draw_maps(results, folder)
     if options.json:
         print(json.dumps(asdict(found) | {"maps": [str(path) for path in drawn]}))

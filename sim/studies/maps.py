@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sim.errors import UsageError
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
@@ -30,6 +31,7 @@ UNITS = {
 }  # fmt: skip
 """Of the numbers of a robot's shape; the others are lengths."""
 HIGH = 3.2  # [in]
+MOST_LABELS = 200  # at an axis
 
 
 def draw_maps(results: Results, folder: Path) -> list[Path]:
@@ -103,6 +105,9 @@ def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
     getattr(axes, f"set_{way}label")(_named(key))
     if _is_table(values):
         labels = _labels(values)
+        if len(labels) > MOST_LABELS:
+            what, remedy = f"{len(labels)} values of {key}", f"vary {MOST_LABELS} words"
+            raise UsageError(what, "the table", f"{remedy} at most in one map")
         getattr(axes, f"set_{way}ticks")(range(len(labels)), labels)
         getattr(axes, f"set_{way}lim")(-0.5, len(labels) - 0.5)
         return [float(labels.index(_label(value))) for value in values]

@@ -75,6 +75,8 @@ class Results:
             near = did_you_mean(name, self.columns)
             raise UsageError(f"no column {name!r}", "the table", near)
         given = self.columns[name]
+        if any(isinstance(value, str) for value in given):
+            raise UsageError(f"words in column {name!r}", "the table", "give numbers")
         return np.array([np.nan if value is None else value for value in given], float)
 
 
@@ -82,8 +84,14 @@ def read_results(path: Path, prediction: str) -> Results:
     """Read a table, or that of a sweep's folder; it must have the prediction."""
     file = SweepFolder(path).table if path.is_dir() else path
     columns, about = read_table(file)
-    vary = about["asked"]["vary"]
-    keys = tuple(key for names in vary for key in names.split(SIDE_BY_SIDE))
+    asked = about.get("asked") if isinstance(about, dict) else None
+    vary = asked.get("vary") if isinstance(asked, dict) else None
+    keys = tuple(key for names in vary or () for key in names.split(SIDE_BY_SIDE))
+    strange = [key for key in keys if "/" in key or not key.isprintable()]
+    lacking = [key for key in (*keys, "point", "status") if key not in columns]
+    if vary is None or strange or lacking:
+        what = f"it does not say what varies, {', '.join(strange + lacking)}"
+        raise UsageError(what, str(file), "give the table that a sweep has written")
     results = Results(columns, keys, prediction)
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")

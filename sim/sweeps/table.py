@@ -14,6 +14,8 @@ from sim.errors import UsageError
 from sim.folder import whole
 
 GROUP_ROWS = 10_000  # any other number gives other bytes
+UNPACKED = 5 * 10**8  # bytes of a table that is read, with all that it repeats once
+MOST_VALUES = 4 * 10**7
 ABOUT = "stratawalk"  # key of the metadata
 Row = Mapping[str, object]
 
@@ -32,17 +34,39 @@ def write_table(path: Path, rows: Sequence[Row], about: Mapping[str, object]) ->
 
 
 def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
-    """Values by column, and what the rows come from; other files are refused."""
+    """Values by column, and what the rows come from; other files are refused.
+
+    A few bytes may stand for any number of rows: what a file declares comes first.
+    """
     if not path.is_file():
         raise UsageError("no such table", str(path), "give the table of a sweep")
     try:
-        table = parquet.read_table(path)
+        declared = parquet.read_metadata(path)
+        groups = map(declared.row_group, range(declared.num_row_groups))
+        size = sum(group.total_byte_size for group in groups)
+        if size > UNPACKED or declared.num_rows * declared.num_columns > MOST_VALUES:
+            count = f"{declared.num_rows} rows of {declared.num_columns} columns"
+            raise ValueError(f"{count} are too many, or their {size / 1e9:.2g} GB")
+        texts = [f.name for f in parquet.read_schema(path) if f.type == pa.string()]
+        table = parquet.read_table(path, read_dictionary=texts)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
+        columns = {name: _values(table[name]) for name in table.column_names}
     except (pa.ArrowException, OSError, KeyError, TypeError, ValueError) as error:
-        what = "not the table of a sweep"
+        what = f"not the table of a sweep, {error}"
         remedy = "give the table that `stratawalk sweep` has written"
         raise UsageError(what, str(path), remedy) from error
-    return {name: table[name].to_pylist() for name in table.column_names}, about
+    return columns, about
+
+
+def _values(column: pa.ChunkedArray) -> list[object]:
+    """Values of a column; each of its texts is there once, however often it is used."""
+    if not pa.types.is_dictionary(column.type):
+        return list(column.to_pylist())
+    found: list[object] = []
+    for chunk in column.chunks:
+        texts = [*chunk.dictionary.to_pylist(), None]
+        found += [texts[-1 if i is None else i] for i in chunk.indices.to_pylist()]
+    return found
 
 
 def _column(values: Sequence[Any]) -> pa.Array:

@@ -2,12 +2,15 @@
 
 import json
 
+import pyarrow as pa
 import pytest
 from PIL import Image
+from pyarrow import parquet
 
 from sim.cli import main
 from sim.errors import UsageError
 from sim.studies.results import read_results
+from sim.sweeps import table
 from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
 
@@ -77,3 +80,63 @@ def test_every_point_of_a_shipped_study_is_possible(name):
     assert len(study) >= 12
     for point in range(len(study)):
         study.at(point)
+
+
+def foreign(columns, vary=("friction",), **more):
+    """A table of a stranger; what it varies is as said."""
+    asked = {"asked": {"vary": {key: [] for key in vary}}} | more
+
+    def write(path):
+        about = {"stratawalk": json.dumps(asked)}
+        made = pa.table(columns).replace_schema_metadata(about)
+        parquet.write_table(made, path, compression="zstd")
+
+    return write
+
+
+def column(name, value=0.5, rows=3, kind=None):
+    words = ["ok"] * rows
+    plain = {"point": [*range(rows)], "status": words, "path_length": [0.1] * rows}
+    known = {
+        "distance_walked": [0.1] * rows,
+        "error.quasi_static.farthest": [0.1] * rows,
+    }
+    return plain | known | {name: pa.array([value] * rows, kind)}
+
+
+FOREIGN = {
+    "a file outside": (foreign(column("x/../../evil"), ["x/../../evil"]), "x/.."),
+    "nothing that varies": (foreign(column("friction"), asked={}), "does not say"),
+    "numbers for a plan": (foreign(column("friction"), asked=5), "does not say"),
+    "no such column": (foreign(column("friction"), ["hold"]), "varies, hold"),
+    "words for numbers": (
+        foreign(column("path_length", "long"), ["path_length"]),
+        "words in column",
+    ),
+    "no settings": (foreign({"x": [1]}), "varies, friction, point, status"),
+    "too many values": (
+        foreign({str(i): pa.nulls(10**5) for i in range(401)}),
+        "100000 rows of 401 columns are too many",
+    ),
+    "a thousand times its size": (foreign({"x": ["x" * 10**7]}), "or their 0.01 GB"),
+    "a word a row": (
+        foreign(column("friction") | {"friction": [str(i) for i in range(3)]}),
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_the_table_of_a_stranger_is_refused_in_one_line(
+    tmp_path, capsys, monkeypatch, name
+):
+    monkeypatch.setattr(table, "UNPACKED", 10**6)
+    write, said = FOREIGN[name]
+    (tmp_path / "in").mkdir()
+    write(tmp_path / "in" / "table.parquet")
+    out = ["--out", str(tmp_path / "in" / "maps")]
+    code = main(["study", str(tmp_path / "in" / "table.parquet"), *out])
+    (line,) = capsys.readouterr().err.splitlines() or [""]
+    assert code == (2 if said else 0)
+    assert said in line
+    assert {path.name for path in tmp_path.iterdir()} == {"in"}
