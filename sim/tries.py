@@ -43,6 +43,7 @@ class Try:
     margin: float | None = None  # least, achieved [m]
     thought: float | None = None  # off where it was, with feedback from sensors [m]
     claimed: float | None = None  # error that feedback claims for that [m]
+    off: float | None = None  # farthest off goal or prediction, as a share of the path
 
 
 def walk_tries(
@@ -68,7 +69,9 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
     except (StratawalkError, PlannerError) as error:
         return Try(scenario.draw, one_line(error))
     found = {name: q.value(summary, row) for name, (q, row) in MEASURES.items()}
-    return Try(scenario.draw, summary.verdict, **found)
+    weighed = summary.weighed
+    off = max(weighed.goal, weighed.farthest) if weighed else None
+    return Try(scenario.draw, summary.verdict, **found, off=off)
 
 
 def _csv(tries: Sequence[Try]) -> str:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from collections.abc import Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.commands.judging import TOLERANCE, judged
 from sim.commands.options import (
     NAMED,
     notice,
@@ -18,7 +20,7 @@ from sim.commands.options import (
     scenario_of,
     scenario_options,
 )
-from sim.errors import UsageError
+from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from sim.evaluation.summary import Played
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 HELP = "write a walk for the servos of a robot, read it back and play it in MuJoCo"
 FORMATS = ("csv", "header", "ros2", "dynamixel")
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
+WORTH_TELLING = 0.005  # of the path, which an export costs
+ROUNDED = 1e-4  # [rad], of angles on whole counts; others keep nine digits
 COARSE = (
     "this walk was planned for servos that take a command every physics step; plan it "
     "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
@@ -55,6 +59,7 @@ OPTIONS = (
     option(
         "--servo-table", metavar="FILE.yaml", help="servos as ROS packages list them"
     ),
+    TOLERANCE,
     option(
         "--play",
         action=argparse.BooleanOptionalAction,
@@ -64,12 +69,11 @@ OPTIONS = (
 )
 
 
-def execute(options: argparse.Namespace) -> None:
+def execute(options: argparse.Namespace) -> ExitCode:
     """Export the walk and print where the export leads."""
     out = Path(options.out)
     _require_sense(options, out)
 
-    from sim.export.played import play
     from sim.folder import blamed_on
     from sim.progress import bar
 
@@ -78,9 +82,12 @@ def execute(options: argparse.Namespace) -> None:
     with bar(quiet=options.json) as progress, blame:
         source = _source(options, progress)
         commands, read = _written(options, source, out)
-        played = play(source, read, progress) if options.play else None
+        played = _played(options, source, read, progress)
+    summary = source.run.summary
     if not source.servo.rate:
         notice(COARSE.format(rate=read.rate))
+    if summary.verdict != "arrived":
+        notice(f"the walk that was exported {summary.verdict_text}", "warning")
     if options.json:
         facts = {
             "file": options.out,
@@ -88,11 +95,31 @@ def execute(options: argparse.Namespace) -> None:
             "commands": len(commands.angles),
             "rate": commands.rate,
             "joints": list(commands.joints),
-            "exported": played and played.to_json(),
+            "exported": None,
+            **{name: one.to_json() for name, one in played.items()},
         }
         print(json.dumps(facts))
     else:
-        print(_report(options, source, commands, played))
+        print(_report(options, source, (commands, read), played))
+    weighed = {f"the walk as {name}": one.weighed for name, one in played.items()}
+    remedy = f"{options.out} is written; correct the walk before servos carry it out"
+    return judged(summary, options.tolerance, remedy, weighed)
+
+
+def _played(
+    options: argparse.Namespace, source: Source, read: ServoCommands, progress: Progress
+) -> dict[str, Played]:
+    """What came of playing the export, by words for how it was played."""
+    from sim.export.played import play
+
+    ways = {"exported": False, "interpolated": True}
+    if options.format != "ros2":  # which alone has a controller that interpolates
+        del ways["interpolated"]
+    return {
+        name: play(source, read, progress, interpolated=way)
+        for name, way in ways.items()
+        if options.play
+    }
 
 
 def _require_sense(options: argparse.Namespace, out: Path) -> None:
@@ -162,17 +189,34 @@ def _written(
 def _report(
     options: argparse.Namespace,
     source: Source,
-    commands: ServoCommands,
-    played: Played | None,
+    commands: tuple[ServoCommands, ServoCommands],
+    played: Mapping[str, Played],
 ) -> str:
     from sim.evaluation.comparison import describe_export
 
-    summary = source.run.summary
+    summary, (asked, _) = source.run.summary, commands
     lines = [
-        f"{summary.scenario}: {summary.robot}, {len(commands.angles)} commands "
-        f"of {len(commands.joints)} servos, {commands.rate:g} a second"
+        f"{summary.scenario}: {summary.robot}, {len(asked.angles)} commands "
+        f"of {len(asked.joints)} servos, {asked.rate:g} a second"
     ]
-    if played is not None:
-        bounces = f"{played.bounces} bounces"
-        lines += [f"{'played':13}{bounces}", "", describe_export(summary, played)]
-    return "\n".join([*lines, "", f"{'file':13}{options.out}"])
+    for name, one in played.items():
+        how = "held" if name == "exported" else name
+        facts = [f"{one.bounces} bounces, each command {how}"]
+        if one.changed > WORTH_TELLING:
+            facts.append(_what_changed(one, *commands))
+        lines += [f"{'played':13}{'; '.join(facts)}"]
+        lines += ["", describe_export(summary, one, name), ""]
+    return "\n".join([*lines, *([] if played else [""]), f"{'file':13}{options.out}"])
+
+
+def _what_changed(played: Played, asked: ServoCommands, read: ServoCommands) -> str:
+    """What reading and rounding cost, and how the walk is planned for it."""
+    order = [read.joints.index(joint) for joint in asked.joints]
+    rounded = float(abs(read.angles[:, order] - asked.angles).max())
+    cost = f"it ends {100 * played.changed:.2g} % of its path from the walk itself"
+    if rounded > ROUNDED:
+        return (
+            f"{cost}, since angles are rounded by up to {1e3 * rounded:.2g} mrad: plan "
+            f"on whole counts with --set resolution={2 * rounded:.2g}"
+        )
+    return f"{cost}: plan at this rate with --set command_rate={read.rate:g}"

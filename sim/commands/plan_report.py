@@ -154,12 +154,14 @@ class WalkFacts:
     air_travel: float
     distance_walked: float
     gait: tuple[str, ...]
+    ignores: str  # settings that no plan on the exact kinematics knows of
 
     @classmethod
     def of(cls, setup: Setup, planned: Plan) -> WalkFacts:
         """Play the plan of a scenario."""
         from planner import play
         from sim.motion.poses import wrap
+        from sim.scenarios.predictions import IDEAL
 
         scenario, robot, equations = setup.scenario, setup.robot, setup.equations
         states = play(planned.system, planned.flows, setup.nominal()(0.0))
@@ -191,6 +193,7 @@ class WalkFacts:
             air_travel=travel[False],
             distance_walked=sum(walked, 0.0),
             gait=tuple(scenario.gait or robot.card.gait),
+            ignores=IDEAL.ignored(scenario),
         )
 
     def table(self, prospect: Prospect) -> dict[str, object]:
@@ -220,6 +223,7 @@ class WalkFacts:
         yield f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad"
         off, turned = self.error["position"], self.error["yaw"]
         yield f"{'off goal':10}{1e3 * off:.2f} mm, {turned:.4f} rad"
+        yield from filter(None, [self.ignores and f"{'ignored':10}{self.ignores}"])
         yield from filter(None, [remarks.get("helps")])
         yield from prospect.lines(self.segments, "load and compile")
 

@@ -10,13 +10,13 @@ from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING
 
+from sim.commands.judging import TOLERANCE, judged, judged_tries
 from sim.commands.options import (
     LOOK,
     OF_RUN,
     folder_of,
     notice,
     option,
-    real,
     robot_of,
     scenario_of,
     scenario_options,
@@ -24,7 +24,7 @@ from sim.commands.options import (
     whole,
 )
 from sim.endings import again, keeping
-from sim.errors import ExitCode, RenderError, SimulationError, one_line
+from sim.errors import ExitCode, RenderError, one_line
 
 if TYPE_CHECKING:
     from models import Robot
@@ -44,13 +44,7 @@ OPTIONS = (
         help="film the walk; by default if this machine can draw",
     ),
     *(setting_option(name, whole(0) if name == "draw" else int) for name in OF_RUN),
-    option(
-        "--tolerance",
-        type=real("a share", 0.05),
-        metavar="RATIO",
-        help="end with 7 where the walk is farther off the quasi-static prediction "
-        "than this share of the path",
-    ),
+    TOLERANCE,
     LOOK,
     option(
         "--tries",
@@ -68,6 +62,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.folder import claim
     from sim.progress import bar
     from sim.run_folder import run
+    from sim.scenarios.predictions import PREDICTIONS, who_ignores
     from sim.scenarios.scenario import drawn
     from sim.world.changes import changes
 
@@ -79,9 +74,13 @@ def execute(options: argparse.Namespace) -> ExitCode:
     folder = claim(folder_of(options), scenario.name)
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
+    as_drawn = drawn(scenario, robot)
     if robot.opened.files:
-        for change in changes(robot, drawn(scenario, robot)):
+        for change in changes(robot, as_drawn):
             notice(f"{change}: {robot.path}")
+    ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
+    if words := who_ignores(ignored):
+        notice(f"predictions will ignore {words}")
     kept = partial(_kept, folder, look, options.out)
     try:
         with bar(quiet=options.json) as progress, keeping(kept):
@@ -96,7 +95,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     finally:
         folder.discard_if_empty()
     print(json.dumps(summary.to_json()) if options.json else _report(summary, folder))
-    return _judged(summary, folder, options.tolerance)
+    return judged(summary, options.tolerance, f"see {folder.path}")
 
 
 def _walk_tries(
@@ -122,8 +121,7 @@ def _walk_tries(
     else:
         length = scenario.path.length
         print(f"{describe(tries, length)}\n\n{'folder':13}{folder.path}")
-    walked = all(one.goal is not None for one in tries)
-    return ExitCode.OK if walked else ExitCode.SIMULATION
+    return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
 def _kept(folder: RunFolder, look: str | None, out: str | None) -> str:
@@ -142,24 +140,6 @@ def _elsewhere(folder: RunFolder, out: str | None) -> list[str]:
     """The option for another folder, where one was named, which exists now."""
     names = (f"{folder.path}-{number}" for number in count(2))
     return ["--out", next(n for n in names if not os.path.lexists(n))] if out else []
-
-
-def _judged(summary: Summary, folder: RunFolder, tolerance: float | None) -> ExitCode:
-    """The exit code of a walk that came to its end, and why it is not zero."""
-    from sim.evaluation.verdict import FAILURES
-
-    where = f"{summary.scenario} on {summary.robot}"
-    look = f"see {folder.path}"
-    if summary.verdict in FAILURES:
-        what, code = f"the walk {summary.verdict_text}", ExitCode.SIMULATION
-    else:
-        off, code = summary.farthest_share, ExitCode.TOLERANCE
-        if tolerance is None or off is None or off <= tolerance:
-            return ExitCode.OK
-        what = f"{off:.3g} of the path off the quasi-static prediction, "
-        what += f"beyond {tolerance}"
-    notice(one_line(SimulationError(what, where, look)), "error")
-    return code
 
 
 def _can_film(wanted: bool | None) -> bool:

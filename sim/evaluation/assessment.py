@@ -15,6 +15,7 @@ from models import MeasurementError
 from planner import Array
 from sim.evaluation.comparison import describe
 from sim.evaluation.deviations import (
+    Scale,
     departure,
     deviation_from,
     error_sources,
@@ -35,6 +36,7 @@ from sim.evaluation.summary import (
     Predicted,
     Sensed,
     Summary,
+    Weighed,
 )
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
@@ -43,7 +45,7 @@ from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import IDEAL, QUASI_STATIC
+from sim.scenarios.predictions import IDEAL, PREDICTIONS, QUASI_STATIC
 from sim.versions import versions
 from sim.walking.finished import Walk
 
@@ -81,8 +83,17 @@ class Evaluation:
     @cached_property
     def verdict(self) -> Verdict:
         """What became of the walk."""
-        predicted = self.predicted.get(QUASI_STATIC.key)
-        return judge(self.walk, self.achieved, predicted, self.judged)
+        given = self.walk, self.achieved, self.predicted, self.weighed, self.judged
+        return judge(*given)
+
+    @cached_property
+    def weighed(self) -> Weighed:
+        """What the verdict weighs."""
+        setup, achieved = self.walk.setup, self.achieved.pose[self.judged]
+        path, reach = setup.scenario.path, setup.kinematics.reach
+        scale = Scale.of(path, reach, self.predicted)
+        predicted = self.predicted[scale.prediction].pose[self.judged]
+        return scale.weigh(achieved, predicted, np.array(path.goal))
 
     def least_clearance(self, name: str) -> float | None:
         """Of the walk or of a prediction [m]; None where there are no obstacles."""
@@ -233,6 +244,7 @@ def summarise(
             min_margin=float(prediction.margin[judged].min()),
             slip=float(prediction.slip[-1].sum()),
             min_clearance=evaluation.least_clearance(name),
+            ignores=PREDICTIONS[name].ignored(scenario),
         )
         for name, prediction in evaluation.predicted.items()
     }
@@ -286,6 +298,7 @@ def summarise(
         error={**errors, **absent, "goal": departure(pose, goal)},
         error_sources=None if scenario.replan else {**sources, **absent},
         servo=setup.servo.table(setup.world.servo),
+        weighed=evaluation.weighed,
         deviation=evaluation.deviation,
         feedback=_sensed(walk),
         per_metre=per_metre(length, moving_time(walk), strokes),

@@ -32,21 +32,21 @@ def describe(summary: Summary) -> str:
         "",
         HEADER,
         *_rows(summary),
+        *_ignored(summary),
         *_lines(summary),
         *_clearance(summary),
     ]
     return "\n".join(lines)
 
 
-def describe_export(summary: Summary, played: Played) -> str:
+def describe_export(summary: Summary, played: Played, label: str) -> str:
     """An exported walk, played in the physics, beside where it should be."""
     ended = {key: played[key] for key in ("pose", "min_margin", "slip")}
     shown = replace(
         summary, achieved=replace(summary.achieved, **ended), error=played.error
     )
-    rows = [_row(shown, row) for row in (GOAL, QUASI_STATIC.key)]
-    exported = _row(shown, ACHIEVED, "exported")
-    return "\n".join([HEADER, *(row for row in rows if row), exported])
+    rows = [_row(shown, row) for row in (GOAL, played.weighed.prediction)]
+    return "\n".join([HEADER, *rows, _row(shown, ACHIEVED, label)])
 
 
 def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
@@ -142,6 +142,12 @@ def _off(error: Departure | None, path_length: float) -> str:
         return ""
     share = f"{error.position / path_length:6.2%}" if path_length else f"{'':6}"
     return f"{1e3 * error.position:6.2f} mm {share} {error.yaw:7.4f} rad"
+
+
+def _ignored(summary: Summary) -> Iterator[str]:
+    """Which predictions know nothing of which settings."""
+    if text := summary.ignored:
+        yield f"{'ignored':13}{text}"
 
 
 def _lines(summary: Summary) -> Iterator[str]:

@@ -7,15 +7,21 @@ add up to the error exactly. They are summed by stratum and kind of phase.
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import dataclass
+
 import numpy as np
 
 from planner import Array, Path
-from sim.evaluation.summary import Departure, PerMetre, PredictionError
+from sim.evaluation.summary import DEGREE, Departure, PerMetre, PredictionError, Weighed
 from sim.motion.path_deviation import path_deviation
 from sim.motion.poses import compose, relative, wrap
 from sim.motion.prediction import Prediction
+from sim.scenarios.body_path import NominalPath
+from sim.scenarios.predictions import best
 from sim.walking.finished import Walk
 
+NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -54,6 +60,45 @@ def off(poses: Array, others: Array, length: float, walked: float) -> Prediction
         position_per_walked=at_end.position / walked if walked else None,
         farthest=float(np.hypot(*(poses - others)[:, :2].T).max()),
     )
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What distances on a walk are weighed by."""
+
+    prediction: str  # key of the one that the walk is judged by
+    radius: float  # mean distance of the feet from the middle [m]
+    length: float  # of the path; where it only turns, of the feet's way [m]
+
+    @classmethod
+    def of(cls, path: NominalPath, reach: float, made: Collection[str]) -> Scale:
+        """That of walks along a path, by the best of the predictions that were made."""
+        turns = np.diff(path.curve.at(np.linspace(0, 1, COMPARED))[:, 2])
+        return cls(best(made), reach, path.length or reach * float(np.abs(turns).sum()))
+
+    def weigh(self, poses: Array, predicted: Array, goal: Array) -> Weighed:
+        """Poses (T, 3) against the prediction (T, 3) on the way and the goal, (3,)."""
+        ends = departure(poses[-1], goal), departure(poses[-1], predicted[-1])
+        near = all(
+            off.position <= NEAR * self.length and off.yaw <= DEGREE for off in ends
+        )
+        return Weighed(
+            **vars(self),
+            goal=self.share(poses[-1], goal, near),
+            ended=self.share(poses[-1], predicted[-1], near),
+            farthest=self.share(poses, predicted, near),
+        )
+
+    def share(self, poses: Array, others: Array, near: bool = False) -> float:
+        """The largest distance between poses (..., 3) as a share of the length.
+
+        Yaw counts at the feet, and not at all if they are near one another. Where there
+        is no way at all nothing is weighed.
+        """
+        apart = poses - others
+        turned = 0.0 if near else self.radius * wrap(apart[..., 2])
+        far = np.hypot(np.hypot(apart[..., 0], apart[..., 1]), turned)
+        return float(far.max()) / self.length if self.length else 0.0
 
 
 def contributions(achieved: Array, predicted: Array) -> Array:

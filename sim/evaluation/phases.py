@@ -24,6 +24,19 @@ def swing_slip(walk: Walk) -> float:
     return float(sum(phase_slip(walk, phase).sum() for phase in swings))
 
 
+def standing_slip(walk: Walk) -> Array:
+    """Slip of every foot while it was planned to stand and legs swung, (F,) [m].
+
+    What feet slip while others lift and land is no part of any prediction, and does not
+    move the body.
+    """
+    slip, planted = np.zeros(len(walk.setup.robot.legs)), walk.setup.robot.planted
+    for phase in walk.phases:
+        if phase.kind == "swing":
+            slip += phase_slip(walk, phase) * planted(phase.stratum)
+    return slip
+
+
 def as_planned(walk: Walk, phase: Phase) -> bool:
     """Whether the feet in contact were those that were planned.
 

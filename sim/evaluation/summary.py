@@ -5,11 +5,14 @@ Fields can also be read by the keys of the file, as `summary["error"]["goal"]`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from typing import Any, Self
 
-from sim.scenarios.predictions import QUASI_STATIC
+from sim.scenarios.predictions import PREDICTIONS, who_ignores
+
+DEGREE = math.radians(1)  # of yaw, from which on it is put into words
 
 
 class Numbers(Mapping[str, Any]):
@@ -54,6 +57,13 @@ class Departure(Numbers):
     position: float  # [m]
     yaw: float  # [rad]
 
+    def __str__(self) -> str:
+        """The position, and the yaw where it is more than a degree."""
+        words = f"{1e3 * self.position:.2f} mm"
+        if self.yaw > DEGREE:
+            words += f" and {math.degrees(self.yaw):.1f} degrees"
+        return words
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PredictionError(Departure):
@@ -72,6 +82,33 @@ class Predicted(Numbers):
     min_margin: float  # [m]
     slip: float  # of all feet [m]
     min_clearance: float | None = None  # [m]; None where there are no obstacles
+    ignores: str = ""  # settings of the scenario that it knows nothing of
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Weighed(Numbers):
+    """What verdict and tolerance weigh: distances from goal and prediction.
+
+    Yaw counts as the way that it moves the feet, as far as it is worth a word: where
+    both ends are within `NEAR` and a degree, the position alone counts.
+    """
+
+    prediction: str  # key of the one that the walk is judged by
+    radius: float  # mean distance of the feet from the middle [m]
+    length: float  # of the path; where it only turns, of the feet's way [m]
+    goal: float  # from the goal at the end, as a share of that length
+    ended: float  # from the prediction at the end
+    farthest: float  # from the prediction at most
+
+    def beyond(self, tolerance: float) -> str:
+        """What is farther off than a share of the path, in words; empty if nothing."""
+        name = PREDICTIONS[self.prediction].label
+        found = {"its goal": self.goal, f"the {name} prediction": self.farthest}
+        return " and ".join(
+            f"{100 * share:.3g} % of its path off {what}"
+            for what, share in found.items()
+            if share > tolerance
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -96,7 +133,9 @@ class Played(Numbers):
     min_margin: float  # [m]
     slip: float  # of all feet [m]
     bounces: int
-    error: Mapping[str, Departure | None]  # from `goal` and `quasi_static`
+    error: Mapping[str, Departure | None]  # from `goal` and what judges the walk
+    weighed: Weighed
+    changed: float  # from the walk itself at the end, as a share of the path
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -161,6 +200,7 @@ class Summary(Numbers):
     error: Mapping[str, PredictionError | Departure | None]
     error_sources: Mapping[str, Mapping[str, list[float]] | None] | None = None
     servo: Mapping[str, object] = field(default_factory=dict)
+    weighed: Weighed | None = None
     deviation: Mapping[str, Departure | None] = field(default_factory=dict)
     feedback: Sensed | None = None  # of a walk that is told its pose with noise
     per_metre: PerMetre = field(default_factory=PerMetre)
@@ -179,6 +219,7 @@ class Summary(Numbers):
             "achieved": Accomplished.read(table["achieved"]),
             "error": _each(PredictionError, table["error"])
             | {"goal": Departure.read(table["error"]["goal"])},
+            "weighed": Weighed.read(table["weighed"]) if "weighed" in table else None,
             "deviation": _each(Departure, table.get("deviation", {})),
             "per_metre": PerMetre.read(table.get("per_metre", {})),
         }
@@ -193,13 +234,9 @@ class Summary(Numbers):
         return {"goal": self.goal, **made, "achieved": self.achieved.pose}
 
     @property
-    def farthest_share(self) -> float | None:
-        """Farthest from the quasi-static prediction, as a share of the path walked."""
-        off, length = self.error[QUASI_STATIC.key], self.path_length
-        if not isinstance(off, PredictionError) or off.farthest is None:
-            return None
-        length = length or self.distance_walked
-        return off.farthest / length if length else 0.0
+    def ignored(self) -> str:
+        """Which predictions ignore which settings, in words; empty if none does."""
+        return who_ignores({k: p.ignores for k, p in self.predicted.items() if p})
 
 
 def _each(kind: type[Numbers], table: Mapping[str, Any]) -> dict[str, Numbers | None]:

@@ -1,61 +1,82 @@
 """The verdict on a walk, as one word and one sentence.
 
-The verdict is the first of the following that applies: the robot fell, it collided, a
-foot slipped, the walk drifted from its prediction, or it arrived.
+The verdict is the first of the following that applies: the robot fell, it collided, it
+missed its goal, it drifted from its prediction, its feet slipped, or it arrived. The
+sentence says where it ended, and what the likely cause is and the next step.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from planner import Array
+from sim.evaluation.causes import Evidence, likely_cause
+from sim.evaluation.deviations import NEAR, departure
 from sim.evaluation.motions import Achieved
-from sim.evaluation.phases import phase_slip
-from sim.motion.poses import tilt
+from sim.evaluation.phases import standing_slip
+from sim.evaluation.summary import Departure, Weighed
+from sim.motion.poses import tilt, wrap
 from sim.motion.prediction import Prediction
+from sim.scenarios.predictions import PREDICTIONS
 from sim.walking.finished import Walk
 
 FAILURES = ("fell", "collided")
 TILTED = np.deg2rad(30)  # of a body that has fallen
 LOW = 0.5  # of its height at the start, below which it has
-TOLERATED = 0.05  # of the path: slip and drift beyond the quasi-static prediction
+TOLERATED = 0.05  # of the path: distance from the goal, and from the prediction
+SLIPPED = 0.1  # of the predicted slip: more of it; good walks slip 1 to 24 % less
+
+Word = Literal["fell", "collided", "missed", "drifted", "slipped", "arrived"]
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """What became of a walk."""
 
-    word: Literal["fell", "collided", "slipped", "drifted", "arrived"]
+    word: Word
     text: str  # one sentence, without a full stop
 
 
 def judge(
-    walk: Walk, achieved: Achieved, predicted: Prediction | None, judged: Array
+    walk: Walk,
+    achieved: Achieved,
+    predicted: Mapping[str, Prediction],
+    weighed: Weighed,
+    judged: Array,
 ) -> Verdict:
-    """The verdict on a walk, from its motion and its quasi-static prediction, if any.
+    """The verdict on a walk, from its motion, its predictions and what was weighed.
 
     Extremes are taken over the moments that are judged, shape (T,), bool.
     """
-    failure = _fell(walk, achieved, judged) or _collided(walk)
-    if failure is not None:
-        return failure
-    goal = np.array(walk.setup.scenario.path.goal, dtype=float)
-    end = f"{_distance(achieved.pose[-1], goal)} from the goal"
-    if predicted is None:
-        return Verdict("arrived", f"arrived {end}")
-    by = _distance(achieved.pose[-1], predicted.pose[-1])
-    end += f" and {by} from where the quasi-static prediction has it"
-    return (
-        _slipped(walk, predicted, end)
-        or _drifted(walk, achieved.pose[judged] - predicted.pose[judged], end)
-        or Verdict("arrived", f"arrived {end}")
+    best = predicted[weighed.prediction]
+    poses = achieved.pose[judged], best.pose[judged]
+    end, goal = achieved.pose[-1], np.array(walk.setup.scenario.path.goal, dtype=float)
+    label, off = PREDICTIONS[weighed.prediction].label, departure(end, best.pose[-1])
+    ended = f"{departure(end, goal)} from the goal and {off} from where "
+    ended += f"the {label} prediction has it"
+    word, how = (
+        _fell(walk, achieved, judged)
+        or _collided(walk)
+        or _missed(weighed)
+        or _drifted(weighed, *poses)
+        or _slipped(walk, best, weighed)
+        or ("arrived", "")
     )
+    if word == "arrived":
+        return Verdict(word, f"arrived {ended}")
+    evidence = Evidence(walk, achieved, predicted, weighed)
+    cause = likely_cause(word, evidence)
+    return Verdict(word, f"{how}; it ended {ended}{cause and f'; {cause}'}")
 
 
-def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Verdict | None:
+Found = tuple[Word, str] | None
+
+
+def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Found:
     moments, kinematics = walk.recording.moments, walk.setup.kinematics
     standing = kinematics.standing
     height = float(kinematics.center_of_mass[2] - standing.height.min())
@@ -70,10 +91,10 @@ def _fell(walk: Walk, achieved: Achieved, judged: Array) -> Verdict | None:
     how = f"the body tilted by {np.rad2deg(leaning[first]):.0f} degrees"
     if leaning[first] <= TILTED:
         how = f"the body sank by {1e3 * lost[first]:.0f} of {1e3 * height:.0f} mm"
-    return Verdict("fell", f"fell at {time:.1f} s: {how}")
+    return "fell", f"fell at {time:.1f} s: {how}"
 
 
-def _collided(walk: Walk) -> Verdict | None:
+def _collided(walk: Walk) -> Found:
     counts = {
         "parts of the robot touched each other": walk.recording.self_contacts,
         "the robot touched obstacles": walk.recording.wall_contacts,
@@ -83,56 +104,40 @@ def _collided(walk: Walk) -> Verdict | None:
         for what, count in counts.items()
         if count
     ]
-    if not touched:
+    return ("collided", f"collided: {' and '.join(touched)}") if touched else None
+
+
+def _missed(weighed: Weighed) -> Found:
+    if weighed.goal <= TOLERATED:
         return None
-    return Verdict("collided", f"collided: {' and '.join(touched)}")
+    return "missed", f"missed its goal by {100 * weighed.goal:.1f} % of the path"
 
 
-def _slipped(walk: Walk, predicted: Prediction, end: str) -> Verdict | None:
-    """Whether a foot slipped while it was planned to stand and legs swung.
-
-    What feet slip while others lift and land is no part of any prediction, and does not
-    move the body.
-    """
-    robot = walk.setup.robot
-    slip = np.zeros(len(robot.legs))
-    for phase in walk.phases:
-        if phase.kind == "swing":
-            slip += phase_slip(walk, phase) * robot.planted(phase.stratum)
-    excess = slip - predicted.slip[-1]
-    worst = int(excess.argmax())
-    if not excess[worst] > TOLERATED * _length(walk):
+def _drifted(weighed: Weighed, achieved: Array, predicted: Array) -> Found:
+    if weighed.farthest <= TOLERATED:
         return None
-    return Verdict(
-        "slipped",
-        f"slipped: the foot of leg {robot.legs[worst]} moved "
-        f"{1e3 * excess[worst]:.1f} mm more than predicted"
-        f"{_share(excess[worst], walk)}; it ended {end}",
+    apart = achieved - predicted
+    off = Departure(
+        position=float(np.hypot(*apart[:, :2].T).max()),
+        yaw=float(np.abs(wrap(apart[:, 2])).max()),
     )
-
-
-def _drifted(walk: Walk, apart: Array, end: str) -> Verdict | None:
-    off = float(np.hypot(*apart[:, :2].T).max())
-    if not off > TOLERATED * _length(walk):
-        return None
-    return Verdict(
+    name, share = PREDICTIONS[weighed.prediction].label, 100 * weighed.farthest
+    return (
         "drifted",
-        f"drifted: it was up to {1e3 * off:.1f} mm off the quasi-static prediction"
-        f"{_share(off, walk)}, and ended {end}",
+        f"drifted: it was up to {off} off the {name} prediction, {share:.1f} % of the "
+        "path",
     )
 
 
-def _distance(pose: Array, other: Array) -> str:
-    return f"{1e3 * float(np.hypot(*(pose - other)[:2])):.2f} mm"
-
-
-def _length(walk: Walk) -> float:
-    """Length that shares are taken of, the way walked where the path has none [m]."""
-    return walk.setup.scenario.path.length or walk.distance
-
-
-def _share(part: float, walk: Walk) -> str:
-    if not (length := _length(walk)):
-        return ""
-    what = "the path" if walk.setup.scenario.path.length else "the way walked"
-    return f", {100 * part / length:.1f} % of {what}"
+def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:
+    """Whether feet slid farther than predicted, and the body with them."""
+    slip, foreseen = standing_slip(walk), predicted.slip[-1]
+    more, expected = float((slip - foreseen).sum()), float(foreseen.sum())
+    if weighed.ended <= NEAR or more <= SLIPPED * expected:
+        return None
+    leg = walk.setup.robot.legs[int((slip - foreseen).argmax())]
+    return (
+        "slipped",
+        f"slipped: its feet slid {1e3 * (expected + more):.1f} mm where "
+        f"{1e3 * expected:.1f} mm were predicted, that of leg {leg} before all",
+    )

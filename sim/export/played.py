@@ -1,11 +1,16 @@
-"""An export played back in the physics, with its commands held as servos hold them."""
+"""An export played back in the physics.
+
+Servos hold each command until the next one. A controller of ROS 2 that follows a
+trajectory of positions moves evenly from one to the next, and holds the last.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from models import Kinematics
 from planner import Array
-from sim.evaluation.deviations import departure, off
+from sim.evaluation.deviations import Scale, departure, off
 from sim.evaluation.summary import Played
 from sim.export.servo_commands import ServoCommands
 from sim.export.source import Source
@@ -15,42 +20,49 @@ from sim.physics.measure import Sensors
 from sim.physics.recording import Recorder, Recording
 from sim.progress import Progress, silent
 from sim.runs.run import START
-from sim.scenarios.predictions import QUASI_STATIC
 
 
 def play(
-    source: Source, commands: ServoCommands, progress: Progress = silent
+    source: Source,
+    commands: ServoCommands,
+    progress: Progress = silent,
+    *,
+    interpolated: bool = False,
 ) -> Played:
     """Walk what was read back, and compare it as the walk itself was compared."""
     run = source.run
     steps = np.round(run.time / source.timestep).astype(int)
     starts = round(run.summary.walk_starts / source.timestep)
-    recording = _recorded(source, commands, steps, starts, progress)
-    moments = recording.moments
-    kept = np.isin(moments.step, steps[steps >= starts])
+    recording = _recorded(source, commands, interpolated, steps, starts, progress)
+    moments, walking = recording.moments, steps >= starts
+    kept = np.isin(moments.step, steps[walking])
     address = source.robot.root_address_in(source.model)
     origin = run.arrays[START]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
     slip = moments.slip[-1] - recording.slip_after(starts)
-    summary, predicted = run.summary, run.predicted.get(QUASI_STATIC.key)
+    summary, goal = run.summary, np.array(run.summary.goal)
     lengths = summary.path_length, summary.distance_walked
+    predicted = {key: found[walking] for key, found in run.predicted.items()}
+    reach = Kinematics(source.robot).reach
+    scale = Scale.of(run.scenario.path, reach, predicted)
     return Played(
         pose=poses[-1].tolist(),
         min_margin=recording.least_margin,
         slip=float(np.maximum(slip, 0.0).sum()),
         bounces=recording.bounces,
         error={
-            "goal": departure(poses[-1], np.array(summary.goal)),
-            QUASI_STATIC.key: None
-            if predicted is None
-            else off(poses, predicted[steps >= starts], *lengths),
+            "goal": departure(poses[-1], goal),
+            **{key: off(poses, found, *lengths) for key, found in predicted.items()},
         },
+        weighed=scale.weigh(poses, predicted[scale.prediction], goal),
+        changed=scale.share(poses[-1], run.achieved[-1]),
     )
 
 
 def _recorded(
     source: Source,
     commands: ServoCommands,
+    interpolated: bool,
     steps: Array,
     starts: int,
     progress: Progress,
@@ -62,7 +74,8 @@ def _recorded(
     order = [commands.joints.index(joint) for joint in source.joints]
     ordered = ServoCommands(source.joints, commands.rate, commands.angles[:, order])
     rest = source.model.key("start").ctrl
-    pieces = ordered.held(rest, source.actuators, source.steps, source.timestep)
+    lay = ordered.interpolated if interpolated else ordered.held
+    pieces = lay(rest, source.actuators, source.steps, source.timestep)
     for done in recorder.play(pieces, np.union1d(steps, [starts])):
         progress("playing", done / source.steps)
     return recorder.finish()

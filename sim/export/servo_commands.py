@@ -1,4 +1,4 @@
-"""Commands of servos at their own rate, taken from a walk and held in the physics."""
+"""Commands of servos at their own rate, taken from a walk and played in the physics."""
 
 from __future__ import annotations
 
@@ -46,12 +46,35 @@ class ServoCommands:
 
         Actuators that have no servo here keep their commands at rest, shape (nu,).
         """
-        for begin in range(0, steps, STRETCH):
-            row = np.arange(begin, min(begin + STRETCH, steps))
-            number = command_at(row, self.rate * timestep)
-            ctrl = np.tile(rest, (len(row), 1))
-            ctrl[:, actuators] = self.angles[np.minimum(number, len(self.angles) - 1)]
-            yield ctrl
+        pace, last = self.rate * timestep, len(self.angles) - 1
+        for row in _stretches(steps):
+            number = np.minimum(command_at(row, pace), last)
+            yield _laid(rest, actuators, self.angles[number])
+
+    def interpolated(
+        self, rest: Array, actuators: Array, steps: int, timestep: float
+    ) -> Iterator[Array]:
+        """The same with angles that move evenly from each command to the next one."""
+        pace, last = self.rate * timestep, len(self.angles) - 1
+        for row in _stretches(steps):
+            when = np.minimum(row * pace, last)
+            number = np.minimum(when.astype(int), max(last - 1, 0))
+            part = (when - number)[:, None]
+            after = self.angles[np.minimum(number + 1, last)]
+            yield _laid(
+                rest, actuators, (1 - part) * self.angles[number] + part * after
+            )
+
+
+def _stretches(steps: int) -> Iterator[Array]:
+    for begin in range(0, steps, STRETCH):
+        yield np.arange(begin, min(begin + STRETCH, steps))
+
+
+def _laid(rest: Array, actuators: Array, angles: Array) -> Array:
+    ctrl = np.tile(rest, (len(angles), 1))
+    ctrl[:, actuators] = angles
+    return ctrl
 
 
 def taken(

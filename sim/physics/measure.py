@@ -119,10 +119,14 @@ def bridge(loaded: Array, shortest: int, before: Array | None = None) -> Array:
     return contact[1:]
 
 
-def count_bounces(loaded: Array, contact: Array) -> int:
-    """Interruptions that were closed and end before the last of some steps, (n, F)."""
+def count_bounces(loaded: Array, contact: Array) -> Array:
+    """Each foot's interruptions that were closed and end before the last of some steps.
+
+    Flags have shape (n, F), the counts (F,).
+    """
     closed = contact & ~loaded
-    return int((closed[:-1] & ~closed[1:]).sum())
+    bounces: Array = (closed[:-1] & ~closed[1:]).sum(axis=0)
+    return bounces
 
 
 def decided(loaded: Array, shortest: int, before: Array | None = None) -> int:

@@ -34,6 +34,7 @@ from sim.world.walls import Touches
 
 NEVER = np.iinfo(np.int64).max
 NONE = np.zeros(0, dtype=int)
+SHORT = 1e-6  # of a range of forces, within which its end counts as reached
 T = TypeVar("T", bound=Iterable[Array])
 
 
@@ -85,10 +86,16 @@ class Recording:
     moments: Moments
     marks: Marks
     contacts: ContactLog
-    bounces: int
+    bounces_of: Array  # each foot's, (F,)
+    limited: Array  # steps in which each actuator gave all the force it has, (nu,)
     least_margin: float  # over every step from the walk's start on [m]
     wall_contacts: int  # times that the robot came to touch an obstacle
     self_contacts: int  # times that it came to touch itself
+
+    @property
+    def bounces(self) -> int:
+        """Those of all feet."""
+        return int(self.bounces_of.sum())
 
     @property
     def during(self) -> Array:
@@ -121,7 +128,8 @@ class Recorder:
         self._contacts: list[ContactLog] = []
         self._contact: Array | None = None
         self._slip = np.zeros(sensors.feet)
-        self._bounces = 0
+        self._bounces = np.zeros(sensors.feet, dtype=int)
+        self._limited = np.zeros(engine.model.nu, dtype=int)
 
     def play(self, pieces: Iterable[Array], inspections: Array = NONE) -> Iterator[int]:
         """Apply one row of commands a step, and yield the steps made after each piece.
@@ -134,6 +142,7 @@ class Recorder:
             before, state = self.engine.steps, self._state
             record = self.engine.advance(ctrl)
             self._state = State(record.qpos[-1].copy(), record.qvel[-1].copy())
+            self._limited += self._at_limit(record.actuator_force)
             self._sense(
                 before,
                 np.concatenate([state.qpos[None], record.qpos[:-1]]),
@@ -154,11 +163,22 @@ class Recorder:
             moments=Moments(*_joined(self._kept)),
             marks=Marks(*_joined(self._marks)),
             contacts=ContactLog(*_joined(self._contacts)),
-            bounces=self._bounces,
+            bounces_of=self._bounces,
+            limited=self._limited,
             least_margin=self._margin.value,
             wall_contacts=self._touches.count,
             self_contacts=self._own_touches.count,
         )
+
+    def _at_limit(self, force: Array) -> Array:
+        """In how many steps, (n, nu), each actuator gave all the force that it has."""
+        model = self.engine.model
+        low, high = model.actuator_forcerange.T
+        full = (force <= low + SHORT * (high - low)) | (
+            force >= high - SHORT * (high - low)
+        )
+        steps: Array = (full & (model.actuator_forcelimited > 0)).sum(axis=0)
+        return steps
 
     def _sense(self, first: int, qpos: Array, qvel: Array, sensordata: Array) -> None:
         """Add consecutive states and their sensor readings."""

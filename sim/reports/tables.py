@@ -33,6 +33,7 @@ class Table:
 def sentences(run: Run) -> list[str]:
     """What became of the walk, the most important first."""
     text, achieved = run.summary.verdict_text, run.summary.achieved
+    ignored = run.summary.ignored
     least, floor = MM * achieved.min_margin, achieved.creep_floor
     where = f"up to {-least:.1f} mm outside its support"
     if least >= 0:
@@ -43,6 +44,7 @@ def sentences(run: Run) -> list[str]:
         f"{text[:1].upper()}{text[1:]}.",
         f"Its centre of mass was {where}.",
         f"{slipped}{'' if floor is None else creep}.",
+        *([f"Its predictions ignore {ignored}."] if ignored else []),
     ]
 
 

@@ -1,32 +1,75 @@
-"""Names of the predictions: in files, for people, and of their arrays.
+"""The predictions: their names, what they ignore, and which one walks are judged by.
 
 This is the only place that knows that `quasi_static` is shown as `quasi-static`.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Collection, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from sim.scenarios.settings import IMPERFECTIONS, SETTINGS
+
+if TYPE_CHECKING:
+    from sim.scenarios.scenario import Scenario
 
 
 class PredictionName(NamedTuple):
-    """The names that one prediction goes by."""
+    """The names that one prediction goes by, and the settings that it knows nothing of.
+
+    What any of its pose, slip and margin ignores counts as ignored.
+    """
 
     key: str  # in summary.json and in the columns of sweeps
     label: str  # for people, and as a value of `steer`
     prefix: str  # of its arrays in trajectory.npz
+    ignores: Collection[str] = IMPERFECTIONS
 
     def array(self, quantity: str) -> str:
         """Name of one of its arrays in trajectory.npz, such as `predicted_pose`."""
         return f"{self.prefix}_{quantity}"
 
+    def ignored(self, scenario: Scenario) -> str:
+        """What a scenario sets and this prediction ignores, separated by commas."""
+        return ", ".join(
+            name
+            for name in self.ignores
+            if getattr(scenario, name) != SETTINGS[name].default
+        )
+
 
 IDEAL = PredictionName("ideal", "ideal", "predicted")
 QUASI_STATIC = PredictionName("quasi_static", "quasi-static", "quasi_static")
-IDENTIFIED = PredictionName("identified", "identified", "identified")
+IDENTIFIED = PredictionName(  # measured in the same world, by plain commands
+    "identified",
+    "identified",
+    "identified",
+    ignores=("command_delay", "zero_offset", "payload", "slope", "bumps"),
+)
 PREDICTIONS = {name.key: name for name in (IDEAL, QUASI_STATIC, IDENTIFIED)}
 LABELS = tuple(name.label for name in PREDICTIONS.values())
+JUDGES = (QUASI_STATIC, IDEAL)
+"""Predictions that walks are judged by, the best first; the first that could be made
+is taken. One that costs physics of its own is none of them, as it may be left out."""
 
 
 def prediction_key(label: str) -> str:
     """Key of the prediction with a label, such as a scenario's `steer`."""
     return next(name.key for name in PREDICTIONS.values() if name.label == label)
+
+
+def best(made: Collection[str]) -> str:
+    """Key of the prediction that a walk is judged by, of those that were made."""
+    return next(name.key for name in JUDGES if name.key in made)
+
+
+def who_ignores(ignored: Mapping[str, str]) -> str:
+    """Which predictions ignore which settings, in words; given are those of each key.
+
+    Empty if nothing is ignored.
+    """
+    by: dict[str, list[str]] = {}
+    for key, settings in ignored.items():
+        by.setdefault(settings, []).append(PREDICTIONS[key].label)
+    words = (f"{names} by {' and '.join(who)}" for names, who in by.items() if names)
+    return "; ".join(words)

@@ -158,5 +158,5 @@ def _walked(robot: Robot) -> dict[str, Any]:
         "strokes_per_metre": summary.per_metre.strokes,
         "min_margin": summary.achieved.min_margin,
         "goal": POSITION.value(summary, "goal"),
-        "farthest_per_path": summary.farthest_share,
+        "farthest_per_path": summary.weighed and summary.weighed.farthest,
     }

@@ -1,0 +1,249 @@
+"""Likely causes of a walk that went wrong, each with the next step.
+
+Each finder looks for one cause in what was measured and gives a sentence, or nothing.
+The first that finds something is believed: causes that would spoil any walk are looked
+for before those that only explain what is left.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import tan
+
+import numpy as np
+
+from models.description import actuator_of
+from planner import Array
+from sim.evaluation.deviations import Scale, error_sources
+from sim.evaluation.motions import Achieved
+from sim.evaluation.summary import Weighed
+from sim.motion.prediction import Prediction
+from sim.scenarios.predictions import IDEAL, PREDICTIONS
+from sim.walking.finished import Walk
+
+CARRIED = 0.05  # of the time that a foot is to stand; less is as good as nothing
+USED_UP = 0.5  # of the friction there is; beyond, feet that slide carry the body along
+FULL = 0.01  # of all steps in which a servo may give all it has
+BENT = 0.03  # [rad] on average, by which a servo lags behind its command
+LIST = "what is left is listed by phase in the report (error_sources)"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What is known of a finished walk."""
+
+    walk: Walk
+    achieved: Achieved
+    predicted: Mapping[str, Prediction]
+    weighed: Weighed
+
+    @property
+    def best(self) -> Prediction:
+        """The prediction that the walk is judged by."""
+        return self.predicted[self.weighed.prediction]
+
+    def on_paper(self, name: str) -> float:
+        """How far a prediction ends from the goal, as a share of the path."""
+        weighed, goal = self.weighed, self.walk.setup.scenario.path.goal
+        scale = Scale(weighed.prediction, weighed.radius, weighed.length)
+        return scale.share(self.predicted[name].pose[-1], np.array(goal))
+
+    def joints(self, leg: int) -> tuple[str, str]:
+        """Swing and lift joint of a leg."""
+        card = self.walk.setup.robot.card.legs[leg]
+        return card.swing, card.lift
+
+
+def likely_cause(word: str, evidence: Evidence) -> str:
+    """The likely cause of what became of a walk, and the next step; may be empty."""
+    return next(filter(None, (find(evidence) for find in FINDERS[word])), "")
+
+
+def _touching(evidence: Evidence) -> str:
+    if evidence.walk.recording.wall_contacts:
+        return "plan at a greater distance from obstacles (min_clearance)"
+    twice = 2 * evidence.walk.setup.scenario.segments
+    return f"more segments swing the legs less (--segments {twice})"
+
+
+def _on_paper(evidence: Evidence) -> str:
+    """A plan that misses the goal by most of what the walk misses it by."""
+    scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
+    share = evidence.on_paper(judge)
+    if scenario.replan or share <= evidence.weighed.goal / 2:
+        return ""
+    planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
+    step = f"walk it in more segments (--segments {2 * scenario.segments})"
+    if evidence.on_paper(IDEAL.key) <= share / 2:
+        label = PREDICTIONS[judge].label
+        planned += ", as its legs do not move the body as the ideal fields have it"
+        step = f"steer on a prediction that knows them (--steer {label})"
+    return f"{planned}: {step}, or plan again on the way (--replan)"
+
+
+def _scaled_down(evidence: Evidence) -> str:
+    if not (count := evidence.walk.saturated_segments):
+        return ""
+    twice = 2 * evidence.walk.setup.scenario.segments
+    which = f"{count} segments were scaled down to the joint range"
+    return f"{which}: walk in more of them (--segments {twice})"
+
+
+def _never_loaded(evidence: Evidence) -> str:
+    """A foot that was in the air while it was to stand."""
+    walk = evidence.walk
+    walking = walk.recording.moments.step >= walk.starts
+    planned = evidence.best.contact[walking]
+    carried = (evidence.achieved.contact[walking] & planned).sum(axis=0)
+    share = carried / np.maximum(planned.sum(axis=0), 1)
+    worst = int(share.argmin())
+    if share[worst] > CARRIED:
+        return ""
+    return (
+        f"the foot of leg {walk.setup.robot.legs[worst]} never carried load: correct "
+        "its angles in keyframe 'start', or what it is to lift over (lift_height)"
+    )
+
+
+def _steep(evidence: Evidence) -> str:
+    """A floor whose slope takes most of the friction there is."""
+    scenario = evidence.walk.setup.scenario
+    if scenario.slope is None:
+        return ""
+    friction = float(np.mean(scenario.foot_friction or scenario.friction))
+    used = tan(scenario.slope[0]) / friction if friction else np.inf
+    if used <= USED_UP:
+        return ""
+    return (
+        f"the floor leans so far that standing takes {100 * used:.0f} % of the "
+        "friction: raise friction, or lower slope"
+    )
+
+
+def _at_limits(evidence: Evidence) -> str:
+    """Servos that gave all their torque."""
+    walk = evidence.walk
+    model, joints = walk.setup.model, walk.setup.robot.card.joints
+    full = [walk.recording.limited[actuator_of(model, joint)] for joint in joints]
+    share = max(full) / max(walk.steps, 1)
+    if share <= FULL:
+        return ""
+    joint = joints[int(np.argmax(full))]
+    most = model.actuator_forcerange[actuator_of(model, joint), 1]
+    return (
+        f"the servo of joint {joint!r} gave all its {most:.3g} N m in "
+        f"{100 * share:.0f} % of the time: take stronger servos (servo), carry less, "
+        "or walk slower (swing_speed)"
+    )
+
+
+def _bouncing(evidence: Evidence) -> str:
+    """Feet that bounced more often than they were put down."""
+    walk, legs = evidence.walk, evidence.walk.setup.robot.legs
+    landings = sum(
+        np.isin(walk.setup.robot.group_of_leg, phase.moving).sum()
+        for phase in walk.phases
+        if phase.kind == "land"
+    )
+    bounces = walk.recording.bounces_of
+    if bounces.sum() <= landings:
+        return ""
+    model, joints = walk.setup.model, evidence.joints(legs[int(bounces.argmax())])
+    names = " and ".join(map(repr, joints))
+    often = f"feet bounced {bounces.sum()} times, most often the one on joints {names}"
+    places = [int(model.joint(joint).dofadr[0]) for joint in joints]
+    if not model.dof_armature[places].all():
+        return (
+            f"{often}, which have no armature: give them the inertia of their servos' "
+            "rotors (armature), as stratawalk adopt does"
+        )
+    drives = [actuator_of(model, joint) for joint in joints]
+    stiffness = float(model.actuator_gainprm[drives, 0].max())
+    return (
+        f"{often}, whose servos of {stiffness:.3g} N m/rad are too stiff for "
+        f"{_pace(walk)}: soften or damp them (servo_stiffness, servo_damping), or "
+        "shorten the timestep"
+    )
+
+
+def _pace(walk: Walk) -> str:
+    if rate := walk.setup.servo.rate:
+        return f"{rate:g} commands a second"
+    return f"a timestep of {1e3 * walk.setup.limits.timestep:g} ms"
+
+
+def _soft(evidence: Evidence) -> str:
+    """Servos that bend under their loads."""
+    setup = evidence.walk.setup
+    names, model = setup.robot.card.joints, setup.model
+    moments = evidence.walk.recording.moments
+    walking = moments.step >= evidence.walk.starts
+    drives = [actuator_of(model, joint) for joint in names]
+    places = [int(model.joint(joint).qposadr[0]) for joint in names]
+    ctrl = np.concatenate(list(evidence.walk.commands()))[moments.step[walking] - 1]
+    off: Array = np.abs(ctrl[:, drives] - moments.qpos[walking][:, places])
+    bent = off.mean(axis=0)
+    worst = int(np.argmax(bent))
+    if bent[worst] <= BENT:
+        return ""
+    stiffness = model.actuator_gainprm[drives[worst], 0]
+    return (
+        f"the servo of joint {names[worst]!r}, of {stiffness:.3g} N m/rad, is "
+        f"{1e3 * bent[worst]:.0f} mrad off its commands on average: stiffen it "
+        "(servo_stiffness), or let commands make up for it (feed_forward)"
+    )
+
+
+def _hasty(evidence: Evidence) -> str:
+    """Strokes that speed up faster than friction holds the feet."""
+    setup, scenario = evidence.walk.setup, evidence.walk.setup.scenario
+    rates = np.linalg.norm(setup.kinematics.standing.rates, axis=-1)
+    speeds_up = scenario.swing_acceleration * float(rates.max())
+    held = scenario.friction * float(np.linalg.norm(setup.model.opt.gravity))
+    if speeds_up <= USED_UP * held:
+        return ""
+    return (
+        f"strokes speed up by {speeds_up:.2g} m/s2 at the feet, and friction holds "
+        f"{held:.2g}: lower swing_acceleration, or raise friction"
+    )
+
+
+def _unknown(evidence: Evidence) -> str:
+    """Settings that the prediction, and with it the plan, knows nothing of."""
+    scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
+    if not (names := PREDICTIONS[judge].ignored(scenario)):
+        return ""
+    step = "plan again on the way (--replan), or walk twice (--correct 2)"
+    if scenario.replan or scenario.correct > 1:
+        step = "leave them out one at a time, to see which it is"
+    return f"plan and prediction know nothing of {names}: {step}"
+
+
+def _source(evidence: Evidence) -> str:
+    """The phases that contributed most, where nothing else is known."""
+    walk, weighed = evidence.walk, evidence.weighed
+    if walk.setup.scenario.replan:
+        return ""
+    parts = error_sources(walk, evidence.achieved.pose, evidence.best)
+    size = {
+        name: float(np.hypot(np.hypot(x, y), weighed.radius * turn))
+        for name, (x, y, turn) in parts.items()
+    }
+    if not any(size.values()):
+        return ""
+    worst = max(size, key=size.__getitem__)
+    return f"most of it arose in {worst!r}; {LIST}"
+
+
+Finder = Callable[[Evidence], str]
+SPOILING: tuple[Finder, ...] = (_never_loaded, _steep, _at_limits, _bouncing)
+EXPLAINING: tuple[Finder, ...] = (_hasty, _soft, _unknown, _source)
+FINDERS: Mapping[str, tuple[Finder, ...]] = {
+    "fell": (*SPOILING, *EXPLAINING[:-1]),
+    "collided": (*SPOILING, _touching),
+    "missed": (_on_paper, _scaled_down, *SPOILING, *EXPLAINING),
+    "drifted": (*SPOILING, *EXPLAINING),
+    "slipped": (*SPOILING, *EXPLAINING),
+}
+"""Where to look for causes, by what became of the walk."""
