@@ -74,20 +74,22 @@ def _on_paper(evidence: Evidence) -> str:
     if scenario.replan or share <= evidence.weighed.goal / 2:
         return ""
     planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
-    step = f"walk it in more segments (--segments {2 * scenario.segments})"
-    if evidence.on_paper(IDEAL.key) <= share / 2:
-        label = PREDICTIONS[judge].label
-        planned += ", as its legs do not move the body as the ideal fields have it"
-        step = f"steer on a prediction that knows them (--steer {label})"
-    return f"{planned}: {step}, or plan again on the way (--replan)"
+    if scenario.steered_on == judge or evidence.on_paper(IDEAL.key) > share / 2:
+        twice = f"walk it in more segments (--segments {2 * scenario.segments})"
+        return f"{planned}: {twice}, or plan again on the way (--replan)"
+    label = PREDICTIONS[judge].label
+    return (
+        f"{planned}, since its legs do not move the body as the ideal fields have it: "
+        f"--steer {label} finds a plan if they can go there at all"
+    )
 
 
 def _scaled_down(evidence: Evidence) -> str:
     if not (count := evidence.walk.saturated_segments):
         return ""
-    twice = 2 * evidence.walk.setup.scenario.segments
-    which = f"{count} segments were scaled down to the joint range"
-    return f"{which}: walk in more of them (--segments {twice})"
+    segments = evidence.walk.setup.scenario.segments
+    which = f"{count} of {segments} segments were scaled down to the joint range"
+    return f"{which}: walk in more of them (--segments {2 * segments})"
 
 
 def _never_loaded(evidence: Evidence) -> str:
@@ -161,7 +163,7 @@ def _bouncing(evidence: Evidence) -> str:
     drives = [actuator_of(model, joint) for joint in joints]
     stiffness = float(model.actuator_gainprm[drives, 0].max())
     return (
-        f"{often}, whose servos of {stiffness:.3g} N m/rad are too stiff for "
+        f"{often}, whose servos of {stiffness:.4g} N m/rad are too stiff for "
         f"{_pace(walk)}: soften or damp them (servo_stiffness, servo_damping), or "
         "shorten the timestep"
     )
@@ -189,7 +191,7 @@ def _soft(evidence: Evidence) -> str:
         return ""
     stiffness = model.actuator_gainprm[drives[worst], 0]
     return (
-        f"the servo of joint {names[worst]!r}, of {stiffness:.3g} N m/rad, is "
+        f"the servo of joint {names[worst]!r}, of {stiffness:.4g} N m/rad, is "
         f"{1e3 * bent[worst]:.0f} mrad off its commands on average: stiffen it "
         "(servo_stiffness), or let commands make up for it (feed_forward)"
     )

@@ -214,12 +214,13 @@ class Summary(Numbers):
     @classmethod
     def read(cls, table: Mapping[str, Any]) -> Self:
         """The summary in a file's table, also in one of an older version."""
+        given = table.get("weighed")
         inner: dict[str, object] = {
             "predicted": _each(Predicted, table["predicted"]),
             "achieved": Accomplished.read(table["achieved"]),
             "error": _each(PredictionError, table["error"])
             | {"goal": Departure.read(table["error"]["goal"])},
-            "weighed": Weighed.read(table["weighed"]) if "weighed" in table else None,
+            "weighed": given and Weighed.read(given),
             "deviation": _each(Departure, table.get("deviation", {})),
             "per_metre": PerMetre.read(table.get("per_metre", {})),
         }

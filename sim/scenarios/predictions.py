@@ -6,12 +6,9 @@ This is the only place that knows that `quasi_static` is shown as `quasi-static`
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-from sim.scenarios.settings import IMPERFECTIONS, SETTINGS
-
-if TYPE_CHECKING:
-    from sim.scenarios.scenario import Scenario
+from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 
 class PredictionName(NamedTuple):
@@ -29,7 +26,7 @@ class PredictionName(NamedTuple):
         """Name of one of its arrays in trajectory.npz, such as `predicted_pose`."""
         return f"{self.prefix}_{quantity}"
 
-    def ignored(self, scenario: Scenario) -> str:
+    def ignored(self, scenario: Settings) -> str:
         """What a scenario sets and this prediction ignores, separated by commas."""
         return ", ".join(
             name

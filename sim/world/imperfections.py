@@ -7,7 +7,7 @@ torque within it, and beyond it both give the stiffness times the rest of the er
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import atan, cos, sin, tan
 
 import mujoco
 import numpy as np
@@ -55,6 +55,7 @@ def add_imperfections(
             conaffinity=0,
         )
     if scenario.slope is not None:
+        _require_hold(scenario)
         angle, direction = scenario.slope  # what pulls down leans, not the plane z = 0
         downhill = sin(angle) * cos(direction), sin(angle) * sin(direction)
         size = float(np.linalg.norm(spec.option.gravity))
@@ -76,6 +77,24 @@ def _require_counts(robot: Robot, scenario: Scenario) -> None:
                 f"scenario {scenario.name!r}",
                 f"give one for each {order}",
             )
+
+
+def _require_hold(scenario: Scenario) -> None:
+    """Refuse a floor so steep that the robot slides down it before it walks.
+
+    Feet bear all of the weight, so that friction holds at most what it does on the
+    feet that rub most.
+    """
+    angle, _ = scenario.slope or (0.0, 0.0)
+    friction = max(scenario.foot_friction or (scenario.friction,))
+    if tan(angle) >= friction:
+        raise UsageError(
+            f"slope = {angle:g} rad is too steep for a friction of {friction:g}, on "
+            "which the robot slides down",
+            f"scenario {scenario.name!r}",
+            f"lean the floor by less than {atan(friction):.3g} rad, or give a friction "
+            f"above {tan(angle):.3g}",
+        )
 
 
 def _stiffen(floor: mujoco.MjsGeom, ratio: float) -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from models.library import load
 from sim.cli import main
+from sim.commands.judging import judged_tries
 from sim.errors import UsageError
 from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import drawn
@@ -75,3 +76,21 @@ def test_median_and_worst_are_of_the_draws_that_walked():
     assert "draw 2: simulation diverged" in said
     (goal,) = (line for line in said.splitlines() if line.startswith("goal"))
     assert goal.split() == ["goal", "2.00", "mm", "1.00%", "3.00", "mm", "1.50%"]
+
+
+def judged(capsys, *tries, tolerance=0.25):
+    code = judged_tries(tries, tolerance, "see the folder")
+    return int(code), capsys.readouterr().err
+
+
+def test_draws_end_with_the_code_of_the_worst(capsys):
+    fine, far = Try(0, "arrived", 0.0, off=0.01), Try(1, "missed", 0.1, off=0.4)
+    fell, none = Try(2, "fell", 0.1, off=0.4), Try(3, "simulation diverged")
+    assert judged(capsys, fine, fine) == (0, "")
+    code, said = judged(capsys, fine, far)
+    assert code == 7
+    assert "1 came out farther off" in said
+    assert "at worst 40 % of the path: 2 draws" in said
+    assert judged(capsys, fine, far, tolerance=0.5) == (0, "")
+    assert judged(capsys, far, fell)[0] == 4
+    assert judged(capsys, far, none)[0] == 4

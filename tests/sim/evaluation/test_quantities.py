@@ -15,6 +15,7 @@ from sim.evaluation.summary import (
     PredictionError,
     Sensed,
     Summary,
+    Weighed,
 )
 
 DOCUMENTED = Path(__file__).resolve().parents[3] / "docs" / "numbers.md"
@@ -54,6 +55,7 @@ def summary():
             "goal": Departure(position=0.002, yaw=-1e-4),
             "ideal": filled(PredictionError),
         },
+        weighed=filled(Weighed),
         per_metre=PerMetre(),
         feedback=filled(Sensed),
         missed=[0.002],

@@ -1,6 +1,7 @@
 """`stratawalk export`: a walk leaves for its servos, comes back and is played."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -27,6 +28,16 @@ def classroom(tmp_path_factory):
     return folder, summary
 
 
+def judged_otherwise(folder, to, **changes):
+    """A copy of a run folder with another summary."""
+    shutil.copytree(folder, to)
+    told = json.loads((to / "summary.json").read_text())
+    weighed = told["weighed"] | changes.pop("weighed", {})
+    told |= {**changes, "weighed": weighed}
+    (to / "summary.json").write_text(json.dumps(told))
+    return to
+
+
 def exported(capsys, *words):
     assert main(["export", *map(str, words), "--json"]) == 0
     return json.loads(capsys.readouterr().out)
@@ -51,6 +62,66 @@ def test_what_servos_take_as_it_is_leads_where_the_run_led(
     assert told["commands"] == 1 + int((steps - 1) * 0.001 * 60 + 1e-6)
     off = summary["error"]["quasi_static"]["position"]
     assert played["error"]["quasi_static"]["position"] == pytest.approx(off, abs=1e-8)
+
+
+@pytest.mark.physics
+def test_a_trajectory_is_judged_as_held_and_as_interpolated(
+    classroom, tmp_path, capsys
+):
+    folder, summary = classroom
+    words = (folder, "--format", "ros2", "--out", tmp_path / "walk.yaml")
+    told = exported(capsys, *words)
+    apart = np.subtract(told["interpolated"]["pose"], summary["achieved"]["pose"])
+    # 1 um, while rounding to nine digits moves the end by some 1e-11 m
+    assert 1e-7 < np.hypot(*apart[:2]) < 1e-4
+    assert "interpolated" not in exported(
+        capsys, folder, "--format", "csv", "--out", tmp_path / "walk.csv"
+    )
+
+
+@pytest.mark.physics
+def test_what_whole_counts_cost_is_told(classroom, tmp_path, capsys):
+    words = ("--format", "dynamixel", "--out", str(tmp_path / "ticks.csv"))
+    assert main(["export", str(classroom[0]), *words]) == 0
+    said = capsys.readouterr().out
+    assert "of its path from the walk itself, since angles are rounded by up" in said
+    assert "0.77 mrad: plan on whole counts with --set resolution=0.0015" in said
+
+
+def test_a_walk_that_did_not_arrive_is_exported_with_a_warning(
+    classroom, tmp_path, capsys
+):
+    text = "drifted: it was off"
+    folder = judged_otherwise(
+        classroom[0], tmp_path / "run", verdict="drifted", verdict_text=text
+    )
+    out = tmp_path / "walk.csv"
+    words = ("--format", "csv", "--out", str(out), "--no-play")
+    assert main(["export", str(folder), *words]) == 0
+    assert "warning: the walk that was exported drifted: it was" in (
+        capsys.readouterr().err
+    )
+    assert out.exists()
+
+
+@pytest.mark.parametrize(
+    ("changes", "code"),
+    [
+        ({"weighed": {"goal": 0.3}}, 7),
+        ({"weighed": {"farthest": 0.3}}, 7),
+        ({"verdict": "fell", "verdict_text": "fell at 3.0 s: it tilted"}, 4),
+    ],
+)
+def test_a_walk_that_came_out_elsewhere_is_written_and_ends_otherwise(
+    classroom, tmp_path, capsys, changes, code
+):
+    folder = judged_otherwise(classroom[0], tmp_path / "run", **changes)
+    words = ["export", str(folder), "--format", "csv", "--no-play"]
+    assert main([*words, "--out", str(tmp_path / "walk.csv")]) == code
+    assert "correct the walk before servos carry it out" in capsys.readouterr().err
+    assert (tmp_path / "walk.csv").exists()
+    again = [*words, "--out", str(tmp_path / "other.csv"), "--tolerance", "none"]
+    assert main(again) == (4 if code == 4 else 0)
 
 
 def test_angles_are_the_commands_of_the_run_at_their_instants(walked, tmp_path, capsys):

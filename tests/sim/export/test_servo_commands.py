@@ -45,6 +45,16 @@ def test_the_last_command_holds_to_the_end():
     assert (ctrl[80:, ACTUATORS] == commands.angles[2]).all()
 
 
+def test_interpolated_commands_are_lines_between_those_that_are_given():
+    commands = ServoCommands(JOINTS, 50.0, rows(4)[:, :2])
+    given = commands.interpolated(np.zeros(4), ACTUATORS, 9000, TIMESTEP)
+    ctrl = np.concatenate(list(given))[:, ACTUATORS]
+    assert ctrl[:121:40] == pytest.approx(commands.angles)  # every 20 ms
+    between = (commands.angles[0] + 3 * commands.angles[1]) / 4
+    assert ctrl[30] == pytest.approx(between)
+    assert (ctrl[120:] == commands.angles[3]).all()
+
+
 def test_more_commands_than_physics_steps_are_refused():
     with pytest.raises(UsageError, match="give at most 2000"):
         taken(rows(10), JOINTS, ACTUATORS, 2001.0, TIMESTEP)

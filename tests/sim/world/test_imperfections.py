@@ -159,6 +159,16 @@ def _hold(setup):
 
 
 @pytest.mark.physics
+@pytest.mark.parametrize(
+    "feet", [{"friction": 0.3}, {"foot_friction": [0.1, 0.2, 0.3, 0.1, 0.2, 0.3]}]
+)
+def test_a_floor_too_steep_for_its_friction_is_refused_by_its_setting(standing, feet):
+    with pytest.raises(UsageError, match="too steep for a friction of 0.3") as refusal:
+        standing(slope=[0.35, 0.0], **feet)
+    assert "less than 0.291 rad" in refusal.value.remedy  # atan(0.3)
+    assert "above 0.365" in refusal.value.remedy  # tan(0.35)
+
+
 def test_a_walk_with_play_on_a_slope_is_walked_and_its_prediction_is_not_met(scenario):
     bent = {"backlash": 0.01, "slope": [0.03, 1.0], "zero_offset": 0.01}
     off, true = (

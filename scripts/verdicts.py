@@ -1,0 +1,99 @@
+"""A collection of walks, each with its verdict and the code that `run` ends with.
+
+It has every shipped scenario on every shipped robot, the robots of `scripts.adoptees`,
+draws of hobby robots, and each imperfection at three sizes. Nothing in it may be
+hopeless and end with 0.
+
+Example:
+    python -m scripts.verdicts --segments 10
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from math import radians
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from models import Kinematics, load, shipped_robots
+from scripts.adoptees import ADOPTEES
+from scripts.pages import parser_of, tabulate
+from sim import load_scenario, shipped_scenarios, simulate
+
+WITHOUT = ("identified", "creep_floor")  # each costs experiments of its own
+TOLERANCE, BROKEN = 0.25, ("fell", "collided")
+FAR = 0.8  # of the mean distance of the feet from the middle
+SHORT = {"path.goal": [0.03, 0.03, 0.0]}  # 8 segments of `line` as it is
+DRAWS, LEGS = 20, 6
+SIZES: dict[str, Sequence[object]] = {
+    "command_delay": (0.01, 0.05, 0.2),
+    "dead_band": (0.002, radians(0.5), 0.03),
+    "zero_offset": (radians(0.2), radians(1), radians(3)),
+    "backlash": (0.002, radians(0.5), 0.03),
+    "payload": tuple([mass, 0.02, 0.0, 0.02] for mass in (0.05, 0.2, 0.8)),
+    "slope": tuple([radians(angle), 0.0] for angle in (1, 5, 15)),
+    "floor_stiffness": (3e4, 1e4, 2e3),
+    "foot_friction": tuple([mu, *[1.0] * (LEGS - 1)] for mu in (0.8, 0.4, 0.1)),
+    "bumps": (5e-4, 2e-3, 8e-3),
+    "friction": (0.6, 0.2, 0.05),
+}
+Walk = tuple[str, str, dict[str, object]]  # its name, a scenario, settings
+
+
+def walks(folder: Path, segments: int, only: str = "") -> Iterator[Walk]:
+    """Walks whose names hold a text; robots are adopted in a folder when it is time."""
+    return (walk for walk in _walks(folder, segments, only) if only in walk[0])
+
+
+def _walks(folder: Path, segments: int, only: str) -> Iterator[Walk]:
+    few: dict[str, object] = {"segments": segments}
+    for robot in shipped_robots():
+        for scenario in shipped_scenarios():
+            yield f"{scenario} on {robot}", scenario, {**few, "robot": robot}
+    for adoptee in (one for one in ADOPTEES if only in f"line on {one.name}"):
+        path = adoptee.write(folder)
+        adopt = [sys.executable, "-m", "sim.cli", "adopt", str(path)]
+        subprocess.run(adopt, stdout=subprocess.DEVNULL, check=True)
+        robot = str(path.with_suffix(".xml"))
+        far = FAR * Kinematics(load(robot)).reach
+        changes = {"robot": robot, "path.goal": [far, far, 0.0]}
+        yield f"line on {adoptee.name}", "line", {**few, **changes}
+    short = {**SHORT, "segments": min(segments, 8)}
+    for draw in range(DRAWS):
+        yield f"hobby {draw}", "line", {**short, "imperfect": "hobby", "draw": draw}
+    for setting, sizes in SIZES.items():
+        for size in sizes:
+            yield f"{setting} {size}", "line", {**short, setting: size}
+
+
+def row_of(walk: Walk) -> tuple[object, ...]:
+    """Walk it, and say how that ends."""
+    name, scenario, changes = walk
+    try:
+        found = simulate(load_scenario(scenario, changes), without=WITHOUT).summary
+    except Exception as error:  # a refusal is an ending, too
+        return (name, "refused", "", "", "", str(error)[:120])
+    weighed = found.weighed
+    off = (f"{100 * share:.1f} %" for share in (weighed.goal, weighed.farthest))
+    code = 4 if found.verdict in BROKEN else 7 if weighed.beyond(TOLERANCE) else 0
+    *_, cause = found.verdict_text.split("; it ended ")
+    return (name, found.verdict, code, *off, cause.partition("; ")[2])
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a row for each walk."""
+    parser = parser_of(__doc__)
+    parser.add_argument("--segments", type=int, default=40, help="of every walk")
+    parser.add_argument("--only", default="", help="part of the names of walks")
+    options = parser.parse_args(arguments)
+    header = "walk | verdict | ends with | off its goal | off its prediction | cause"
+    with TemporaryDirectory() as folder:
+        tabulate(
+            header, map(row_of, walks(Path(folder), options.segments, options.only))
+        )
+
+
+if __name__ == "__main__":
+    main()

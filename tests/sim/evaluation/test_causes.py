@@ -1,0 +1,140 @@
+"""Likely causes of walks that went wrong, found in what was measured."""
+
+from copy import copy
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.evaluation.causes import Evidence, likely_cause
+from sim.scenarios.file import load_scenario
+from tests.walks import simulated
+
+
+@pytest.fixture(scope="module")
+def evidence():
+    """A walk of 10 mm on which nothing is wrong."""
+    short = {"path.goal": [0.01, 0.0, 0.0], "segments": 1}
+    found = simulated(load_scenario("line", short)).evaluation
+    return Evidence(found.walk, found.achieved, found.predicted, found.weighed)
+
+
+def with_recording(evidence, **changed):
+    recording = replace(evidence.walk.recording, **changed)
+    return replace(evidence, walk=replace(evidence.walk, recording=recording))
+
+
+def with_setup(evidence, **changed):
+    setup = replace(evidence.walk.setup, **changed)
+    return replace(evidence, walk=replace(evidence.walk, setup=setup))
+
+
+def with_settings(evidence, **changed):
+    scenario = replace(evidence.walk.setup.scenario, **changed)
+    return with_setup(evidence, scenario=scenario)
+
+
+def bouncing(evidence):
+    bounces = np.array([0, 3, 0, 40, 0, 2])
+    return with_recording(evidence, bounces_of=bounces)
+
+
+def test_where_nothing_is_known_the_worst_phases_are_named(evidence):
+    assert likely_cause("drifted", evidence).startswith("most of it arose in '")
+    assert likely_cause("fell", evidence) == ""
+
+
+def test_feet_that_bounce_are_blamed_on_servos_too_stiff_for_the_pace(evidence):
+    found = likely_cause("drifted", bouncing(evidence))
+    assert "bounced 45 times, most often the one on joints 'swing_4'" in found
+    assert "N m/rad are too stiff for a timestep of 1 ms" in found
+    paced = replace(evidence.walk.setup.servo, rate=50.0)
+    found = likely_cause("drifted", with_setup(bouncing(evidence), servo=paced))
+    assert "too stiff for 50 commands a second" in found
+
+
+def test_feet_that_bounce_on_joints_without_armature_are_blamed_on_that(evidence):
+    model = copy(evidence.walk.setup.model)
+    model.dof_armature[:] = 0.0
+    found = likely_cause("drifted", with_setup(bouncing(evidence), model=model))
+    assert "'swing_4' and 'lift_4', which have no armature" in found
+
+
+def test_some_bounces_as_feet_come_down_are_no_cause(evidence):
+    few = with_recording(evidence, bounces_of=np.array([1, 1, 0, 1, 0, 1]))
+    assert "bounced" not in likely_cause("drifted", few)
+
+
+def test_servos_at_their_limits_are_named(evidence):
+    model = copy(evidence.walk.setup.model)
+    model.actuator_forcerange[:] = (-1.5, 1.5)
+    limited = np.zeros(model.nu, dtype=int)
+    limited[model.actuator("lift_2").id] = evidence.walk.steps // 4
+    found = with_recording(with_setup(evidence, model=model), limited=limited)
+    said = "servo of joint 'lift_2' gave all its 1.5 N m in 25 % of the time"
+    assert said in likely_cause("fell", found)
+
+
+def test_a_foot_that_never_carried_load_is_named(evidence):
+    contact = evidence.achieved.contact.copy()
+    contact[:, 4] = False
+    achieved = replace(evidence.achieved, contact=contact)
+    found = likely_cause("missed", replace(evidence, achieved=achieved))
+    assert found.startswith("the foot of leg 5 never carried load: ")
+
+
+def test_a_floor_too_steep_for_its_friction_is_named(evidence):
+    steep = with_settings(evidence, slope=(0.3, 0.0), friction=0.4)
+    found = likely_cause("drifted", steep)
+    assert "standing takes 77 % of the friction" in found  # tan(0.3) / 0.4
+    level = with_settings(evidence, slope=(0.1, 0.0))
+    assert "know nothing of slope" in likely_cause("drifted", level)
+
+
+def test_strokes_that_friction_does_not_hold_are_named(evidence):
+    hasty = with_settings(evidence, swing_acceleration=500.0)
+    assert "lower swing_acceleration" in likely_cause("slipped", hasty)
+
+
+def test_soft_servos_are_named(evidence):
+    qpos = evidence.walk.recording.moments.qpos.copy()
+    model = evidence.walk.setup.model
+    qpos[:, model.joint("lift_6").qposadr[0]] += 0.1
+    moments = evidence.walk.recording.moments._replace(qpos=qpos)
+    found = likely_cause("drifted", with_recording(evidence, moments=moments))
+    assert "the servo of joint 'lift_6', of 1000 N m/rad, is 100 mrad off" in found
+
+
+def test_settings_that_predictions_ignore_are_named_with_the_next_step(evidence):
+    loaded = with_settings(evidence, payload=(0.1, 0.0, 0.0, 0.0), backlash=0.01)
+    found = likely_cause("drifted", loaded)
+    assert "know nothing of backlash, payload: plan again on the way (--rep" in found
+    again = with_settings(loaded, replan=True)
+    assert "leave them out one at a time" in likely_cause("drifted", again)
+
+
+def planned_aside(evidence, *names):
+    """Predictions that end 4 mm aside, as the walk does."""
+    off = np.array([0.0, 0.004, 0.0])
+    moved = {
+        name: replace(found, pose=found.pose + off) if name in names else found
+        for name, found in evidence.predicted.items()
+    }
+    weighed = replace(evidence.weighed, goal=0.4)
+    return replace(evidence, predicted=moved, weighed=weighed)
+
+
+def test_a_plan_that_misses_on_paper_asks_for_segments_or_another_prediction(evidence):
+    both = likely_cause("missed", planned_aside(evidence, "ideal", "quasi_static"))
+    assert "misses it by 40" in both
+    assert "(--segments 2), or plan again on the way" in both
+    real = likely_cause("missed", planned_aside(evidence, "quasi_static"))
+    assert "--steer quasi-static finds a plan if they can go there" in real
+    none = likely_cause("missed", planned_aside(evidence))
+    assert "on paper" not in none
+
+
+def test_a_robot_that_touches_itself_needs_smaller_strokes(evidence):
+    assert "--segments 2" in likely_cause("collided", evidence)
+    walls = with_recording(evidence, wall_contacts=1)
+    assert "min_clearance" in likely_cause("collided", walls)
