@@ -17,7 +17,7 @@ from sim.evaluation.comparison import describe
 from sim.evaluation.deviations import (
     Scale,
     departure,
-    deviation_from,
+    deviations,
     error_sources,
     off,
     per_metre,
@@ -45,7 +45,7 @@ from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import IDEAL, PREDICTIONS, QUASI_STATIC
+from sim.scenarios.predictions import PREDICTIONS
 from sim.versions import versions
 from sim.walking.finished import Walk
 
@@ -162,35 +162,9 @@ def evaluate(
         clearance=clearances(walk, predicted),
         walking=walking,
         judged=judged,
-        deviation=_deviation(walk, caches, poses),
+        deviation=deviations(walk, caches, poses),
         creep_floor=creep,
     )
-
-
-def _deviation(
-    walk: Walk, caches: Mapping[str, Cache], poses: Mapping[str, Array]
-) -> dict[str, Departure | None]:
-    """Farthest from the path and from its yaw: planned, quasi-static and achieved.
-
-    A plan follows the prediction it steers on, an optimised one at least the
-    quasi-static.
-    """
-    scenario = walk.setup.scenario
-    planned = scenario.steered_on
-    if planned == IDEAL.key and scenario.optimise != "none":
-        planned = QUASI_STATIC.key
-
-    def farthest(name: str) -> Departure | None:
-        if name not in poses:
-            return None
-        found = partial(deviation_from, scenario.path.curve, poses[name])
-        return caches.get(name, no_cache)(f"deviation {name}", found)
-
-    return {
-        "planned": farthest(planned),
-        "quasi_static": farthest(QUASI_STATIC.key),
-        "achieved": farthest("achieved"),
-    }
 
 
 def _sensed(walk: Walk) -> Sensed | None:

@@ -7,8 +7,9 @@ add up to the error exactly. They are summed by stratum and kind of phase.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -17,8 +18,9 @@ from sim.evaluation.summary import DEGREE, Departure, PerMetre, PredictionError,
 from sim.motion.path_deviation import path_deviation
 from sim.motion.poses import compose, relative, wrap
 from sim.motion.prediction import Prediction
+from sim.planning.sharing import Cache, no_cache
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.predictions import best
+from sim.scenarios.predictions import IDEAL, QUASI_STATIC, best
 from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
@@ -30,6 +32,32 @@ def deviation_from(curve: Path, poses: Array) -> Departure:
     count = min(len(poses), COMPARED)
     rows = np.linspace(0, len(poses) - 1, count).round().astype(int)
     return Departure(**path_deviation(curve, poses[rows])._asdict())
+
+
+def deviations(
+    walk: Walk, caches: Mapping[str, Cache], poses: Mapping[str, Array]
+) -> dict[str, Departure | None]:
+    """Farthest from the path and from its yaw: planned, quasi-static and achieved.
+
+    A plan follows the prediction it steers on, an optimised one at least the
+    quasi-static.
+    """
+    scenario = walk.setup.scenario
+    planned = scenario.steered_on
+    if planned == IDEAL.key and scenario.optimise != "none":
+        planned = QUASI_STATIC.key
+
+    def farthest(name: str) -> Departure | None:
+        if name not in poses:
+            return None
+        found = partial(deviation_from, scenario.path.curve, poses[name])
+        return caches.get(name, no_cache)(f"deviation {name}", found)
+
+    return {
+        "planned": farthest(planned),
+        "quasi_static": farthest(QUASI_STATIC.key),
+        "achieved": farthest("achieved"),
+    }
 
 
 def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
