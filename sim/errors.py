@@ -155,7 +155,8 @@ def last_words(error: BaseException) -> str:
 
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
-    line = " ".join(_describe(error).split())
+    words = " ".join(_describe(error).split())
+    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in words)
     if len(line) <= LONGEST:
         return line
     return f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -13,6 +12,7 @@ from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
 from models.adoption.pivots import LEAST_LOAD, Stand
 from models.description.card import Servo
+from models.description.table import toml_key, toml_text
 from planner import Array
 
 LIFT_TIME = 0.6  # [s]; a foot that bears little is shaken off by faster lifts
@@ -110,17 +110,17 @@ def card_text(
         *(f"{key} = {value:g}" for key, value in gait.settings.items()),
         "",
         "[start]  # joint angles in which it stands [rad]",
-        *(f"{_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),
+        *(f"{toml_key(joint)} = {angle:.9g}" for joint, angle in angles.items()),
     ]
     for number, limb in enumerate(limbs, start=1):
-        hold = ", ".join(f"{_key(j)} = {pose.angle(j):.9g}" for j in limb.hold)
+        hold = ", ".join(f"{toml_key(j)} = {pose.angle(j):.9g}" for j in limb.hold)
         lines += [
             "",
             f"[leg.{number}]",
-            f"swing = {_text(limb.swing)}",
-            f"lift = {_text(limb.lift)}",
+            f"swing = {toml_text(limb.swing)}",
+            f"lift = {toml_text(limb.lift)}",
             f"raise = {limb.up:g}",
-            f"foot = [{_text(limb.foot)}]",
+            f"foot = [{toml_text(limb.foot)}]",
             f"hold = {{ {hold} }}" if hold else "hold = {}",
         ]
     lines += gait.lines
@@ -128,11 +128,3 @@ def card_text(
         numbers = (f"{key} = {value:.4g}" for key, value in servo.settings.items())
         lines += ["", "[servo]", *numbers]
     return "\n".join([*lines, ""])
-
-
-def _key(name: str) -> str:
-    return name if re.fullmatch(r"(?a:[\w-])+", name) else _text(name)
-
-
-def _text(name: str) -> str:
-    return json.dumps(name, ensure_ascii=False)

@@ -13,5 +13,11 @@ from .inspection import (
     elements_with_files as elements_with_files,
     inspect_model as inspect_model,
 )
+from .names import is_plain as is_plain
 from .robot import FOLDER as FOLDER
-from .table import Table as Table, parse_toml as parse_toml
+from .table import (
+    Table as Table,
+    parse_toml as parse_toml,
+    toml_key as toml_key,
+    toml_text as toml_text,
+)

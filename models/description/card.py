@@ -11,6 +11,7 @@ from itertools import chain
 from math import inf
 from typing import Any
 
+from models.description.names import is_plain
 from models.description.servos import SERVO_KINDS, JointServo
 from planner.support import unknown
 
@@ -138,6 +139,8 @@ class Card:
         for name in ("lift_angle", "lift_time"):
             if not 0 < (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must be positive, got {value}")
+        if not self.description.isprintable():
+            raise ValueError("description must be one line of printable text")
         self._check_groups()
         self._check_gait()
         self._check_patterns()
@@ -150,8 +153,8 @@ class Card:
             )
 
     def _check_groups(self) -> None:
-        if long := [name for name in self.groups if len(name) != 1]:
-            raise ValueError(f"names of groups are one character each, got {long}")
+        if odd := [n for n in self.groups if len(n) != 1 or not is_plain(n)]:
+            raise ValueError(f"names of groups are one character each, got {odd}")
         grouped = chain.from_iterable(group.legs for group in self.groups.values())
         for leg in sorted({*self.legs, *grouped}):
             of = [name for name, group in self.groups.items() if leg in group.legs]

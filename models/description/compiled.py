@@ -10,6 +10,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from models.description.names import check_names
 from models.description.numbers import check_model
 from models.errors import ModelError
 from planner import Array
@@ -18,13 +19,14 @@ ON_JOINT = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
 def compile_model(spec: mujoco.MjSpec, source: str) -> mujoco.MjModel:
-    """Compile, refusing what the compiler refuses and numbers that are not finite."""
+    """Compile, refusing what the compiler does, and odd names and numbers."""
     silence_the_engine()
     with (
         one_line(f"{_language(source)} does not compile: {source}"),
         warnings.catch_warnings(action="ignore"),  # hints on style, many lines
     ):
         model = spec.compile()
+    check_names(model, source)
     check_model(model, source)
     return model
 
@@ -59,11 +61,7 @@ def read_spec(path: Path) -> mujoco.MjSpec:
 
 def named(spec: mujoco.MjSpec) -> None:
     """Name what has no name, by its body and number, so that a card can name it."""
-    try:
-        taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
-    except UnicodeDecodeError as error:
-        reason = f"a name of it is not text, {error}"
-        raise ModelError(f"{reason}; write its names in UTF-8") from error
+    taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
     for kind, parts in (("body", spec.bodies), ("geom", spec.geoms)):
         for number, part in enumerate(parts):
             if not part.name:

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import mujoco
 
 from models.description.compiled import one_line
+from models.description.names import check_name
 from models.errors import ModelError
 
 NAMED = re.compile(r"""\bfile\w*\s*=\s*["']([^"']{1,200})["']""")
@@ -132,9 +133,10 @@ def inspect_model(
     """Make sure that a model may be read, and find the files that it opens.
 
     Other files belong to it, too. Refused are models that are too large, do not
-    compile, have numbers that are not finite, or open files that they may not. This
-    costs the start of a process.
+    compile, have odd names or numbers that are not finite, or open files that they may
+    not. This costs the start of a process.
     """
+    check_name(path.stem, str(path))
     files = {Path(file) for file in _tried(path, limits)}
     taken = outside((files | set(others)) - {path}, path.parent)
     if taken and not allow_external:

@@ -1,10 +1,12 @@
-"""TOML and typed values from its tables, for robot cards and files of systems.
+"""TOML read and written, and typed values from its tables, for cards and systems.
 
 Every refusal says which value of which key is wrong, and what would be right.
 """
 
 from __future__ import annotations
 
+import json
+import re
 import tomllib
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from math import inf
@@ -43,6 +45,16 @@ def _check_toml(values: Iterable[object], depth: int = 0) -> None:
             raise ValueError("a whole number of more than 64 bits")
         if isinstance(value, dict | list):
             _check_toml(value.values() if isinstance(value, dict) else value, depth + 1)
+
+
+def toml_text(text: str) -> str:
+    """A text as TOML writes it, with JSON's escapes and one for DEL."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def toml_key(name: str) -> str:
+    """A key as TOML writes it."""
+    return name if re.fullmatch(r"(?a:[\w-])+", name) else toml_text(name)
 
 
 LARGEST_NUMBER = 1e12  # numbers beyond it overflow somewhere

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from sim.commands.options import BROWSER, RUN, option
 from sim.commands.show import open_page
@@ -27,7 +28,7 @@ OPTIONS = (
     option(
         "--public",
         action="store_true",
-        help="let others connect to --host; there is no password",
+        help="let others connect to --host; nothing is encrypted",
     ),
     option(
         "--speed", type=float, default=1.0, metavar="X", help="against real time, 1"
@@ -55,8 +56,8 @@ def execute(options: argparse.Namespace) -> None:
         raise UsageError("no speed", f"--speed {options.speed}", "give 1, or 8, say")
 
     def started(address: str) -> None:
-        port = address.rstrip("/").rpartition(":")[2]
-        print(f"{address}\n\nCtrl-C ends it. From another machine:")
+        port = urlsplit(address).port
+        print(f"{address}\n\nCtrl-C ends it. From another machine, open it after:")
         print(f"  ssh -L {port}:localhost:{port} THIS-MACHINE", flush=True)
         open_page(address, options.browser)
 

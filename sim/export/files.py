@@ -11,7 +11,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -85,9 +85,11 @@ static const uint16_t PROGMEM {name}[{commands}][{joints}] = {{
 
 #endif
 """
-SIZES = re.compile(r"#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)")
-ROWS = re.compile(r"uint16_t PROGMEM \w+\[\d+\]\[\d+\] = \{\n(.*?)\n\};", re.DOTALL)
-CHANNELS = re.compile(r"uint8_t \w+_channel\[\d+\] = \{(.*?)\};")
+SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
+ROWS = re.compile(
+    r"^static const uint16_t PROGMEM \w+\[\d+\]\[\d+\] = \{\n(.*?)\n\};", re.S | re.M
+)
+CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
 
 
 def servos(
@@ -169,7 +171,10 @@ def read_ticks(text: str, table: ServoTable) -> ServoCommands:
     return table.commands(counts, rate)
 
 
-def _table(joints: Iterable[str], time: Array, values: Array) -> str:
+def _table(joints: Sequence[str], time: Array, values: Array) -> str:
+    if "time" in joints:
+        remedy = "give the joint another name, or take --format header or ros2"
+        raise UsageError("a joint is called 'time', as the moments are", "csv", remedy)
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(("time", *joints))
@@ -180,7 +185,7 @@ def _table(joints: Iterable[str], time: Array, values: Array) -> str:
 
 def _read(text: str) -> tuple[tuple[str, ...], float, Array]:
     """Joints, rate and values of a table."""
-    (first, *joints), *rows = csv.reader(text.splitlines())
+    (first, *joints), *rows = csv.reader(io.StringIO(text, newline=""))
     if first != "time" or len(rows) < 2:
         raise ValueError("needs a column time, and two commands at least")
     values = np.array(rows, dtype=float)
@@ -190,7 +195,8 @@ def _read(text: str) -> tuple[tuple[str, ...], float, Array]:
 
 def write_trajectory(commands: ServoCommands) -> str:
     """A `JointTrajectory`, one line a point; angles to a billionth of a radian."""
-    lines = [f"joint_names: {json.dumps(commands.joints)}", "points:"]
+    listed = json.dumps(commands.joints, ensure_ascii=False)
+    lines = [f"joint_names: {listed}", "points:"]
     for number, row in enumerate(commands.angles.tolist()):
         sec, nanosec = divmod(round(number * SECOND / commands.rate), SECOND)
         positions = ", ".join(f"{angle:z.9f}" for angle in row)
@@ -230,15 +236,17 @@ def write_header(
     numbers = [str(servo.channel) for servo in table.channels]
     return HEADER.format(
         **names,
-        title=" ".join(title.replace("\\", "/").split()),
+        title=in_comment(title),
         commands=len(counts),
         joints=len(numbers),
         rate=float(commands.rate),
         frame_rate=float(table.frame_rate),
         size=2 * counts.size,
         unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
-        listed="\n".join(f"//   {s.channel:2}  {s.joint}" for s in table.channels),
-        player=PLAYER.format(**names, file=file, call=call),
+        listed="\n".join(
+            f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels
+        ),
+        player=PLAYER.format(**names, file=in_comment(file), call=call),
         channels=", ".join(numbers),
         rows=",\n".join(f"  {{{', '.join(map(str, r))}}}" for r in counts.tolist()),
     )
@@ -256,6 +264,11 @@ def read_header(text: str, table: ServoTable) -> ServoCommands:
     shape = int(sizes["COMMANDS"]), int(sizes["JOINTS"])
     counts: Array = np.array(re.findall(r"\d+", rows[1]), dtype=int).reshape(shape)
     return table.commands(counts, float(sizes["RATE"]))
+
+
+def in_comment(text: str) -> str:
+    """A text that is nothing but a comment in C, which it neither ends nor leaves."""
+    return "".join(c if c.isprintable() and c not in "\\*?" else "_" for c in text)
 
 
 def identifier(name: str) -> str:

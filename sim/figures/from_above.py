@@ -48,6 +48,6 @@ def draw(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
         axes.plot(*stance.center_of_mass, "k+", label="centre of mass")
         axes.set_xlabel("x [m], forward")
         axes.set_ylabel("y [m], left")
-        axes.set_title(robot.name)
+        axes.set_title(robot.name, parse_math=False)
         axes.legend(loc="best", fontsize="small")
         figure.savefig(path, dpi=120)

@@ -18,6 +18,7 @@ from numbers import Real
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, TypeGuard, Union, get_args, get_origin
 
+from models.description import is_plain
 from planner.support import did_you_mean
 from sim.errors import UsageError
 
@@ -42,7 +43,7 @@ class Range:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Text that may be empty, or is the name of a file; plain `str` is any but none."""
+    """Text of a line, which may be empty, or is a file's name; plain `str` is any."""
 
     empty: bool = False
     file_name: bool = False
@@ -201,9 +202,9 @@ def _number(value: object, base: type, limits: Range) -> float:
 def _text(value: object, limits: Text) -> str:
     if not isinstance(value, str) or not (value or limits.empty):
         raise ValueError
-    if limits.file_name and (
-        "/" in value or value[0] in ".-" or not value.isprintable()
-    ):
+    if limits.file_name and ("/" in value or value[0] in ".-" or not is_plain(value)):
+        raise ValueError
+    if limits.empty and not value.isprintable():
         raise ValueError
     return value
 
@@ -228,6 +229,8 @@ def words(kind: object) -> str:
         return f"{noun} from {inner[1].low:g} to {inner[1].high:g}"
     if origin is Annotated and inner[1].file_name:
         return "a name without slashes"
+    if origin is Annotated:
+        return "one line of printable text in quotation marks"
     if origin is Mapping:
         return "numbers by name, such as { kappa = 0.5 }"
     return "true or false" if kinds[0] is bool else "text in quotation marks"

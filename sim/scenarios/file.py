@@ -6,7 +6,6 @@ all settings, so that reading it gives the same scenario.
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterable, Mapping
 from copy import deepcopy
@@ -15,7 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from models.description import parse_toml
+from models.description import parse_toml, toml_key, toml_text
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
@@ -220,12 +219,12 @@ def announce(old: str, new: str) -> None:
 
 def toml_value(value: object) -> str:
     """A value as TOML writes it."""
-    if isinstance(value, str):  # JSON's escapes are TOML's, but for DEL
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, str):
+        return toml_text(value)
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
-        inner = (f"{key} = {toml_value(number)}" for key, number in value.items())
+        inner = (f"{toml_key(k)} = {toml_value(v)}" for k, v in value.items())
         return f"{{ {', '.join(inner)} }}"
     if isinstance(value, Iterable):
         return f"[{', '.join(map(toml_value, value))}]"

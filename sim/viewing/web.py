@@ -1,7 +1,8 @@
 """A finished walk in MuJoCo's web viewer, served to this machine alone.
 
-The server knows no password. It therefore listens on the loopback interface unless
-another address is asked for; a browser elsewhere comes through a tunnel.
+The server listens on the loopback interface unless another address is asked for; a
+browser elsewhere comes through a tunnel. It answers those who have the address of the
+page, in which there is a token.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from sim.errors import UsageError
 from sim.folder import blamed_on
 from sim.pictures.clock import Playback
 from sim.runs.run import Run, read_run
+from sim.viewing.access import Access, OwnSocket
 from sim.viewing.marks import Marks
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ def require_loopback(host: str, public: bool) -> None:
     """Refuse to serve the network unless that is wanted."""
     if host not in LOOPBACK and not public:
         raise UsageError(
-            "others could connect, and there is no password",
+            "others could listen in, nothing is encrypted",
             f"--host {host}",
             "leave --host out and use ssh -L, or add --public",
         )
@@ -50,10 +52,11 @@ def serve(
         walk = read_run(folder).in_world()
         model = looked_through(walk)
         playback = Playback(end=float(walk.time[-1]), speed=speed)
-    bound = _bound(host, port)
-    name = "localhost" if host in LOOPBACK else host  # which browsers trust
-    page = f"http://{name}:{bound.getsockname()[1]}/"
-    handle = _launch(walk, model, playback, bound, lambda: started(page))
+    bound, local = _bound(host, port), host in LOOPBACK
+    access = Access(names=LOOPBACK if local else ())
+    name = "localhost" if local else host  # which browsers trust
+    page = f"http://{name}:{bound.getsockname()[1]}/?token={access.token}"
+    handle = _launch(walk, model, playback, bound, access, lambda: started(page))
     with handle:
         handle.set_model(model)
         while handle.is_running():
@@ -80,22 +83,37 @@ def _launch(
     model: mujoco.MjModel,
     playback: Playback,
     bound: socket.socket,
+    access: Access,
     started: Callable[[], object],
 ) -> ViewerHandle:
     """Start the viewer in a thread; its handle."""
     from mujoco.studio import launch_thread, viewer_protocol, web_viewer
     from mujoco.studio.app import App
+    from mujoco.studio.web import web_server
 
     from sim.viewing.plugins import Panel, Player, Scene
 
-    logging.getLogger("WebServer").addFilter(lambda line: line.levelno > logging.INFO)
+    logging.getLogger("WebServer").setLevel(logging.WARNING)
+    for name in (
+        "websockets",
+        "asyncio",
+    ):  # what browsers say is no fault of the server
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     config = viewer_protocol.ViewerConfig(title=walk.scenario.name, gfx="web")
     plugins = [App(), Scene(walk, Marks(walk, model)), Panel(walk, playback)]
 
+    bind = web_server.bind_loopback_socket  # to which the viewer's own interface comes
+
+    def own(port: int) -> OwnSocket:
+        return OwnSocket(fileno=bind(port).detach())
+
     def show(endpoint: ViewerEndpoint) -> None:
-        # The viewer offers no choice of the interface that it listens on, nor silence.
+        # The viewer offers no choice of the interface that it listens on, of those who
+        # are answered, nor silence.
         with (
-            patch.object(web_viewer.web_server, "bind_public_socket", lambda *_: bound),
+            patch.object(web_server, "bind_public_socket", lambda *_: bound),
+            patch.object(web_server, "bind_loopback_socket", own),
+            patch.object(web_server, "serve", access.serve),
             patch.object(web_viewer, "_print_url_banner", lambda *_: None),
             patch.object(web_viewer, "print", lambda *_, **__: None, create=True),
         ):

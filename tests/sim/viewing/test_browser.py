@@ -47,7 +47,7 @@ def served(walked):
 def test_the_viewer_shows_the_walk_to_this_machine_alone(served, tmp_path):
     process, address = served
     watch(address, tmp_path, shows_a_robot)
-    port = int(re.fullmatch(r"http://localhost:(\d+)/", address)[1])
+    port = int(re.fullmatch(r"http://localhost:(\d+)/\?token=[\w-]{22}", address)[1])
     tables = (Path(f"/proc/net/{name}").read_text() for name in ("tcp", "tcp6"))
     rows = (line.split() for table in tables for line in table.splitlines()[1:])
     listening = [
@@ -60,7 +60,7 @@ def test_the_viewer_shows_the_walk_to_this_machine_alone(served, tmp_path):
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.2"])
 def test_others_may_connect_only_if_that_is_wanted(host, walked):
-    with pytest.raises(UsageError, match="no password"):
+    with pytest.raises(UsageError, match="nothing is encrypted"):
         require_loopback(host, public=False)
     require_loopback(host, public=True)
     assert main(["view", str(walked), "--host", host]) == 2
