@@ -1,0 +1,270 @@
+"""A thousand names of joints, robots and scenarios that nobody would choose.
+
+Those that cannot be written everywhere are refused; the others come through every
+writer as they are, and do nothing on their way.
+"""
+
+import io
+import json
+import re
+import shutil
+import subprocess
+import tomllib
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from models import JointServo, ModelError, load
+from models.description import compile_model, is_plain, parse_toml, toml_key, toml_text
+from models.description.robot import FOLDER
+from sim.cli import main
+from sim.errors import UsageError, one_line
+from sim.evaluation import flows
+from sim.export import files
+from sim.export.servo_commands import ServoCommands
+from sim.export.servo_table import servo_table
+from sim.reports import comparison, page
+from sim.runs.run import read_run
+from sim.scenarios.scenario import Scenario
+from sim.viewing.replay import _explained
+from tests.browser import ask
+from tests.finished_runs import phase
+from tests.hostile import elements, names
+
+NAMES = names(1000)
+PLAIN = [name for name in NAMES if is_plain(name)]
+ODD = [name for name in NAMES if not is_plain(name)]
+
+
+def batched(found, size):
+    """Some at a time; none of them empty, as no joint's name is."""
+    found = [name for name in found if name]
+    return [tuple(found[i : i + size]) for i in range(0, len(found), size)]
+
+
+def test_most_kinds_of_names_are_drawn():
+    assert len(PLAIN) > 300
+    assert len(ODD) > 300
+
+
+def test_names_come_through_xml_as_they_are():
+    spec = mujoco.MjSpec()
+    for name in PLAIN:
+        body = spec.worldbody.add_body()
+        body.add_joint(name=name)
+        body.add_geom(size=[1, 1, 1], type=mujoco.mjtGeom.mjGEOM_SPHERE)
+    compile_model(spec, "here")
+    again = mujoco.MjSpec.from_string(spec.to_xml())
+    assert [joint.name for joint in again.joints] == PLAIN
+
+
+def test_odd_names_are_refused_in_one_printable_line():
+    refused = 0
+    for name in ODD:
+        spec = mujoco.MjSpec()
+        body = spec.worldbody.add_body()
+        if "\ud800" in name:  # half a character, which no file can hold
+            continue
+        joint = body.add_joint(name=name)
+        body.add_geom(size=[1, 1, 1], type=mujoco.mjtGeom.mjGEOM_SPHERE)
+        if joint.name != name:  # the engine has cut it off
+            continue
+        with pytest.raises(ModelError, match="use printable characters") as found:
+            compile_model(spec, "here")
+        assert one_line(found.value).isprintable()
+        refused += 1
+    assert refused > 300
+
+
+def test_names_come_through_toml_as_they_are():
+    text = "\n".join(f"{toml_key(name)} = {toml_text(name)}" for name in PLAIN if name)
+    assert parse_toml(text) == {name: name for name in PLAIN if name}
+    text = "\x7f\x01\n"
+    assert tomllib.loads(f"a = {toml_text(text)}") == {"a": text}
+
+
+def commands_of(joints):
+    values = np.linspace(0, 0.1, 3)[:, None] * np.ones(len(joints))
+    return ServoCommands(tuple(joints), 50.0, values)
+
+
+def exported(form, joints):
+    """What a writer makes of joints of such names, and what its reader does."""
+    commands = commands_of(joints)
+    given = {name: JointServo(channel=i) for i, name in enumerate(joints)}
+    card = load("hexapod").card
+    table = servo_table(card, joints, "mg90", files.PWM[form], given)
+    return commands, table
+
+
+@pytest.mark.parametrize("form", ["csv", "dynamixel"])
+def test_pandas_reads_every_name_as_it_is(form):
+    for joints in batched(PLAIN, 12):
+        commands, table = exported(form, joints)
+        if form == "csv":
+            text = files.write_angles(commands)
+            assert files.read_angles(text).joints == tuple(joints)
+        else:
+            text = files.write_ticks(commands, table)
+            assert files.read_ticks(text, table).joints == tuple(joints)
+        assert list(pd.read_csv(io.StringIO(text)).columns) == ["time", *joints]
+
+
+def test_a_joint_called_as_the_column_of_moments_is_refused():
+    with pytest.raises(UsageError, match="a joint is called 'time'"):
+        files.write_angles(commands_of(["time", "b"]))
+
+
+@pytest.mark.parametrize("loader", [yaml.SafeLoader, files.LOADER])
+def test_yaml_gives_every_name_as_it_is(loader):
+    for joints in batched(PLAIN, 50):
+        text = files.write_trajectory(commands_of(joints))
+        assert files.read_trajectory(text).joints == joints
+        assert yaml.load(text, Loader=loader)["joint_names"] == list(joints)
+
+
+def test_a_c_compiler_takes_every_header(tmp_path):
+    """Scenario, robot and file as well, whatever a run's files say that they are."""
+    compiler = shutil.which("gcc") or pytest.skip("NO GCC here: headers not compiled")
+    header = tmp_path / "walk.h"
+    for joints in batched(NAMES, 40):  # the refused ones, too
+        commands, table = exported("header", joints)
+        title = f"{joints[0]} on {joints[1 % len(joints)]}"
+        text = files.write_header(
+            commands, table, title=title, name=joints[0], file=joints[-1]
+        )
+        assert files.read_header(text, table).angles.shape == commands.angles.shape
+        header.write_text(text)
+        for language in ("-std=c99", "-std=gnu17"):
+            done = subprocess.run(
+                [compiler, "-Wall", "-Wextra", "-Wno-unused-variable", "-Werror",
+                 language, "-fsyntax-only", "-x", "c", header],
+                capture_output=True, text=True,
+            )  # fmt: skip
+            assert done.returncode == 0, done.stderr
+        done = subprocess.run([compiler, "-E", "-P", header], capture_output=True)
+        assert "INJECTED" not in done.stdout.decode()
+
+
+def spoilt(run):
+    """A run in which every name is one of the thousand."""
+    many = {name: name for name in NAMES if "\ud800" not in name}
+    mean = "".join(name for name in NAMES if "\ud800" not in name)
+    summary = replace(run.summary, scenario=mean, robot=mean, stance=mean)
+    return replace(
+        run,
+        settings={**run.settings, "description": mean, **many},
+        card_text=f"{run.card_text}\n# {''.join(PLAIN)}",
+        summary=summary,
+        phases=(*run.phases, phase("swing", "<b>", "<i>")),
+    )
+
+
+@pytest.fixture(scope="module")
+def pages(walked):
+    """Pages of a run and of the same with other names."""
+    run = read_run(walked)
+    return {
+        name: [make(run), make(spoilt(run))]
+        for name, make in (
+            ("report", page.page),
+            ("compare", lambda run: comparison.page(comparison.compare([run, run]))),
+        )
+    }
+
+
+def test_names_add_no_element_to_a_page(pages):
+    for plain, hostile in pages.values():
+        known = set(elements(plain))
+        added = set(elements(hostile)) - known
+        assert added == set()
+
+
+def test_names_add_no_element_to_a_replay(walked):
+    run = read_run(walked)
+    shell = "<html><title></title><body></body></html>"
+    name = "".join(PLAIN).replace("/", "").lstrip(".-")
+    mean = replace(run, settings={**run.settings, "name": name})
+    plain, hostile = (elements(_explained(shell, one, 1.0)) for one in (run, mean))
+    assert plain == hostile
+
+
+def test_chromium_finds_no_new_element(pages, tmp_path):
+    script = """
+      window.alert = () => { document.title = "INJECTED"; };
+      const count = {};
+      for (const element of document.querySelectorAll("*"))
+        for (const key of [element.localName, ...element.getAttributeNames()])
+          count[key] = 1;
+      return [Object.keys(count).sort(), document.scripts.length, document.title];"""
+    for name, texts in pages.items():
+        found = []
+        for number, text in enumerate(texts):
+            file = tmp_path / f"{name}{number}.html"
+            file.write_text(text, errors="replace")
+            found.append(ask(file, script, tmp_path))
+        (kinds, scripts, _), (more, as_many, title) = found
+        assert set(more) <= {*kinds, "wbr"}
+        assert as_many == scripts
+        assert "INJECTED" not in title
+
+
+def test_lines_of_phases_come_through_as_they_are():
+    drawn = [phase("swing", name, name) for name in PLAIN]
+    assert flows.read(flows.written(drawn)) == tuple(drawn)
+
+
+def test_scenarios_have_plain_names(scenario):
+    for name in NAMES:
+        if is_plain(name) and name and name[0] not in ".-" and "/" not in name:
+            assert scenario(name=name).name == name
+        else:
+            with pytest.raises(UsageError, match="a name without slashes") as found:
+                scenario(name=name)
+            assert one_line(found.value).isprintable()
+    with pytest.raises(UsageError, match="one line of printable text"):
+        scenario(description="\x1b[2J")
+    assert isinstance(scenario(), Scenario)
+
+
+def named_otherwise(folder, joint, file="mine"):
+    """The shipped hexapod with another name of its first swing joint."""
+    text = (FOLDER / "hexapod.xml").read_text()
+    text = text.replace('"swing_1"', f'"{joint}"')
+    card = (FOLDER / "hexapod.toml").read_text()
+    told = json.loads(json.dumps(joint)).replace("&#10;", "\n").replace("&#13;", "\r")
+    (folder / f"{file}.xml").write_text(text)
+    (folder / f"{file}.toml").write_text(
+        card.replace('"swing_1"', json.dumps(told, ensure_ascii=False))
+    )
+    shutil.copy(FOLDER / "scene.xml", folder)
+    return folder / f"{file}.xml"
+
+
+@pytest.mark.parametrize(
+    "joint",
+    ["x&#10;#error INJECTED&#10;//", "x&#13;y", "swing\\", "a\u202eb", "\x1b[2J"],
+)
+@pytest.mark.parametrize("command", ["robots", "adopt"])
+def test_a_robot_with_such_a_joint_is_refused(joint, command, tmp_path, capsys):
+    path = named_otherwise(tmp_path, joint)
+    if command == "adopt":
+        path.with_suffix(".toml").unlink()
+    before = sorted(tmp_path.iterdir())
+    assert main([command, str(path)]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.search("is no name for a part|not a usable MJCF", line)
+    assert line.isprintable()
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("file", ["a\nb", "a\\", "a\x1b[2J"])
+def test_a_robot_in_a_file_of_such_a_name_is_refused(file, tmp_path, capsys):
+    assert main(["robots", str(named_otherwise(tmp_path, "x", file))]) == 3
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "is no name for a part or a robot" in line
+    assert line.isprintable()
