@@ -43,7 +43,7 @@ class Range:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Text of a line, which may be empty, or is a file's name; plain `str` is any."""
+    """Text that may be empty, or is the name of a file; plain `str` is any but none."""
 
     empty: bool = False
     file_name: bool = False
@@ -204,8 +204,6 @@ def _text(value: object, limits: Text) -> str:
         raise ValueError
     if limits.file_name and ("/" in value or value[0] in ".-" or not is_plain(value)):
         raise ValueError
-    if limits.empty and not value.isprintable():
-        raise ValueError
     return value
 
 
@@ -229,8 +227,6 @@ def words(kind: object) -> str:
         return f"{noun} from {inner[1].low:g} to {inner[1].high:g}"
     if origin is Annotated and inner[1].file_name:
         return "a name without slashes"
-    if origin is Annotated:
-        return "one line of printable text in quotation marks"
     if origin is Mapping:
         return "numbers by name, such as { kappa = 0.5 }"
     return "true or false" if kinds[0] is bool else "text in quotation marks"

@@ -29,7 +29,6 @@ from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
 from sim.reports import comparison, page
 from sim.runs.run import read_run
-from sim.scenarios.scenario import Scenario
 from sim.viewing.replay import _explained
 from tests.browser import ask
 from tests.finished_runs import phase
@@ -226,9 +225,6 @@ def test_scenarios_have_plain_names(scenario):
             with pytest.raises(UsageError, match="a name without slashes") as found:
                 scenario(name=name)
             assert one_line(found.value).isprintable()
-    with pytest.raises(UsageError, match="one line of printable text"):
-        scenario(description="\x1b[2J")
-    assert isinstance(scenario(), Scenario)
 
 
 def named_otherwise(folder, joint, file="mine"):
