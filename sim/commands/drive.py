@@ -1,0 +1,188 @@
+"""`stratawalk drive`: commands for a robot elsewhere, planned from poses it sends."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from queue import Empty, Queue
+from threading import Thread
+from typing import IO, TYPE_CHECKING
+
+from sim.commands.options import notice, option, real, scenario_of, scenario_options
+from sim.errors import FilesError, UsageError
+
+if TYPE_CHECKING:
+    from sim.walking.served import Row, ServedWalk
+
+HELP = "walk a robot that is not simulated: commands go out, poses come back"
+OPTIONS = (
+    *scenario_options(),
+    option(
+        "--poses",
+        metavar="FILE",
+        default="-",
+        help='lines of {"time", "x", "y", "yaw"} in s, m, rad; - is standard input',
+    ),
+    option(
+        "--commands",
+        metavar="FILE",
+        default="-",
+        help='lines of {"time": s, "ctrl": {joint: rad}}; - is standard output',
+    ),
+    option(
+        "--pace",
+        type=real("a pace", 1.0),
+        default=1.0,
+        help="speed in times real time; 0 writes as fast as poses come",
+    ),
+    option(
+        "--patience",
+        type=real("a time", 2.0, zero=False),
+        default=2.0,
+        help="seconds to stand still for a pose; then it counts as not seen",
+    ),
+)
+REPLY = 0.02  # [s], for an answer to a command that is written out of real time
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Drive the robot to the end of the scenario's path."""
+    scenario = scenario_of(options)
+
+    from sim.walking.served import served
+
+    with ExitStack() as files:
+        try:
+            poses = _opened(files, options.poses, "r", sys.stdin)
+            commands = _opened(files, options.commands, "w", sys.stdout)
+        except OSError as error:
+            where, what = str(error.filename), f"cannot be opened, {error.strerror}"
+            raise FilesError(what, where, "name a file, a pipe, or -") from error
+        link = Link(Poses(poses), commands, options.pace, options.patience)
+        walk = served(scenario)
+        for row in walk.stand():
+            link.send(walk, row)
+        for segment in range(walk.setup.scenario.segments):
+            for row in walk.walk(segment):
+                link.send(walk, row)
+            stop = walk.seen(segment, link.reading(walk))
+            x, y, yaw = stop.thought
+            notice(
+                f"segment {segment + 1} of {walk.setup.scenario.segments}: thought at "
+                f"{x:.4f} m, {y:.4f} m, {yaw:.3f} rad",
+                "driven",
+            )
+        for row in walk.stand():
+            link.send(walk, row)
+    if options.json and options.commands != "-":
+        end = walk.stops[-1]
+        print(json.dumps({"thought": end.thought, "claimed": end.claimed}))
+
+
+def _opened(files: ExitStack, name: str, mode: str, standard: IO[str]) -> IO[str]:
+    return standard if name == "-" else files.enter_context(open(name, mode))
+
+
+class Poses:
+    """Lines of poses, read in a thread of their own as they come."""
+
+    def __init__(self, file: IO[str]) -> None:
+        self._queue: Queue[tuple[float, list[float]] | UsageError | None] = Queue()
+        self.ended = False
+        Thread(target=self._listen, args=(file,), daemon=True).start()
+
+    def _listen(self, file: IO[str]) -> None:
+        try:
+            for number, line in enumerate(file, 1):
+                if line.strip():
+                    self._queue.put(_pose(line, number))
+        except UsageError as error:
+            self._queue.put(error)
+        self._queue.put(None)
+
+    def next(self, seconds: float) -> tuple[float, list[float]] | None:
+        """Time and pose of the next line within some seconds; None without one."""
+        if self.ended:
+            return None
+        try:
+            found = self._queue.get(timeout=seconds) if seconds else None
+        except Empty:
+            return None
+        if isinstance(found, UsageError):
+            raise found
+        self.ended = found is None
+        return found
+
+
+def _pose(line: str, number: int) -> tuple[float, list[float]]:
+    """Time and pose of a line; what it does not tell is NaN."""
+    from math import isfinite, nan
+
+    try:
+        table = json.loads(line)
+        values = [table["time"], *(table.get(key, nan) for key in ("x", "y", "yaw"))]
+        when, *pose = (nan if value is None else float(value) for value in values)
+        if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
+            raise ValueError("a number is not finite, or beyond 1e6")
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        what = f"not a pose, {type(error).__name__}: {error}"
+        remedy = 'write {"time": 1.0, "x": 0.0, "y": 0.0, "yaw": 0.0}'
+        raise UsageError(what, f"line {number} of --poses", remedy) from error
+    return when, pose
+
+
+@dataclass
+class Link:
+    """Writes commands at their times, and waits for poses."""
+
+    poses: Poses
+    commands: IO[str]
+    pace: float
+    patience: float
+    began: float | None = None
+
+    def send(self, walk: ServedWalk, row: Row) -> None:
+        """Write one command when its time has come."""
+        when, angles = row
+        if self.pace:
+            now = time.monotonic()
+            self.began = now if self.began is None else self.began
+            time.sleep(max(0.0, self.began + when / self.pace - now))
+        ctrl = dict(zip(walk.joints, angles.tolist(), strict=True))
+        try:
+            print(json.dumps({"time": when, "ctrl": ctrl}), file=self.commands)
+            self.commands.flush()
+        except BrokenPipeError as error:
+            what, remedy = "the robot stopped listening", "start it and drive again"
+            raise FilesError(what, f"t = {when:.2f} s", remedy) from error
+
+    def reading(self, walk: ServedWalk) -> list[float]:
+        """The mean of the poses of a stop, while the robot stands; NaN without any."""
+        from math import nan
+
+        import numpy as np
+
+        sensing, stopped = walk.feedback.sensing, walk.time
+        found = list[list[float]]()
+        due = (len(walk.stops) + 1) % sensing.every == 0
+        if due and (sensing.until is None or len(walk.stops) < sensing.until):
+            while len(found) < sensing.readings and not self.poses.ended:
+                if walk.time > stopped + self.patience:
+                    notice(f"t = {walk.time:.2f} s: no pose came", "warning")
+                    break
+                self.send(walk, walk.wait())
+                found += self._since(stopped)
+        return np.mean(found, axis=0).tolist() if found else [nan] * 3
+
+    def _since(self, moment: float) -> Iterator[list[float]]:
+        """Poses that have come and are not older than a moment [s]."""
+        seconds = 1e-3 if self.pace else REPLY
+        while (told := self.poses.next(seconds)) is not None:
+            when, pose = told
+            if when >= moment:
+                yield pose

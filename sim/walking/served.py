@@ -1,0 +1,131 @@
+"""A walk for a robot that is not simulated: commands at their rate, segment by segment.
+
+Each segment is planned from where feedback thinks the robot is. It is told of no
+imperfection; what segments miss is learnt from the poses that come back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from models.description import actuator_of
+from planner import Array
+from sim.drive.drive import Drive
+from sim.drive.feed_forward import Rehearsal
+from sim.export.servo_commands import taken
+from sim.feedback.stops import Stop, stop_after
+from sim.motion.schedule import Schedule, Scheduler
+from sim.preparation.scheduling import schedule_flows
+from sim.preparation.setup import Setup, prepare
+from sim.scenarios.scenario import Scenario, drawn
+from sim.walking.walks import next_segment
+
+SERVO_RATE = 50.0  # commands a second where the servos have no rate, as most take
+Row = tuple[float, Array]  # time [s], and the angle of every joint [rad]
+
+
+class ServedWalk:
+    """A walk whose commands go elsewhere, from where its poses come.
+
+    Args:
+        setup: What is walked; see `served`.
+        rate: Commands a second, where the servos have no rate of their own.
+
+    Attributes:
+        joints: Names of the joints that are commanded.
+        time: Of the next command [s].
+        stops: What feedback made of each segment so far.
+    """
+
+    def __init__(self, setup: Setup, rate: float = SERVO_RATE) -> None:
+        self.setup, self.feedback = setup, setup.feedback()
+        self.rate = setup.servo.rate or rate
+        self.joints = tuple(setup.robot.card.joints)
+        self.stops: list[Stop] = []
+        self._actuators = np.array([actuator_of(setup.model, j) for j in self.joints])
+        self._drive = Drive(setup)
+        self._drive.require_gentleness()
+        self._rehearsal = Rehearsal(setup) if self._drive.rehearsed else None
+        self._legs, self._steps, self._given = setup.at_rest, 0, 0
+        self._last = np.zeros(len(self.joints))
+        self._began, self._meant = 0.0, np.zeros(3)
+
+    @property
+    def time(self) -> float:
+        """When the next command is given [s]."""
+        return self._given / self.rate
+
+    def stand(self, seconds: float | None = None) -> Iterator[Row]:
+        """Commands that keep the robot where it is, for the scenario's hold if none."""
+        scheduler = self._scheduler()
+        scheduler.hold(self.setup.limits.hold if seconds is None else seconds)
+        yield from self._rows(scheduler.finish())
+
+    def wait(self) -> Row:
+        """The last command once more, at the time of the next one."""
+        row = self.time, self._last
+        self._given += 1
+        self._steps = max(self._steps, self._step_of(self._given))
+        return row
+
+    def walk(self, segment: int) -> Iterator[Row]:
+        """Commands of the next segment, planned from where the robot is thought."""
+        self._began = self.time
+        step, self._meant = next_segment(
+            self.setup, self.feedback, segment, self._legs.swing
+        )
+        scheduler = self._scheduler()
+        scheduler.segment = segment
+        schedule_flows(self.setup, scheduler, step.plan.segments())
+        yield from self._rows(scheduler.finish())
+
+    def seen(self, segment: int, told: Sequence[float]) -> Stop:
+        """Tell feedback what was seen after a segment: x, y, yaw, NaN if it was not."""
+        now, reading = self.time, np.array([*told, np.nan])
+        unknown = np.full(3, np.nan)  # nobody knows where a real robot truly is
+        self.stops.append(
+            stop_after(
+                self.feedback,
+                segment,
+                now,
+                now - self._began,
+                self._meant,
+                reading,
+                unknown,
+            )
+        )
+        return self.stops[-1]
+
+    def _scheduler(self) -> Scheduler:
+        return Scheduler(self.setup.limits, self._legs, self._steps)
+
+    def _step_of(self, command: int) -> int:
+        return round(command / (self.rate * self.setup.limits.timestep))
+
+    def _rows(self, schedule: Schedule) -> Iterator[Row]:
+        torques = None
+        if self._rehearsal is not None:
+            rehearsed = self._rehearsal.torques(schedule)
+            self._drive.require_strength(schedule, rehearsed)
+            torques = rehearsed if self._drive.feeds_forward else None
+        self._legs, self._steps = schedule.end, schedule.stop
+        ctrl = np.concatenate(list(self._drive.commands(schedule, torques)))
+        given = taken(
+            ctrl, self.joints, self._actuators, self.rate, self.setup.limits.timestep
+        )
+        for angles in given.angles:
+            self._last = angles
+            yield self.time, angles
+            self._given += 1
+
+
+def served(scenario: Scenario, rate: float = SERVO_RATE) -> ServedWalk:
+    """A served walk of a scenario, on a robot of which no imperfection is known."""
+    setup = prepare(scenario)
+    plain = drawn(scenario, setup.robot).as_planned
+    learn = True if scenario.learn is None else scenario.learn
+    asked = replace(plain, replan=True, learn=learn, optimise="none")
+    return ServedWalk(prepare(asked, setup.robot), rate)

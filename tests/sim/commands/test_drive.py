@@ -1,0 +1,129 @@
+"""A robot in another process is driven by commands and poses alone."""
+
+import io
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.cli import main
+from sim.commands.drive import Poses
+from sim.errors import UsageError
+
+ROBOT = Path(__file__).with_name("imperfect_robot.py")
+SETTINGS = {
+    "segments": 3,
+    "path.goal": [0.012, 0.0, 0.0],
+    "sense": "tag",
+    "sense_position": 0.0002,
+    "sense_yaw": 0.001,
+    "sense_readings": 4,
+}
+
+
+def way(changes=None):
+    """The command, with some settings changed."""
+    given = (f"{key}={value}" for key, value in (SETTINGS | (changes or {})).items())
+    pairs = (("--set", one) for one in given)
+    return ["drive", "line", "--pace", "0", *(word for pair in pairs for word in pair)]
+
+
+def driven(changes=None, noise=0.0002):
+    """Where the imperfect robot ends, driven through two pipes, and what drive says."""
+    there, back = os.pipe(), os.pipe()
+    robot = subprocess.Popen(
+        [sys.executable, ROBOT, str(noise)],
+        stdin=there[0],
+        stdout=back[1],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    drive = subprocess.run(
+        [sys.executable, "-m", "sim.start", *way(changes)],
+        stdin=back[0],
+        stdout=there[1],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    for end in there:
+        os.close(end)
+    told = robot.communicate()[1]
+    for end in back:
+        os.close(end)
+    return json.loads(told.splitlines()[-1]), drive
+
+
+def off(pose, goal):
+    return float(np.hypot(*np.subtract(pose[:2], goal)))
+
+
+@pytest.mark.physics
+def test_a_robot_elsewhere_goes_by_the_poses_it_sends():
+    pose, drive = driven()
+    assert drive.returncode == 0, drive.stderr
+    words = re.search("segment 3 of 3: thought at (.*) m, (.*) m", drive.stderr)
+    # four readings of 0.2 mm; the robot stands still for half a second after them
+    assert off(pose, [float(word) for word in words.groups()]) < 0.5e-3
+
+
+@pytest.mark.full
+@pytest.mark.physics
+def test_a_robot_elsewhere_is_brought_nearer_to_the_goal_than_a_blind_one():
+    far = {"segments": 10, "path.goal": [0.04, 0.0, 0.0]}
+    seen, blind = driven(far)[0], driven(far | {"sense_until": 0})[0]
+    assert off(seen, (0.04, 0)) < 0.5 * off(blind, (0.04, 0))
+
+
+def read(text):
+    poses, found = Poses(io.StringIO(text)), []
+    while not poses.ended:
+        if (pose := poses.next(1.0)) is not None:
+            found.append(pose)
+    return found
+
+
+def test_poses_are_lines_and_what_they_do_not_tell_is_not_a_number():
+    lines = '{"time": 1, "x": 0.1, "y": 0, "yaw": 3}\n\n{"time": 2, "x": null}\n'
+    (first, pose), (second, unseen) = read(lines)
+    assert (first, pose, second) == (1.0, [0.1, 0.0, 3.0], 2.0)
+    assert np.isnan(unseen).all()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "x",
+        "[1]",
+        '{"x": 1}',
+        '{"time": "now"}',
+        '{"time": NaN}',
+        '{"time": 1, "x": 1e9}',
+        "[" * 100_000,
+    ],
+)
+def test_a_line_that_is_no_pose_is_refused_with_its_number(line):
+    with pytest.raises(UsageError, match="not a pose, .*: line 2 of --poses; write"):
+        read('{"time": 1}\n' + line + "\n")
+
+
+def test_a_robot_that_stops_listening_ends_the_walk_with_a_message(tmp_path, capfd):
+    drive = subprocess.run(
+        f"{sys.executable} -m sim.start {shlex.join(way())} < /dev/null | head -n 3",
+        shell=True,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "the robot stopped listening: t = " in drive.stderr
+
+
+def test_a_file_of_poses_that_is_not_there_is_refused(capsys):
+    assert main([*way(), "--poses", "nowhere.jsonl"]) == 6
+    assert "nowhere.jsonl; name a file, a pipe, or -" in capsys.readouterr().err
