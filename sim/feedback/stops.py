@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,13 +17,13 @@ from sim.motion.poses import seen_from
 
 Numbers = tuple[float, ...]
 FLAT = 1e-6  # singular values below it, as a share of the largest, are none
-NAMES = {  # of the columns of feedback.csv, by the fields of a stop
+NAMES = {  # of the columns of feedback.csv, by the fields of a stop in their order
     "meant": ("x", "y", "yaw"),
     "seen": ("x", "y", "yaw", "gyro"),
-    "thought": ("x", "y", "yaw"),
-    "claimed": ("x", "y", "yaw"),
     "expected": ("x", "y", "yaw"),
     "doubt": ("x", "y", "yaw"),
+    "thought": ("x", "y", "yaw"),
+    "claimed": ("x", "y", "yaw"),
     "true": ("x", "y", "yaw"),
     "bias": ("x", "y", "yaw"),
 }
@@ -60,14 +60,9 @@ class Stop:
     bias: Numbers
 
 
-COLUMNS = tuple(
-    column
-    for item in fields(Stop)
-    for column in (
-        [f"{item.name}_{name}" for name in NAMES[item.name]]
-        if item.name in NAMES
-        else [item.name]
-    )
+COLUMNS = (
+    *("segment", "time", "seconds"),
+    *(f"{key}_{name}" for key, names in NAMES.items() for name in names),
 )
 
 
@@ -81,6 +76,27 @@ def written(stops: Iterable[Stop]) -> str:
         told = ["" if np.isnan(value) else value for value in flat]
         writer.writerow([stop.segment, *told])
     return lines.getvalue()
+
+
+def read(text: str) -> tuple[Stop, ...]:
+    """The stops that a text of `written` lists.
+
+    A missing column is a KeyError, another number of entries a ValueError.
+    """
+    lines = [line for line in csv.reader(text.splitlines()) if line]
+    tables = [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
+    return tuple(
+        Stop(
+            int(table["segment"]),
+            float(table["time"]),
+            float(table["seconds"]),
+            *(
+                tuple(float(table[f"{key}_{name}"] or "nan") for name in names)
+                for key, names in NAMES.items()
+            ),
+        )
+        for table in tables
+    )
 
 
 def stop_after(

@@ -34,6 +34,7 @@ def run_of(
         phases=carried_out(evaluation.walk),
         arrays=trajectory(evaluation),
         commands=_commands(evaluation.walk),
+        stops=followed.stops if (followed := evaluation.walk.followed) else (),
     )
 
 

@@ -32,6 +32,7 @@ from sim.errors import UsageError
 from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.summary import Summary
+from sim.feedback.stops import Stop, read as read_stops
 from sim.motion.poses import rotate, wrap
 from sim.runs.arrays import archive, reading
 from sim.scenarios import body_path, obstacles
@@ -66,6 +67,7 @@ class Run:
     phases: tuple[WalkedPhase, ...]  # lines of flows.csv
     arrays: Mapping[str, Array]  # of trajectory.npz, (T, ...) but for the start pose
     commands: Mapping[str, Array]  # `time` [s] and `ctrl`, a row a physics step
+    stops: tuple[Stop, ...] = ()  # lines of feedback.csv, if it was replanned
     frame: Array | None = None  # pose in the world, (3,), in which others are given
     inspected: bool = False  # whether its model may be compiled without a look at it
 
@@ -230,6 +232,10 @@ def _in_world(frame: Array, poses: Array) -> Array:
     return np.concatenate([points, poses[..., 2:] + frame[2]], axis=-1)
 
 
+def _stops(path: Path) -> tuple[Stop, ...]:
+    return read_stops(read_file(path).decode()) if path.exists() else ()
+
+
 def read_run(folder: Path, *, inspected: bool = False) -> Run:
     """Read the folder of a run that came to its end, or raise UsageError.
 
@@ -247,6 +253,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             phases=flows.read(read_file(folder / "flows.csv").decode()),
             arrays=(states := archive(folder, "trajectory.npz", apart=(START,))),
             commands=(commands := archive(folder, "commands.npz")),
+            stops=_stops(folder / "feedback.csv"),
             inspected=inspected,
         )
         for arrays in () if inspected else (states, commands):
