@@ -17,7 +17,7 @@ from sim.commands.options import notice, option, real, scenario_of, scenario_opt
 from sim.errors import FilesError, UsageError
 
 if TYPE_CHECKING:
-    from sim.walking.served import Row, ServedWalk
+    from sim.export.served import Row, ServedWalk
 
 HELP = "walk a robot that is not simulated: commands go out, poses come back"
 OPTIONS = (
@@ -54,7 +54,7 @@ def execute(options: argparse.Namespace) -> None:
     """Drive the robot to the end of the scenario's path."""
     scenario = scenario_of(options)
 
-    from sim.walking.served import served
+    from sim.export.served import served
 
     with ExitStack() as files:
         try:
