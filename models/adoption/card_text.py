@@ -11,6 +11,7 @@ import numpy as np
 from models.adoption.anatomy import Limb, Pose
 from models.adoption.crawl import Crawl
 from models.adoption.pivots import LEAST_LOAD, Stand
+from models.adoption.ranges import Reach, Swings
 from models.description.card import Servo
 from models.description.table import toml_key, toml_text
 from planner import Array
@@ -30,32 +31,46 @@ class GaitDraft:
     guesses: tuple[str, ...]  # a sentence each
     # points that the groups turn the body about, shape (2,) [m]; none in a crawl
     pivots: tuple[Array, ...] = ()
+    # swing of each leg's joint per angle of its group, by the place of the leg
+    swings: tuple[Swings, ...] = ()
     # further numbers of the card, by key
     settings: Mapping[str, float] = field(default_factory=dict)
 
 
-def alternating(limbs: Sequence[Limb], pair: Sequence[Stand]) -> GaitDraft:
-    """Two groups of legs that stand in turn, each turning the body about its pivot."""
+def alternating(
+    limbs: Sequence[Limb], pair: Sequence[Stand], reach: Reach | None = None
+) -> GaitDraft:
+    """Two groups of legs that stand in turn, each turning the body about its pivot.
+
+    How far they can swing is found once they are turned.
+    """
     turns = np.zeros(len(limbs))
-    lines, guesses = [], []
+    lines, guesses, swings = [], [], []
     for name, stand in zip("12", pair, strict=True):
         turns[list(stand.legs)] = stand.turns
         (x, y), most = stand.pivot, np.rad2deg(np.abs(stand.turns).max())
         sense = -1 if y > 0 else 1  # forward for a positive angle
-        gains = ", ".join(
-            f"{i + 1} = {sense * limbs[i].turn * gain:.9g}"
-            for i, gain in zip(stand.legs, stand.gains, strict=True)
+        swings.append(
+            {
+                i: sense * limbs[i].turn * float(gain)
+                for i, gain in zip(stand.legs, stand.gains, strict=True)
+            }
         )
+        gains = ", ".join(f"{i + 1} = {gain:.9g}" for i, gain in swings[-1].items())
         lines += ["", f"[group.{name}]  # turns the body about ({x:.4f}, {y:.4f})"]
         lines.append(f"legs = {{ {gains} }}")
+        if reach is not None and reach.touching:
+            lines.append(f"swing = [{-reach.swing:.4g}, {reach.swing:.4g}]")
         legs = " ".join(str(i + 1) for i in stand.legs)
         guesses.append(
             f"group {name}, legs {legs}: turned by up to {most:.0f} degrees to meet at "
-            f"({x:.3f}, {y:.3f}) m, swings {stand.swing:.2f} rad either way"
+            f"({x:.3f}, {y:.3f}) m"
         )
+    if reach is not None:
+        guesses.append(f"groups swing {reach.swing:.2f} rad either way, {reach.reason}")
     lines += ["", "[gait]", _strata(["12", "1", "12", "2", "12"])]
     pivots = tuple(stand.pivot for stand in pair)
-    return GaitDraft(turns, tuple(lines), tuple(guesses), pivots)
+    return GaitDraft(turns, tuple(lines), tuple(guesses), pivots, tuple(swings))
 
 
 def rowing(limbs: Sequence[Limb], crawl: Crawl) -> GaitDraft:
@@ -88,6 +103,15 @@ def _strata(names: Iterable[str]) -> str:
     return f"strata = {json.dumps([*names])}"
 
 
+def drafted_lift(pose: Pose, limbs: Sequence[Limb]) -> float:
+    """An angle that all lift joints have left for lifting, 0.3 rad if they can."""
+    rooms = []
+    for limb in limbs:
+        (low, high), angle = pose.span(limb.lift), pose.angle(limb.lift)
+        rooms.append(high - angle if limb.up > 0 else angle - low)
+    return min(LARGEST_LIFT, 0.95 * min(rooms))
+
+
 def card_text(
     pose: Pose,
     limbs: Sequence[Limb],
@@ -97,16 +121,11 @@ def card_text(
 ) -> str:
     """The card of a robot as TOML; a servo is for joints that have none.
 
-    Angles are those in which it starts [rad]. It lifts its feet by an angle that all
-    lift joints have left, 0.3 rad if they can.
+    Angles are those in which it starts [rad].
     """
-    rooms = []
-    for limb in limbs:
-        (low, high), angle = pose.span(limb.lift), pose.angle(limb.lift)
-        rooms.append(high - angle if limb.up > 0 else angle - low)
     lines = [
         'description = "Drafted by stratawalk adopt."',
-        f"lift_angle = {min(LARGEST_LIFT, 0.95 * min(rooms)):.4g}",
+        f"lift_angle = {drafted_lift(pose, limbs):.4g}",
         *(f"{key} = {value:g}" for key, value in gait.settings.items()),
         "",
         "[start]  # joint angles in which it stands [rad]",

@@ -9,9 +9,16 @@ from itertools import chain
 import numpy as np
 
 from models.adoption.anatomy import Limb, Pose, find_limbs
-from models.adoption.card_text import GaitDraft, alternating, card_text, rowing
-from models.adoption.crawl import find_crawl
-from models.adoption.pivots import posed, two_groups
+from models.adoption.card_text import (
+    GaitDraft,
+    alternating,
+    card_text,
+    drafted_lift,
+    rowing,
+)
+from models.adoption.crawl import Crawl, find_crawl
+from models.adoption.pivots import Stand, posed, two_groups
+from models.adoption.ranges import free_reach
 from models.adoption.source import Source
 from models.adoption.standing import (
     drafted_servo,
@@ -83,10 +90,15 @@ def draft_card(source: Source) -> Draft:
         pose.turn(angles)
         guesses.append("its feet are not on one floor as it is given: knees were bent")
     limbs = _numbered(find_limbs(pose, name))
-    gait = _gait(pose, limbs, name)
+    way = _gait(pose, limbs, name)
+    gait = rowing(limbs, way) if isinstance(way, Crawl) else alternating(limbs, way)
     for limb, turn in zip(limbs, gait.turns, strict=True):
         angles[limb.swing] = pose.angle(limb.swing) + limb.turn * float(turn)
     pose.turn(angles)
+    if not isinstance(way, Crawl):
+        lift = drafted_lift(pose, limbs)
+        reach = free_reach(pose, limbs, gait.swings, lift, name)
+        gait = alternating(limbs, way, reach)
     joints = [joint for limb in limbs for joint in limb.joints]
     arm = max(float(np.linalg.norm(limb.toe[:2] - limb.hip)) for limb in limbs)
     suited = drafted_servo(pose, joints, arm, len(limbs))
@@ -105,7 +117,9 @@ def draft_card(source: Source) -> Draft:
     return Draft(text, tuple(guesses), limbs, gait)
 
 
-def _gait(pose: Pose, limbs: Sequence[Limb], source: str) -> GaitDraft:
+def _gait(
+    pose: Pose, limbs: Sequence[Limb], source: str
+) -> tuple[Stand, Stand] | Crawl:
     """Two groups that stand in turn; a crawl where there are none."""
     weight = pose.center_of_mass[:2]
     room = np.array([_room(pose, limb) for limb in limbs])
@@ -113,11 +127,11 @@ def _gait(pose: Pose, limbs: Sequence[Limb], source: str) -> GaitDraft:
         ways = two_groups(limbs, weight, source)
     except ModelError as alone:
         try:
-            return rowing(limbs, find_crawl(pose, limbs, room, source))
+            return find_crawl(pose, limbs, room, source)
         except ModelError as either:
             why = str(alone).partition(": ")[0]
             raise ModelError(f"{why}, and {either}") from alone
-    return alternating(limbs, posed(limbs, ways, weight, room, source))
+    return posed(limbs, ways, weight, room, source)
 
 
 def _room(pose: Pose, limb: Limb) -> Array:

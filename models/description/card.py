@@ -51,9 +51,16 @@ class GroupCard:
 
     legs: Mapping[int, float]  # leg -> swing of its joint per angle: a sign, or a gain
     twist: Twist | None = None  # claimed, per radian of swing
+    # lowest and highest angle, where legs would touch beyond [rad]
+    swing: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         _check_gains("a group", "leg", self.legs)
+        if self.swing is not None and not self.swing[0] < 0 < self.swing[1]:
+            raise ValueError(
+                "swing is the lowest angle, below 0, and the highest, above 0, got "
+                f"{list(self.swing)}"
+            )
 
 
 @dataclass(frozen=True, slots=True)

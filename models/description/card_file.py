@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from models.description.card import (
     LIFT_TIME,
@@ -24,7 +25,7 @@ KEYS = {
     "lift_angle": (),
     "lift_time": (),
     "leg": ("swing", "lift", "raise", "foot", "hold"),
-    "group": ("legs", "twist"),
+    "group": ("legs", "twist", "swing"),
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
     "servo": ("stiffness", "damping", "armature", "kind"),
@@ -106,7 +107,8 @@ def _leg_number(name: str) -> int:
 def _group(table: Table) -> GroupCard:
     gains = table.gains("legs", required=True)
     legs = {_leg_number(leg): gain for leg, gain in gains.items()}
-    return table.make(GroupCard, legs=legs, twist=_twist(table))
+    swing = _numbers(table, "swing", 2, "the lowest and the highest angle [rad]")
+    return table.make(GroupCard, legs=legs, twist=_twist(table), swing=swing)
 
 
 def _leg(table: Table) -> LegCard:
@@ -149,12 +151,15 @@ def _joint_servo(table: Table) -> JointServo:
 
 
 def _twist(table: Table) -> Twist | None:
-    if "twist" not in table:
+    meaning = "forward, left [m/rad], yaw [rad/rad]"
+    return _numbers(table, "twist", 3, meaning)
+
+
+def _numbers(table: Table, key: str, count: int, meaning: str) -> Any:
+    """A tuple of so many numbers; None where the key is left out."""
+    if key not in table:
         return None
-    values = table.numbers("twist")
-    if len(values) != 3:
-        raise ValueError(
-            f"{table.where}.twist is forward, left [m/rad], yaw [rad/rad]; "
-            f"got {list(values)}"
-        )
-    return (values[0], values[1], values[2])
+    values = table.numbers(key)
+    if len(values) != count:
+        raise ValueError(f"{table.where}.{key} is {meaning}; got {list(values)}")
+    return values

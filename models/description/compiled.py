@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -60,16 +61,28 @@ def read_spec(path: Path) -> mujoco.MjSpec:
 
 
 def named(spec: mujoco.MjSpec) -> None:
-    """Name what has no name, by its body and number, so that a card can name it."""
-    taken = {part.name for parts in (spec.geoms, spec.bodies) for part in parts}
-    for kind, parts in (("body", spec.bodies), ("geom", spec.geoms)):
+    """Name what has no name, so that cards and messages can.
+
+    Geoms and bodies are called after their body and number, actuators of a joint after
+    the joint.
+    """
+    kinds = {"body": spec.bodies, "geom": spec.geoms, "actuator": spec.actuators}
+    taken = {part.name for parts in kinds.values() for part in parts}
+    for kind, parts in kinds.items():
         for number, part in enumerate(parts):
             if not part.name:
-                name = f"{part.parent.name or 'robot'}_{kind}_{number}"
+                name = _name(kind, part, number)
                 while name in taken:
                     name += "_"
                 taken.add(name)
                 part.name = name
+
+
+def _name(kind: str, part: Any, number: int) -> str:
+    """What to call a part of a spec that has no name."""
+    if kind != "actuator":
+        return f"{part.parent.name or 'robot'}_{kind}_{number}"
+    return part.target if part.trntype in ON_JOINT else f"{kind}_{number}"
 
 
 def is_position_servo(gain: float, bias: float) -> bool:

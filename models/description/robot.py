@@ -207,17 +207,41 @@ class Robot:
                 joint = self.card.legs[leg].swing
                 start = self.standing_angle(joint)
                 ends.append(sorted((end - start) / gain for end in self.span(joint)))
+            if group.swing is not None:
+                ends.append(list(group.swing))
             lows, highs = zip(*ends, strict=True)
             ranges[name] = max(lows), min(highs)
         return ranges
+
+    @property
+    def joints_without_rotor(self) -> tuple[str, ...]:
+        """Leg joints to which neither file nor card gives an armature."""
+        return tuple(joint for joint in self.card.joints if not self._armature(joint))
+
+    def position_servos_of(self, joint: str) -> list[int]:
+        """Indices of the file's position servos that drive a joint."""
+        gain, bias = self.model.actuator_gainprm, self.model.actuator_biasprm
+        return [
+            i
+            for i in actuators_of(self.model, joint)
+            if is_position_servo(gain[i, 0], bias[i, 1])
+        ]
+
+    def _armature(self, joint: str) -> float:
+        """Inertia of the rotor behind a joint's gears, of file or card [kg m^2]."""
+        model, card = self.model, self.card.servo
+        own = self.position_servos_of(joint)
+        servo = (
+            card.armature if card and not own else model.actuator_armature[own].sum()
+        )
+        return float(model.dof_armature[model.joint(joint).dofadr[0]] + servo)
 
     def span(self, joint: str) -> tuple[float, float]:
         """Lowest and highest angle that a hinge and its servos allow [rad]."""
         model, index = self.model, self.model.joint(joint).id
         spans = [model.jnt_range[index]] if model.jnt_limited[index] else []
-        for servo in actuators_of(model, joint):
-            forces = model.actuator_gainprm[servo, 0], model.actuator_biasprm[servo, 1]
-            if model.actuator_ctrllimited[servo] and is_position_servo(*forces):
+        for servo in self.position_servos_of(joint):
+            if model.actuator_ctrllimited[servo]:
                 gear = model.actuator_gear[servo, 0]
                 spans.append(np.sort(model.actuator_ctrlrange[servo] / gear))
         low = max((float(span[0]) for span in spans), default=-np.pi)

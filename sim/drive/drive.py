@@ -97,7 +97,7 @@ class Drive:
         if needed[knot, joint] <= most:
             return
         phase = schedule.phases[int(schedule.phase_of(rows[[knot]])[0])]
-        name = self._setup.model.actuator(int(self._joints[joint])).name
+        name = self._setup.robot.card.joints[joint]
         seconds = (schedule.start + rows[knot]) * self._setup.limits.timestep
         raise SimulationError(
             f"servo {name!r} would need {needed[knot, joint]:.3g} N m in a "

@@ -11,6 +11,8 @@ import numpy as np
 from models import Robot
 from models.description import ON_JOINT
 from sim.scenarios.scenario import Scenario
+from sim.world.motors import added_rotors, undamped_joints
+from sim.world.servo_settings import ServoSettings, servo_settings
 from sim.world.servos import (
     couplings,
     delayed_servos,
@@ -23,7 +25,8 @@ def changes(robot: Robot, scenario: Scenario) -> tuple[str, ...]:
     """One sentence for each change."""
     spec = robot.read()
     feet = [spec.geom(name) for name in robot.card.feet]
-    return (*_drives(robot, spec), *_feet(feet, scenario))
+    motors = _motors(robot, servo_settings(scenario, robot.card))
+    return (*_drives(robot, spec), *motors, *_feet(feet, scenario))
 
 
 def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
@@ -47,6 +50,21 @@ def _drives(robot: Robot, spec: mujoco.MjSpec) -> Iterator[str]:
         yield (
             f"servos of joints {_listed(late)} follow commands through a filter, "
             "behind the others; it is left out"
+        )
+
+
+def _motors(robot: Robot, asked: ServoSettings) -> Iterator[str]:
+    if added := added_rotors(robot, asked):
+        inertia = f"{next(iter(added.values())):.2g}"
+        yield (
+            f"joints {_listed([*added])} have no armature and would chatter; they "
+            f"get that of a motor behind its gears, {inertia} kg m^2, to have another "
+            f'write armature="{inertia}" into the file'
+        )
+    if springs := undamped_joints(robot, asked):
+        yield (
+            f"the servos of joints {_listed([*springs])} have no damping, or little "
+            "for a motor; they are critically damped, set servo_damping to change it"
         )
 
 

@@ -20,6 +20,7 @@ from sim.world.assets import gather
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
 from sim.world.integrator import suitable_integrator
+from sim.world.motors import ensure_motors
 from sim.world.sensors import ensure_sensors
 from sim.world.servo_settings import servo_settings
 from sim.world.servos import common_servo, ensure_servos
@@ -55,7 +56,9 @@ def build(robot: Robot, scenario: Scenario) -> World:
     spec.option.timestep = scenario.timestep
     floor = ensure_floor(spec, robot)
     _set_contact(spec, robot, floor.name, scenario.friction)
-    ensure_servos(spec, robot, servo_settings(scenario, robot.card))
+    servos = servo_settings(scenario, robot.card)
+    ensure_servos(spec, robot, servos)
+    ensure_motors(spec, robot, servos)
     add_imperfections(spec, robot, floor.name, scenario)
     ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
     let_down = ensure_start(spec, robot, floor)

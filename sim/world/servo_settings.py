@@ -24,6 +24,7 @@ class ServoSettings:
     speed: float | None  # at which no torque is left [rad/s]
     rate: float  # commands a second; 0 for one a physics step
     resolution: float  # angle of a count [rad]; 0 for none
+    armature: float | None  # of the motor behind its gears, where a file has none
     feed_forward: bool | None  # whether to make up for loads; None by the stiffness
 
     def feeds_forward(self, stiffness: float) -> bool:
@@ -54,6 +55,7 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         speed=None,
         rate=scenario.command_rate or 0.0,
         resolution=scenario.resolution or 0.0,
+        armature=None,
         feed_forward=scenario.feed_forward,
     )
     if name == "ideal":
@@ -69,6 +71,7 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         speed=kind.no_load_speed,
         rate=kind.command_rate if scenario.command_rate is None else rate,
         resolution=kind.resolution if scenario.resolution is None else resolution,
+        armature=kind.rotor,
     )
 
 

@@ -1,0 +1,72 @@
+"""What files of robots leave out of their motors: the rotor's inertia, and damping.
+
+Behind its gears the rotor of a small motor is heavier than a hobby robot's leg. A foot
+on the leg alone is a few grams against a floor that is stiff for the whole robot, on a
+servo that the time step can hardly follow: it chatters. So it does on a spring that
+nothing damps, which no motor is. Joints without armature are therefore given that of
+the servo's make, or of a motor that could carry the robot; servos of joints without
+damping are critically damped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from models import Robot
+from models.adoption import servo_for
+from models.description import ON_JOINT
+from sim.world.servo_settings import ServoSettings
+
+CRITICAL = 1.0  # damping ratio, which the engine tells by its sign from a damping
+LIVELY = 0.5  # damping ratio below which a servo with a new rotor would swing for long
+ANY = 1e-3  # damping ratio of a servo that is damped at all
+
+
+def added_rotors(robot: Robot, asked: ServoSettings) -> Mapping[str, float]:
+    """Reflected inertia that leg joints are given, by joint [kg m^2].
+
+    Legs that weigh as much as a motor's rotor by themselves get none, unless the
+    servo's make is known.
+    """
+    joints = robot.joints_without_rotor
+    if not joints:
+        return {}
+    rotor = servo_for(robot).armature if asked.armature is None else asked.armature
+    return dict.fromkeys(joints, rotor) if rotor else {}
+
+
+def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
+    """Leg joints on position servos that nothing damps, or too little for new rotors.
+
+    None if the damping is asked for.
+    """
+    if asked.damping is not None or asked.damping_ratio is not None:
+        return ()
+    model, added = robot.model, added_rotors(robot, asked)
+
+    def damping_ratio(joint: str, servo: int) -> float:
+        dof = model.joint(joint).dofadr[0]
+        inertia = model.dof_M0[dof] + added.get(joint, 0.0)
+        stiffness, own = model.actuator_gainprm[servo, 0], model.dof_damping[dof]
+        given = own - model.actuator_biasprm[servo, 2]
+        return float(given / (2 * np.sqrt(stiffness * inertia)))
+
+    return tuple(
+        joint
+        for joint in robot.card.joints
+        for servo in robot.position_servos_of(joint)[:1]
+        if damping_ratio(joint, servo) < (LIVELY if joint in added else ANY)
+    )
+
+
+def ensure_motors(spec: mujoco.MjSpec, robot: Robot, asked: ServoSettings) -> None:
+    """Give armature to leg joints that have none, and damping to their servos."""
+    for joint, inertia in added_rotors(robot, asked).items():
+        spec.joint(joint).armature = inertia
+    undamped = undamped_joints(robot, asked)
+    for servo in spec.actuators:
+        if servo.trntype in ON_JOINT and servo.target in undamped:
+            servo.biasprm[2] = CRITICAL

@@ -1,0 +1,63 @@
+"""Swing ranges of drafts: as far as legs go without touching, and what ends them."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.adoption.draft import draft_card
+from models.adoption.source import source_of
+from models.errors import ModelError
+from models.library import load
+from tests import owners
+
+
+def drafted(path):
+    draft = draft_card(source_of(str(path)))
+    path.with_suffix(".toml").write_text(draft.card)
+    return load(str(path)), draft.guesses[-2:]
+
+
+def touching(robot, swing, lift):
+    """Pairs of the robot's geoms that overlap at angles of its groups."""
+    model, data = robot.model, mujoco.MjData(robot.model)
+    data.qpos[:] = robot.start_qpos
+    for joint, angle in robot.leg_angles(np.array(swing), np.array(lift)).items():
+        data.joint(joint).qpos[0] += angle
+    mujoco.mj_forward(model, data)
+    pairs = [c.geom for c in data.contact[: data.ncon] if c.dist < 0]
+    return {tuple(pair) for pair in pairs if model.geom_bodyid[pair].all()}
+
+
+def test_legs_swing_until_they_would_touch_and_the_draft_names_what_touches(tmp_path):
+    robot, said = drafted(owners.turntable(tmp_path))
+    (low, high) = robot.swing_range["1"]
+    assert 0.3 < high == -low < 0.7  # the joints would let them go to 0.9
+    assert any(
+        "beyond which 'shin_3' and 'shin_5' would touch" in line for line in said
+    )
+    angle = robot.card.lift_angle
+    always = touching(robot, (0, 0), (0, 0))
+    ends = np.linspace(low, high, 9)
+    for one in ends:
+        for other in ends:
+            for lift in ((0, 0), (angle, 0), (0, angle)):
+                assert touching(robot, (one, other), lift) <= always
+    farther = np.linspace(-1.4, 1.4, 7) * high
+    assert any(
+        touching(robot, (a, b), (0, 0)) - always for a in farther for b in farther
+    )
+
+
+def test_where_nothing_touches_the_joints_end_the_swing(tmp_path):
+    robot, said = drafted(owners.handmade(tmp_path))
+    assert robot.card.groups["1"].swing is None
+    assert any(
+        "0.46 rad either way, which is the range of 'h1'" in line for line in said
+    )
+
+
+def test_legs_that_touch_at_once_are_refused_with_their_parts(tmp_path):
+    path = owners.turntable(tmp_path)
+    path.write_text(path.read_text().replace('size=".014"', 'size=".042"'))
+    with pytest.raises(ModelError, match="'shin_.' and 'shin_.' touch at once"):
+        draft_card(source_of(str(path)))

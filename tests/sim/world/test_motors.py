@@ -1,0 +1,92 @@
+"""What owners leave out of their files: rotors, damping, and names of servos."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from models.adoption.draft import draft_card
+from models.adoption.source import source_of
+from models.library import load
+from sim.preparation.setup import prepare
+from sim.world.changes import changes
+from tests import owners
+from tests.walks import simulated
+
+
+def owned(write, folder):
+    """A robot as `adopt` leaves it."""
+    source = source_of(str(write(folder)))
+    if source.text is not None:
+        source.path.write_text(source.text)
+    source.path.with_suffix(".toml").write_text(draft_card(source).card)
+    return load(str(source.path))
+
+
+@pytest.fixture(scope="module")
+def handmade(tmp_path_factory):
+    return owned(owners.handmade, tmp_path_factory.mktemp("handmade"))
+
+
+def of_joints(robot, model):
+    """Armature and damping ratio of the leg joints, shape (J,) each."""
+    dofs = [model.joint(joint).dofadr[0] for joint in robot.card.joints]
+    servos = [model.actuator(joint).id for joint in robot.card.joints]
+    stiffness, damping = model.actuator_gainprm[:, 0], -model.actuator_biasprm[:, 2]
+    critical = 2 * np.sqrt(stiffness[servos] * model.dof_M0[dofs])
+    return model.dof_armature[dofs], damping[servos] / critical
+
+
+def test_joints_without_rotors_get_those_of_motors_that_could_carry_the_robot(
+    handmade, scenario
+):
+    armature, ratio = of_joints(handmade, prepare(scenario(), handmade).model)
+    # 0.0051 s^2 times a third of 4.4 N at 0.12 m, less what the lightest joint has
+    assert armature == pytest.approx(8.4e-4, rel=0.02)
+    assert ratio == pytest.approx(1.0, rel=0.02)
+    rotors, damped = changes(handmade, scenario())
+    assert "joints 'h1', 'k1', 'h2', ... have no armature" in rotors
+    assert "0.00084 kg m^2" in rotors
+    assert "'h1', 'k1', 'h2', ... have no damping, or little" in damped
+
+
+def test_a_make_brings_its_own_rotor(handmade, scenario):
+    given = scenario(servo="mg90")
+    armature, ratio = of_joints(handmade, prepare(given, handmade).model)
+    assert armature == pytest.approx(240**2 * 4e-9)
+    assert ratio == pytest.approx(1.0, rel=0.02)
+    (rotors,) = changes(handmade, given)
+    assert "0.00023 kg m^2" in rotors
+
+
+def test_rotors_and_damping_that_a_file_gives_are_kept(tmp_path, scenario):
+    path = owners.handmade(tmp_path)
+    text = path.read_text().replace("<joint ", '<joint armature="1e-4" damping="0.02" ')
+    robot = owned(lambda _: path if path.write_text(text) else path, tmp_path)
+    model = prepare(scenario(), robot).model
+    armature, ratio = of_joints(robot, model)
+    assert (armature == 1e-4).all()
+    assert (ratio == 0).all()
+    assert changes(robot, scenario()) == ()
+
+
+def test_shipped_robots_have_rotors_of_their_own(hexapod, scenario):
+    assert hexapod.joints_without_rotor == ()
+    assert changes(hexapod, scenario()) == ()
+
+
+def test_a_servo_without_a_name_is_called_after_its_joint(tmp_path, scenario):
+    robot = owned(owners.mirrored, tmp_path)
+    names = [robot.model.actuator(i).name for i in range(robot.model.nu)]
+    assert names[:3] == ["first", "pitch_1", "yaw_2"]
+    weak = scenario(servo="mg90", payload=(1.0, 0.0, 0.0, 0.0))
+    model = prepare(weak, robot).model
+    assert isinstance(model, mujoco.MjModel)
+    assert model.actuator("pitch_6").trnid[0] == model.joint("pitch_6").id
+
+
+@pytest.mark.physics
+def test_feet_of_an_owner_s_robot_stay_where_they_are(handmade, scenario):
+    given = scenario(robot=str(handmade.path), segments=1)
+    summary = simulated(given).summary
+    assert summary["bounces"] <= 2  # 0 measured; 21 on legs alone
+    assert summary["error"]["quasi_static"]["position_per_path"] < 0.01
