@@ -11,9 +11,9 @@ from .contact.kinematics import Kinematics as Kinematics
 from .contact.loads import StaticStability as StaticStability
 from .contact.paper_stance import PaperStance as PaperStance
 from .description.card import Card as Card
+from .description.makes import SERVO_KINDS as SERVO_KINDS
 from .description.robot import Robot as Robot
 from .description.servos import (
-    SERVO_KINDS as SERVO_KINDS,
     JointServo as JointServo,
     ServoKind as ServoKind,
 )

@@ -13,6 +13,10 @@ from .inspection import (
     elements_with_files as elements_with_files,
     inspect_model as inspect_model,
 )
+from .makes import (
+    KNOWN_SERVOS as KNOWN_SERVOS,
+    servo_of as servo_of,
+)
 from .names import is_plain as is_plain
 from .robot import FOLDER as FOLDER
 from .table import (

@@ -11,8 +11,9 @@ from itertools import chain
 from math import inf
 from typing import Any
 
+from models.description.makes import servo_of
 from models.description.names import is_plain
-from models.description.servos import SERVO_KINDS, JointServo
+from models.description.servos import JointServo, ServoKind
 from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
@@ -89,6 +90,14 @@ def _check_gains(whole: str, part: str, gains: Mapping[Any, float]) -> None:
         )
 
 
+def made_of(kind: str, data: Mapping[str, float]) -> ServoKind:
+    """The servo that a robot is built with; a ValueError names the key `kind`."""
+    try:
+        return servo_of(kind, data)
+    except ValueError as error:
+        raise ValueError(f"kind {kind!r}: {error}") from error
+
+
 @dataclass(frozen=True, slots=True)
 class Servo:
     """Position servo for joints that have none of their own."""
@@ -97,6 +106,8 @@ class Servo:
     damping: float  # [N m s/rad]
     made: str = ""  # make of the servos that the robot is built with
     armature: float = 0.0  # inertia of its rotor behind the gears [kg m^2]
+    # numbers of its data sheet that are not the make's, by name
+    data: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not 0 < self.stiffness < inf:
@@ -104,8 +115,10 @@ class Servo:
         for name in ("damping", "armature"):
             if not 0 <= (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must not be negative, got {value}")
-        if self.made and self.made not in SERVO_KINDS:
-            raise ValueError(f"kind {self.made!r} {unknown(self.made, SERVO_KINDS)}")
+        if self.data and not self.made:
+            raise ValueError(f"{', '.join(self.data)} of no kind; give kind")
+        if self.made:
+            made_of(self.made, self.data)
 
     def __str__(self) -> str:
         rotor = f" and rotors of {self.armature:.3g} kg m^2" if self.armature else ""

@@ -14,8 +14,9 @@ from models.description.card import (
     PatternCard,
     Servo,
     Twist,
+    made_of,
 )
-from models.description.servos import SERVO_KINDS, JointServo
+from models.description.servos import NUMBERS, JointServo
 from models.description.table import Table, parse_toml
 from models.errors import ModelError
 from planner.support import read_file
@@ -28,7 +29,7 @@ KEYS = {
     "group": ("legs", "twist", "swing"),
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
-    "servo": ("stiffness", "damping", "armature", "kind"),
+    "servo": ("stiffness", "damping", "kind", *NUMBERS),
     "start": (),
     "learnt": ("numbers",),
 }
@@ -129,13 +130,15 @@ def _servo(servo: Table) -> Servo | None:
         return None
     table = Table(common, "servo", KEYS["servo"])
     kind = table.text("kind", "")
-    made = SERVO_KINDS.get(kind)
+    data = {key: table.number(key) for key in NUMBERS if kind and key in table}
+    made = made_of(kind, data) if kind else None
     return table.make(
         Servo,
         stiffness=table.number("stiffness", made.stiffness if made else None),
         damping=table.number("damping", made.lost_torque if made else None),
         made=kind,
         armature=table.number("armature", 0.0),
+        data=data,
     )
 
 

@@ -1,4 +1,4 @@
-"""Servos that people build with, in numbers from their data sheets.
+"""Servos by the numbers of their data sheets, and as they are mounted.
 
 A hobby servo is a proportional controller with a direct-current motor behind a gear
 train. Near its target it is a spring: the stall torque divided by the error at which
@@ -9,13 +9,23 @@ center + sign * counts_per_radian * (angle - offset).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import inf, isfinite, pi, radians
-from typing import Literal
+from math import inf, isfinite, pi
+from typing import Any, Literal
+
+from planner.support import did_you_mean
 
 # [s]; 52 and 63 ms were measured on an STS3215 and an XL-330 (github.com/Rhoban/bam),
 # 14 ms follow from 240 : 1 on a coreless rotor of 4e-9 kg m^2, as of an MG90S
 START_UP = 0.03
+WITH_VOLTAGE = ("stall_torque", "no_load_speed")
+NOT_NEGATIVE = (
+    "command_rate", "resolution", "volts", "dead_band", "backlash", "profile_speed",
+    "armature",
+)  # fmt: skip
+NUMBERS = (*WITH_VOLTAGE, "full_error", "center", "reach", *NOT_NEGATIVE)
+"""Numbers of a data sheet, by the names that cards and scenarios give them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +40,11 @@ class ServoKind:
         resolution: Angle of one count of a command; 0 for none [rad].
         center: Count of angle zero.
         reach: Farthest that it turns from its centre [rad].
-        bus: `pwm` for pulses of a PCA9685, `dynamixel` for ticks on a bus.
+        signal: `pulse` for those of a PCA9685, `bus` for ticks on a bus.
+        volts: Voltage that torque and speed belong to; 0 where it is not known [V].
+        dead_band: Whole width of the error in which it gives no torque [rad].
+        backlash: Of its gears; 0 where nobody says [rad].
+        profile_speed: Largest speed that it is set to go at; 0 for none [rad/s].
         armature: Inertia of the rotor behind the gears; 0 where nobody has measured it
             [kg m^2].
         source: Where the numbers come from.
@@ -51,7 +65,11 @@ class ServoKind:
     resolution: float = 0.0
     center: int = 0
     reach: float = pi
-    bus: Literal["pwm", "dynamixel"] = "pwm"
+    signal: Literal["pulse", "bus"] = "pulse"
+    volts: float = 0.0
+    dead_band: float = 0.0
+    backlash: float = 0.0
+    profile_speed: float = 0.0
     armature: float = 0.0
     source: str = ""
 
@@ -59,7 +77,7 @@ class ServoKind:
         for name in ("stall_torque", "no_load_speed", "full_error", "reach"):
             if not 0 < (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must be positive and finite, got {value}")
-        for name in ("command_rate", "resolution", "armature"):
+        for name in NOT_NEGATIVE:
             if not 0 <= (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must not be negative: {value}")
 
@@ -74,11 +92,26 @@ class ServoKind:
         Pulses are counted in parts of a frame, so their counts are as many times finer
         as frames are shorter. On a bus, and at a rate of 0, counts stay.
         """
-        if self.bus != "pwm" or not (rate and self.command_rate):
+        if self.signal != "pulse" or not (rate and self.command_rate):
             return replace(self, command_rate=rate)
         finer = rate / self.command_rate
         resolution, center = self.resolution / finer, round(self.center * finer)
         return replace(self, command_rate=rate, resolution=resolution, center=center)
+
+    def with_numbers(self, given: Mapping[str, float]) -> ServoKind:
+        """The servo with other numbers of its data sheet.
+
+        Another voltage alone changes torque and speed in proportion. A number that a
+        servo does not have, or cannot have, is a ValueError.
+        """
+        for name in given.keys() - {*NUMBERS}:
+            raise ValueError(f"a servo has no {name!r}; {did_you_mean(name, NUMBERS)}")
+        ratio = given["volts"] / self.volts if "volts" in given and self.volts else 1.0
+        scaled = {name: ratio * getattr(self, name) for name in WITH_VOLTAGE}
+        values: dict[str, Any] = (scaled if ratio != 1.0 else {}) | dict(given)
+        if "center" in values:
+            values["center"] = round(values["center"])
+        return replace(self, **values)
 
     @property
     def lost_torque(self) -> float:
@@ -143,59 +176,3 @@ class JointServo:
         raise ValueError(
             f"limits are the lowest and the highest angle, got {list(self.limits)}"
         )
-
-
-SERVO_KINDS = {
-    # The data sheet of the MG90S: 13.4 g, 2.2 kgf cm and 60 degrees in 0.08 s at 6 V,
-    # 180 degrees, a dead band of 5 us, half a degree. It does not say at which error
-    # the voltage is full: three dead bands are assumed. Nor does it say which pulses
-    # are 180 degrees: 773 to 2197 us are assumed. A PCA9685 at 60 Hz divides the frame
-    # into 4096 counts of 4.07 us, of which these are 190 to 540.
-    "mg90": ServoKind(
-        stall_torque=0.216,
-        no_load_speed=13.1,
-        full_error=3 * radians(0.45),
-        command_rate=60.0,
-        resolution=radians(180 / 350),
-        center=365,
-        reach=radians(90),
-        armature=240**2 * 4e-9,
-        source="TowerPro MG90S data sheet, 6 V; NXP PCA9685 data sheet, 60 Hz",
-    ),
-    # The manual: 1.5 N m and 59 revolutions a minute at 12 V; 1024 counts over 300
-    # degrees; with compliance slope 8 the torque is full eight counts from the goal.
-    # As delivered the slope is 32, and the servo a quarter as stiff.
-    "ax-12": ServoKind(
-        stall_torque=1.5,
-        no_load_speed=6.18,
-        full_error=8 * radians(300 / 1024),
-        command_rate=100.0,
-        resolution=radians(300 / 1024),
-        center=512,
-        reach=radians(150),
-        bus="dynamixel",
-        source="emanual.robotis.com/docs/en/dxl/ax/ax-12a, 12 V, compliance slope 8",
-    ),
-    # The manual: 0.52 N m and 103 revolutions a minute at 5 V; 4096 counts a turn. The
-    # controller gives gain / 128 of its 885 steps of voltage a count: all at 14 counts
-    # of error with a gain of 8000. As delivered the gain is 400, and the servo a
-    # twentieth as stiff.
-    "xl-330": ServoKind(
-        stall_torque=0.52,
-        no_load_speed=10.8,
-        full_error=885 * 128 / 8000 * radians(360 / 4096),
-        command_rate=100.0,
-        resolution=radians(360 / 4096),
-        center=2048,
-        reach=radians(180),
-        bus="dynamixel",
-        source="emanual.robotis.com/docs/en/dxl/x/xl330-m288, 5 V, P gain 8000",
-    ),
-}
-"""Servos by name.
-
-Example:
-    >>> from models import SERVO_KINDS
-    >>> sorted(SERVO_KINDS)
-    ['ax-12', 'mg90', 'xl-330']
-"""

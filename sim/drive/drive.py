@@ -92,6 +92,7 @@ class Drive:
         rows = np.arange(len(torques.torque)) * torques.spacing
         lost = most / (self._servo.speed or np.inf)  # with speed [N m s/rad]
         turned = np.abs(self._speed(schedule, rows))
+        self._require_pace(float(turned.max()))
         needed = np.abs(torques.torque[:, self._joints]) + lost * turned
         knot, joint = np.unravel_index(needed.argmax(), needed.shape)
         if needed[knot, joint] <= most:
@@ -104,6 +105,20 @@ class Drive:
             f"{phase.kind} on S{phase.stratum} and has {most:.3g} N m",
             f"t = {seconds:.2f} s",
             "choose a stronger servo, a lighter robot, or a lower swing_speed",
+        )
+
+    def _require_pace(self, fastest: float) -> None:
+        """Refuse a speed that servos are not set to go at [rad/s]."""
+        kind = self._servo.kind
+        if kind is None or not 0 < kind.profile_speed < fastest:
+            return
+        counts = ceil(fastest / kind.resolution / 50) * 50
+        raise UsageError(
+            f"joints are to turn at up to {fastest:.2f} rad/s, and servos as they are "
+            f"delivered go at {kind.profile_speed:.2f} rad/s",
+            f"servo = {self._servo.name!r}",
+            f"write {counts} into their speed register, and set servo_data."
+            f"profile_speed={counts * kind.resolution:.2f}, or lower swing_speed",
         )
 
     def commands(

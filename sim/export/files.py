@@ -112,7 +112,7 @@ def servos(
             "--servo-table",
             "give each of the robot's joints a servo of its name",
         )
-    make, rate = source.servo.name, source.servo.rate or rate
+    make, rate = source.servo.kind, source.servo.rate or rate
     table = servo_table(source.run.card, source.joints, make, PWM[form], given, rate)
     return table.in_microseconds() if microseconds else table
 

@@ -117,7 +117,7 @@ class ServoTable:
 def servo_table(
     card: Card,
     joints: Sequence[str],
-    kind: str,
+    make: ServoKind | None,
     pwm: bool | None,
     given: Mapping[str, JointServo] | None = None,
     rate: float = 0.0,
@@ -129,8 +129,7 @@ def servo_table(
     have none. The rate of commands is the frame rate of a PCA9685 and decides how long
     its counts are; 0, or a rate that it cannot have, leaves that of the make.
     """
-    make = SERVO_KINDS.get(kind)
-    if pwm is not None and (make is None or (make.bus == "pwm") != pwm):
+    if pwm is not None and (make is None or (make.signal == "pulse") != pwm):
         make = PWM if pwm else None
     if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
         make = make.at_rate(rate)

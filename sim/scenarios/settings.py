@@ -162,9 +162,14 @@ class Settings:
         "damping of every servo", None, ("world", "drive"), "N m s/rad"
     )
     servo: str | None = setting(
-        "kind of the servos: ideal, own (the robot's), or a make by name",
+        "kind of the servos: ideal, own (the robot's), a make by name, pulse or bus",
         None,
         ("plan", "world", "drive"),  # strokes may end on whole counts
+    )
+    servo_data: Mapping[str, float] | None = setting(
+        "numbers of the servos' data sheet that are not those of the make, by name",
+        None,
+        ("plan", "world", "drive"),
     )
     command_rate: Annotated[float, Range(0, 1e5)] | None = setting(
         "commands a second; 0 gives one at every physics step",

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 
-from models import SERVO_KINDS, Card, ServoKind
+from models import Card, ServoKind
+from models.description import KNOWN_SERVOS, servo_of
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
@@ -25,6 +27,7 @@ class ServoSettings:
     rate: float  # commands a second; 0 for one a physics step
     resolution: float  # angle of a count [rad]; 0 for none
     armature: float | None  # of the motor behind its gears, where a file has none
+    kind: ServoKind | None  # the make, or what a data sheet gives; None for ideal ones
     feed_forward: bool | None  # whether to make up for loads; None by the stiffness
 
     def feeds_forward(self, stiffness: float) -> bool:
@@ -35,7 +38,8 @@ class ServoSettings:
     def table(self, simulated: tuple[float, float] | None) -> dict[str, object]:
         """As summary.json has it."""
         table = asdict(self)
-        del table["damping_ratio"]  # what it came to stands under damping
+        for key in ("damping_ratio", "armature", "kind"):  # what they came to is there
+            del table[key]
         if simulated is not None:
             table["stiffness"], table["damping"] = simulated
         return table
@@ -56,11 +60,14 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         rate=scenario.command_rate or 0.0,
         resolution=scenario.resolution or 0.0,
         armature=None,
+        kind=None,
         feed_forward=scenario.feed_forward,
     )
     if name == "ideal":
         return asked
-    kind, rate, resolution = _kind(make, scenario), asked.rate, asked.resolution
+    data = card.servo.data if card.servo is not None and make == own else {}
+    kind = _kind(make, {**data, **(scenario.servo_data or {})}, scenario)
+    rate, resolution = asked.rate, asked.resolution
     if scenario.command_rate is not None:
         kind = kind.at_rate(rate)
     return replace(
@@ -72,20 +79,25 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
         rate=kind.command_rate if scenario.command_rate is None else rate,
         resolution=kind.resolution if scenario.resolution is None else resolution,
         armature=kind.rotor,
+        kind=kind,
     )
 
 
-def _kind(name: str, scenario: Scenario) -> ServoKind:
+def _kind(name: str, data: Mapping[str, float], scenario: Scenario) -> ServoKind:
+    where = f"scenario {scenario.name!r}"
     if not name:
         raise UsageError(
             "servo = 'own', but the robot's card names no make",
-            f"scenario {scenario.name!r}",
+            where,
             'give kind under [servo] in the card, or servo = "ideal"',
         )
-    if name not in SERVO_KINDS:
+    if name.lower() not in KNOWN_SERVOS:
+        known = ("ideal", "own", *KNOWN_SERVOS)
+        remedy = did_you_mean(name.lower(), known)
+        raise UsageError(f"servo = {name!r} is unknown", where, remedy)
+    try:
+        return servo_of(name, data)
+    except ValueError as error:
         raise UsageError(
-            f"servo = {name!r} is unknown",
-            f"scenario {scenario.name!r}",
-            did_you_mean(name, ("ideal", "own", *SERVO_KINDS)),
-        )
-    return SERVO_KINDS[name]
+            f"servo = {name!r}", where, f"{error}, in servo_data"
+        ) from error

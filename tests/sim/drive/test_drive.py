@@ -4,7 +4,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from models.description.servos import SERVO_KINDS, ServoKind
+from models.description.makes import SERVO_KINDS
+from models.description.servos import ServoKind
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward, Rehearsal, leg_actuators, smoothed

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
+from models.description.makes import SERVO_KINDS
 from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
@@ -25,6 +26,7 @@ from sim.export.files import (
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
 
+MG90 = SERVO_KINDS["mg90"]
 CARD = load("hexapod-classroom").card
 JOINTS = CARD.joints
 MIRRORED = {
@@ -42,7 +44,7 @@ def commands():
 
 
 def table(pwm=True, given=None, kind="mg90"):
-    return servo_table(CARD, JOINTS, kind, pwm, given)
+    return servo_table(CARD, JOINTS, SERVO_KINDS.get(kind), pwm, given)
 
 
 def in_order(read):
@@ -185,7 +187,7 @@ def test_what_is_no_table_is_refused(text):
 
 def test_frames_come_as_often_as_commands_and_counts_are_parts_of_a_frame(commands):
     slower = ServoCommands(JOINTS, 50.0, commands.angles)
-    servos = servo_table(CARD, JOINTS, "mg90", True, rate=50.0)
+    servos = servo_table(CARD, JOINTS, MG90, True, rate=50.0)
     text = write_header(slower, servos, **TITLE)
     assert "#define WALK_LINE_FRAME_RATE 50.0" in text
     # the same pulses: 365 counts of 1/60 s at the middle, 350 for half a turn
@@ -196,4 +198,4 @@ def test_frames_come_as_often_as_commands_and_counts_are_parts_of_a_frame(comman
 
 
 def test_a_rate_that_no_pulses_have_leaves_those_of_the_make(commands):
-    assert servo_table(CARD, JOINTS, "mg90", True, rate=2000.0).frame_rate == 60
+    assert servo_table(CARD, JOINTS, MG90, True, rate=2000.0).frame_rate == 60

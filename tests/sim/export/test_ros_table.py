@@ -8,7 +8,7 @@ import pytest
 from sim.errors import UsageError
 from sim.export.ros_table import read_ros_table
 from sim.export.servo_table import servo_table
-from tests.sim.export.test_files import CARD, JOINTS
+from tests.sim.export.test_files import CARD, JOINTS, MG90
 
 SERVO = (
     "name: {}, id: {}, ticks: 1024, center: 512, max_radians: !degrees 300, "
@@ -30,7 +30,7 @@ def listed(form="- {{{}}}\n", sign=-1):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_ticks_are_those_that_the_ros_driver_would_send(tmp_path, sign):
     given = read_ros_table(written(tmp_path, listed(sign=sign)))
-    servos = servo_table(CARD, JOINTS, "mg90", False, given)
+    servos = servo_table(CARD, JOINTS, MG90, False, given)
     assert [s.channel for s in servos.channels] == list(range(9, 21))
     assert servos.joints == JOINTS[::-1]
     angle = 0.3
@@ -42,7 +42,7 @@ def test_ticks_are_those_that_the_ros_driver_would_send(tmp_path, sign):
 @pytest.mark.parametrize("sign", [1, -1])
 def test_limits_are_the_first_and_the_last_tick(tmp_path, sign):
     given = read_ros_table(written(tmp_path, listed(sign=sign)))
-    (servo, *_) = servo_table(CARD, JOINTS, "mg90", False, given).channels
+    (servo, *_) = servo_table(CARD, JOINTS, MG90, False, given).channels
     ends = sorted(servo.counts(np.array([servo.low, servo.high])).tolist())
     assert ends == pytest.approx([0, 1023])
 

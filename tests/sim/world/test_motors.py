@@ -53,7 +53,7 @@ def test_a_make_brings_its_own_rotor(handmade, scenario):
     given = scenario(servo="mg90")
     armature, ratio = of_joints(handmade, prepare(given, handmade).model)
     assert armature == pytest.approx(240**2 * 4e-9)
-    assert ratio == pytest.approx(1.0, rel=0.02)
+    assert ratio == pytest.approx(1.0, rel=0.05)  # the compiler's, at the file's zero
     (rotors,) = changes(handmade, given)
     assert "0.00023 kg m^2" in rotors
 
