@@ -1,8 +1,8 @@
 """Files of commands in every format: written, and read back.
 
-Formats are angles or ticks in CSV, a C header of pulses, and the YAML of ROS 2. Each
-reader takes what its writer wrote, and any other text is a ValueError. A joint that
-leaves its servo's range is a UsageError.
+Formats are angles or ticks in CSV, the YAML of ROS 2, and a C header of pulses, which
+`header` writes. Each reader takes what its writer wrote, and any other text is a
+ValueError. A joint that leaves its servo's range is a UsageError.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from models import JointServo
 from planner import Array
 from planner.support import read_file
 from sim.errors import UsageError
+from sim.export.header import read_header, write_header
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import ServoTable, servo_table
 from sim.export.source import Source
@@ -30,66 +30,6 @@ LARGEST = 10**9  # bytes
 PWM = {"csv": None, "ros2": None, "header": True, "dynamixel": False}  # None: angles
 SECOND = 1_000_000_000  # [ns]
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C it is 10 times faster
-PLAYER = """\
-/* A player for Arduino, with the Adafruit PWM Servo Driver Library:
-
-#include <Adafruit_PWMServoDriver.h>
-#include "{file}"
-
-Adafruit_PWMServoDriver board;
-uint32_t row = 0, begun;
-
-void setup() {{
-  board.begin();
-  board.setPWMFreq({NAME}_FRAME_RATE);
-  begun = micros();
-}}
-
-void loop() {{
-  if (row == {NAME}_COMMANDS || micros() - begun < row * (1e6 / {NAME}_RATE)) return;
-  for (uint8_t i = 0; i < {NAME}_JOINTS; i++)
-    board.{call};
-  row++;
-}}
-*/
-"""
-COUNTS = "setPWM({name}_channel[i], 0, pgm_read_word(&{name}[row][i]))"
-MICROSECONDS = "writeMicroseconds({name}_channel[i], pgm_read_word(&{name}[row][i]))"
-HEADER = """\
-// {title}
-// {commands} commands of {joints} servos, {rate!r} a second; {size} bytes.
-// Pulses {unit} at {frame_rate!r} frames a second, in the order of the channels:
-{listed}
-{player}
-#ifndef {NAME}_H
-#define {NAME}_H
-
-#include <stdint.h>
-#ifdef ARDUINO
-#include <Arduino.h>
-#endif
-#ifndef PROGMEM
-#define PROGMEM
-#endif
-
-#define {NAME}_RATE {rate!r}
-#define {NAME}_FRAME_RATE {frame_rate!r}
-#define {NAME}_COMMANDS {commands}
-#define {NAME}_JOINTS {joints}
-
-static const uint8_t {name}_channel[{joints}] = {{{channels}}};
-
-static const uint16_t PROGMEM {name}[{commands}][{joints}] = {{
-{rows}
-}};
-
-#endif
-"""
-SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
-ROWS = re.compile(
-    r"^static const uint16_t PROGMEM \w+\[\d+\]\[\d+\] = \{\n(.*?)\n\};", re.S | re.M
-)
-CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
 
 
 def servos(
@@ -221,56 +161,3 @@ def read_trajectory(text: str) -> ServoCommands:
         raise ValueError("needs two points at least")
     rate = (len(points) - 1) / duration
     return ServoCommands(tuple(read["joint_names"]), rate, angles)
-
-
-def write_header(
-    commands: ServoCommands, table: ServoTable, *, title: str, name: str, file: str
-) -> str:
-    """A header for PCA9685 boards with a player sketch, its table named after `name`.
-
-    A row is a command and a column a channel; pulses lie in PROGMEM.
-    """
-    counts, name = table.counts(commands), identifier(name)
-    names = {"name": name, "NAME": name.upper()}
-    call = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
-    numbers = [str(servo.channel) for servo in table.channels]
-    return HEADER.format(
-        **names,
-        title=in_comment(title),
-        commands=len(counts),
-        joints=len(numbers),
-        rate=float(commands.rate),
-        frame_rate=float(table.frame_rate),
-        size=2 * counts.size,
-        unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
-        listed="\n".join(
-            f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels
-        ),
-        player=PLAYER.format(**names, file=in_comment(file), call=call),
-        channels=", ".join(numbers),
-        rows=",\n".join(f"  {{{', '.join(map(str, r))}}}" for r in counts.tolist()),
-    )
-
-
-def read_header(text: str, table: ServoTable) -> ServoCommands:
-    """The commands of such a header for the same servos."""
-    rows, channels = ROWS.search(text), CHANNELS.search(text)
-    sizes = dict(SIZES.findall(text))
-    if rows is None or channels is None or "RATE" not in sizes:
-        raise ValueError("no table of pulses in PROGMEM")
-    found = [int(number) for number in channels[1].split(",")]
-    if found != [servo.channel for servo in table.channels]:
-        raise ValueError(f"channels {found} are not those of the servo table")
-    shape = int(sizes["COMMANDS"]), int(sizes["JOINTS"])
-    counts: Array = np.array(re.findall(r"\d+", rows[1]), dtype=int).reshape(shape)
-    return table.commands(counts, float(sizes["RATE"]))
-
-
-def in_comment(text: str) -> str:
-    """A text that is nothing but a comment in C, which it neither ends nor leaves."""
-    return "".join(c if c.isprintable() and c not in "\\*?" else "_" for c in text)
-
-
-def identifier(name: str) -> str:
-    """A name in C, of the letters and digits of a name."""
-    return "walk_" + re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_").lower()

@@ -129,11 +129,13 @@ def servo_table(
     have none. The rate of commands is the frame rate of a PCA9685 and decides how long
     its counts are; 0, or a rate that it cannot have, leaves that of the make.
     """
+    known = card.joint_servos if given is None else given
+    if make and pwm and make.signal != "pulse":
+        _require_counts(joints, known)
     if pwm is not None and (make is None or (make.signal == "pulse") != pwm):
         make = PWM if pwm else None
     if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
         make = make.at_rate(rate)
-    known = card.joint_servos if given is None else given
     servos = [
         _channel(joint, number, known.get(joint, JointServo()), make, pwm)
         for number, joint in enumerate(joints)
@@ -144,6 +146,19 @@ def servo_table(
         largest=(FRAME if pwm else max(ticks, TURN if known else 0)) - 1,
         frame_rate=make.command_rate if make and pwm else 0.0,
     )
+
+
+def _require_counts(joints: Sequence[str], known: Mapping[str, JointServo]) -> None:
+    """Refuse pulses for servos on a bus, unless those of each joint are given."""
+    for joint in joints:
+        servo = known.get(joint, JointServo())
+        if servo.counts_per_radian is None or servo.center is None:
+            raise UsageError(
+                f"pulses for servos on a bus: that of joint {joint!r} takes none",
+                "--format",
+                "take --format dynamixel, or give center and counts_per_radian under "
+                f"[servo.{joint}] in the card",
+            )
 
 
 def _channel(

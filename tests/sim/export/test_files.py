@@ -13,16 +13,14 @@ from models.description.servos import JointServo
 from models.library import load
 from sim.errors import UsageError
 from sim.export.files import (
-    identifier,
     read_angles,
-    read_header,
     read_ticks,
     read_trajectory,
     write_angles,
-    write_header,
     write_ticks,
     write_trajectory,
 )
+from sim.export.header import identifier, pack, read_header, unpack, write_header
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import servo_table
 
@@ -90,13 +88,15 @@ def test_the_header_compiles_and_says_the_same_in_c(commands, tmp_path):
     servos = table(given=MIRRORED)
     (tmp_path / "line.h").write_text(write_header(commands, servos, **TITLE))
     (tmp_path / "main.c").write_text(
-        "#include <stdio.h>\n#include <stdint.h>\n#define PROGMEM\n"
+        "#include <stdio.h>\n#include <stdint.h>\n"
         '#include "line.h"\nint main(void) {\n'
         '  for (int i = 0; i < WALK_LINE_JOINTS; i++) printf("%d ", '
         "walk_line_channel[i]);\n"
-        "  for (int k = 0; k < WALK_LINE_COMMANDS; k++)\n"
-        "    for (int i = 0; i < WALK_LINE_JOINTS; i++)\n"
-        '      printf("%d ", walk_line[k][i]);\n'
+        "  uint16_t row[WALK_LINE_JOINTS] = {0};\n"
+        "  for (int held = walk_line_next(row); held; held = walk_line_next(row))\n"
+        "    for (; held; held--)\n"
+        "      for (int i = 0; i < WALK_LINE_JOINTS; i++)\n"
+        '        printf("%d ", row[i]);\n'
         '  printf("%g", WALK_LINE_RATE);\n  return 0;\n}\n'
     )
     strict = ("-std=c99", "-Wall", "-Wextra", "-Werror")
@@ -107,6 +107,26 @@ def test_the_header_compiles_and_says_the_same_in_c(commands, tmp_path):
     assert channels == [str(servo.channel) for servo in servos.channels]
     assert counts == [str(count) for count in servos.counts(commands).ravel()]
     assert float(rate) == 60
+
+
+def test_rows_are_packed_by_what_changes_and_unpacked_as_they_were():
+    draw = np.random.default_rng(4)
+    counts = 300 + np.cumsum(draw.integers(-2, 3, (900, 18)), axis=0)
+    counts[100:800] = counts[100]  # longer than a byte counts
+    counts[850, 3] += 200  # farther than a byte holds
+    counts[851, 3] -= 127
+    counts[852, 4] -= 128
+    packed = pack(counts)
+    assert (unpack(packed, 18) == counts).all()
+    assert len(packed) < 200 * (1 + 3 + 18) + 3 * 4
+    assert (unpack(pack(np.zeros((3, 2), dtype=int)), 2) == 0).all()
+
+
+def test_pulses_for_bus_servos_are_refused_unless_their_counts_are_given():
+    with pytest.raises(UsageError, match="pulses for servos on a bus: .*'swing_1'"):
+        table(kind="ax-12")
+    own = JointServo(center=300, counts_per_radian=100.0)
+    assert table(kind="ax-12", given=dict.fromkeys(JOINTS, own)).frame_rate == 60
 
 
 def test_names_in_c_are_letters_and_digits():
@@ -155,6 +175,8 @@ def test_a_joint_out_of_its_servos_range_is_refused_by_name(commands, kind, pwm)
     angles = commands.angles.copy()
     angles[17, 5] = 3.3
     beyond = ServoCommands(JOINTS, 60.0, angles)
+    if pwm and kind in ("ax-12", "xl-330"):
+        return  # pulses are refused as such
     servos = table(pwm=pwm, kind=kind)
     if kind == "ideal" and pwm is None:  # angles of servos that nothing is known of
         servos.require_range(beyond)

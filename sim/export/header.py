@@ -1,0 +1,206 @@
+"""Walks as C headers for boards that give pulses, packed so that they fit.
+
+Most rows of pulses equal the one before or differ by a count in a few channels. A
+header therefore holds changes, byte after byte: for how many commands a row holds, a
+bit for every channel that changes (as many bytes as eight channels take), and for each
+of these its change from -127 to 127, or 128 and the pulse itself in two bytes. Before
+the first row all pulses are 0.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from textwrap import wrap
+
+import numpy as np
+
+from planner import Array
+from sim.export.servo_commands import ServoCommands
+from sim.export.servo_table import ServoTable
+
+LONGEST = 255  # commands that a row holds
+ITSELF = 128  # instead of a change: the pulse follows
+WIDTH = 88  # of a line of bytes
+PLAYER = """\
+/* A player for Arduino, with the Adafruit PWM Servo Driver Library:
+
+#include <Adafruit_PWMServoDriver.h>
+#include "{file}"
+
+Adafruit_PWMServoDriver board;
+uint16_t row[{NAME}_JOINTS];
+uint32_t command = 0, begun;
+
+void setup() {{
+  board.begin();
+  board.setPWMFreq({NAME}_FRAME_RATE);
+  begun = micros();
+}}
+
+void loop() {{
+  if (micros() - begun < command * (1e6 / {NAME}_RATE)) return;
+  uint8_t held = {name}_next(row);
+  if (!held) return;
+  for (uint8_t i = 0; i < {NAME}_JOINTS; i++)
+    board.{call};
+  command += held;
+}}
+*/
+"""
+COUNTS = "setPWM({name}_channel[i], 0, row[i])"
+MICROSECONDS = "writeMicroseconds({name}_channel[i], row[i])"
+HEADER = """\
+// {title}
+// {commands} commands of {joints} servos, {rate!r} a second; {size} bytes.
+// Pulses {unit} at {frame_rate!r} frames a second, in the order of the channels:
+{listed}
+{player}
+#ifndef {NAME}_H
+#define {NAME}_H
+
+#include <stdint.h>
+#ifdef ARDUINO
+#include <Arduino.h>
+#endif
+#ifndef PROGMEM
+#define PROGMEM
+#define pgm_read_byte(place) (*(place))
+#endif
+
+#define {NAME}_RATE {rate!r}
+#define {NAME}_FRAME_RATE {frame_rate!r}
+#define {NAME}_COMMANDS {commands}
+#define {NAME}_JOINTS {joints}
+#define {NAME}_BYTES {size}
+
+static const uint8_t {name}_channel[{joints}] = {{{channels}}};
+
+static const uint8_t PROGMEM {name}[{size}] = {{
+{bytes}
+}};
+
+static uint32_t {name}_place = 0;
+
+static inline uint8_t {name}_byte(void) {{
+  return pgm_read_byte(&{name}[{name}_place++]);
+}}
+
+/* Brings a row of pulses up to date; for how many commands it holds, 0 at the end. */
+static inline uint8_t {name}_next(uint16_t *row) {{
+  uint8_t changed[({joints} + 7) / 8], held, i;
+  if ({name}_place >= {NAME}_BYTES) return 0;
+  held = {name}_byte();
+  for (i = 0; i < sizeof changed; i++) changed[i] = {name}_byte();
+  for (i = 0; i < {joints}; i++) {{
+    if (!(changed[i / 8] >> (i % 8) & 1)) continue;
+    int8_t step = (int8_t){name}_byte();
+    if (step != -128) {{
+      row[i] += step;
+      continue;
+    }}
+    row[i] = {name}_byte();
+    row[i] |= (uint16_t){name}_byte() << 8;
+  }}
+  return held;
+}}
+
+#endif
+"""
+SIZES = re.compile(r"^#define \w+_(RATE|FRAME_RATE|COMMANDS|JOINTS) (\S+)", re.M)
+BYTES = re.compile(
+    r"^static const uint8_t PROGMEM \w+\[\d+\] = \{\n(.*?)\n\};", re.S | re.M
+)
+CHANNELS = re.compile(r"^static const uint8_t \w+_channel\[\d+\] = \{(.*?)\};", re.M)
+
+
+def write_header(
+    commands: ServoCommands, table: ServoTable, *, title: str, name: str, file: str
+) -> str:
+    """A header for PCA9685 boards with a player sketch, its table named after `name`.
+
+    A row is a command and a column a channel; their changes lie in PROGMEM.
+    """
+    counts, name = table.counts(commands), identifier(name)
+    names, packed = {"name": name, "NAME": name.upper()}, pack(counts)
+    call = (MICROSECONDS if table.microseconds else COUNTS).format(**names)
+    numbers = [str(servo.channel) for servo in table.channels]
+    return HEADER.format(
+        **names,
+        title=in_comment(title),
+        commands=len(counts),
+        joints=len(numbers),
+        rate=float(commands.rate),
+        frame_rate=float(table.frame_rate),
+        size=len(packed),
+        unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
+        listed="\n".join(
+            f"//   {s.channel:2}  {in_comment(s.joint)}" for s in table.channels
+        ),
+        player=PLAYER.format(**names, file=in_comment(file), call=call),
+        channels=", ".join(numbers),
+        bytes="\n".join(wrap(",".join(map(str, packed)).replace(",", ", "), WIDTH)),
+    )
+
+
+def read_header(text: str, table: ServoTable) -> ServoCommands:
+    """The commands of such a header for the same servos."""
+    packed, channels = BYTES.search(text), CHANNELS.search(text)
+    sizes = dict(SIZES.findall(text))
+    if packed is None or channels is None or "RATE" not in sizes:
+        raise ValueError("no table of pulses in PROGMEM")
+    found = [int(number) for number in channels[1].split(",")]
+    if found != [servo.channel for servo in table.channels]:
+        raise ValueError(f"channels {found} are not those of the servo table")
+    counts = unpack(bytes(map(int, packed[1].split(","))), int(sizes["JOINTS"]))
+    return table.commands(counts, float(sizes["RATE"]))
+
+
+def pack(counts: Array) -> bytes:
+    """Rows of counts (K, J) below 65536, as bytes."""
+    fresh = np.flatnonzero(np.diff(counts, axis=0, prepend=0).any(axis=1))
+    starts = np.union1d(fresh, [0])
+    held = np.diff(starts, append=len(counts))
+    row, packed = np.zeros(counts.shape[1], dtype=int), bytearray()
+    for start, count in zip(starts.tolist(), held.tolist(), strict=True):
+        steps, row = counts[start] - row, counts[start]
+        packed += bytes((min(count, LONGEST), *_changes(steps, row)))
+        for more in range(count - LONGEST, 0, -LONGEST):
+            packed += bytes((min(more, LONGEST), *_changes(0 * steps, row)))
+    return bytes(packed)
+
+
+def _changes(steps: Array, row: Array) -> Iterator[int]:
+    yield from np.packbits(steps != 0, bitorder="little").tolist()
+    for step, count in zip(steps.tolist(), row.tolist(), strict=True):
+        if 0 < abs(step) < ITSELF:
+            yield step % 256
+        elif step:
+            yield from (ITSELF, count % 256, count // 256)
+
+
+def unpack(packed: bytes, joints: int) -> Array:
+    """The counts of such bytes, (K, J)."""
+    rows, row, stream = [], np.zeros(joints, dtype=int), iter(packed)
+    masks = (joints + 7) // 8
+    for held in stream:
+        mask = np.array([next(stream) for _ in range(masks)], dtype=np.uint8)
+        row = row.copy()
+        for i in np.flatnonzero(np.unpackbits(mask, bitorder="little")[:joints]):
+            step = next(stream)
+            if step == ITSELF:
+                row[i] = next(stream) + 256 * next(stream)
+            else:
+                row[i] += step - 256 * (step > ITSELF)
+        rows += [row] * held
+    return np.array(rows)
+
+
+def in_comment(text: str) -> str:
+    """A text that is nothing but a comment in C, which it neither ends nor leaves."""
+    return "".join(c if c.isprintable() and c not in "\\*?" else "_" for c in text)
+
+
+def identifier(name: str) -> str:
+    """A name in C, of the letters and digits of a name."""
+    return "walk_" + re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_").lower()
