@@ -82,7 +82,7 @@ def draft_card(source: Source) -> Draft:
     key = start_key(model)
     start = model.qpos0 if key is None else model.key_qpos[key]
     pose = Pose.at(model, root_body(model, source.given), start)
-    guesses = []
+    guesses = [*source.notes]
     limbs = find_limbs(pose, name)
     angles: dict[str, float] = {}
     if not stands(pose, limbs):

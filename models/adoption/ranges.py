@@ -15,7 +15,7 @@ import mujoco
 from models.adoption.anatomy import Limb, Pose
 from models.errors import ModelError
 
-LEVELS = 16  # angles that are tried, on each side
+TRIED_ANGLES = 16  # angles that are tried, on each side
 CLEARANCE = 1e-3  # [m] that parts keep from one another
 
 Swings = Mapping[int, float]  # place of a limb -> its joint's angle per group's angle
@@ -57,7 +57,7 @@ def free_reach(
                 f"its legs cannot swing: {source}; {one!r} and {other!r} touch at "
                 "once, make them smaller, or mount the legs farther apart"
             )
-        swing = farthest * (level - 1) / LEVELS
+        swing = farthest * (level - 1) / TRIED_ANGLES
         return Reach(swing, f"beyond which {one!r} and {other!r} would touch", True)
     return Reach(farthest, f"which is the range of {joint!r}", False)
 
@@ -83,11 +83,11 @@ class _Trial:
 
     def first_touching(self, farthest: float) -> tuple[int, tuple[str, str]] | None:
         """The least level at which parts touch, and which; None up to the farthest."""
-        sides = range(-LEVELS, LEVELS + 1)
+        sides = range(-TRIED_ANGLES, TRIED_ANGLES + 1)
         levels = sorted(product(sides, repeat=2), key=lambda at: max(map(abs, at)))
         name = self._pose.model.geom
         for one, other in levels:
-            angles = farthest * one / LEVELS, farthest * other / LEVELS
+            angles = farthest * one / TRIED_ANGLES, farthest * other / TRIED_ANGLES
             for raised in ((False, False), (True, False), (False, True)):
                 for a, b in self._pairs(angles, raised):
                     if (a, b) not in self._always:

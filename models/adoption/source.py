@@ -10,6 +10,7 @@ from tempfile import NamedTemporaryFile
 
 import mujoco
 
+from models.adoption.skeleton import with_rods
 from models.description.compiled import named, one_line, read_spec
 from models.description.inspection import inspect_model
 from models.errors import ModelError, UnknownRobotError
@@ -35,6 +36,7 @@ class Source:
         given: File that was named, or found in a folder; never changed.
         path: MJCF that the card will stand beside.
         text: That MJCF, where it has yet to be written; None if it is the given file.
+        notes: What had to be made up, a sentence each.
 
     Example:
         >>> from models import load, source_of
@@ -45,6 +47,7 @@ class Source:
     given: Path
     path: Path
     text: str | None
+    notes: tuple[str, ...] = ()
 
     def spec(self) -> mujoco.MjSpec:
         """A fresh, editable copy of the MJCF."""
@@ -82,18 +85,20 @@ def source_of(name: str, allow_external: bool = False) -> Source:
         inspect_model(path, (), allow_external)
         return Source(path, path, None)
     given = path.read_text(encoding="utf-8", errors="replace")
-    text = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
-    if text == given:
+    found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
+    drawn = with_rods(path, given, found)
+    if drawn.text == given:
         inspect_model(path, (), allow_external)
     else:
         with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
-            file.write(text)
+            file.write(drawn.text)
             file.flush()
             try:
                 inspect_model(Path(file.name), (), allow_external)
             except ModelError as error:
                 raise ModelError(str(error).replace(file.name, str(path))) from error
-    return Source(path, path.with_suffix(".xml"), _from_urdf(path, text))
+    notes = (drawn.note,) if drawn.missing else ()
+    return Source(path, path.with_suffix(".xml"), _from_urdf(path, drawn.text), notes)
 
 
 def _in_folder(folder: Path) -> Path:

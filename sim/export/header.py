@@ -19,7 +19,7 @@ from planner import Array
 from sim.export.servo_commands import ServoCommands
 from sim.export.servo_table import ServoTable
 
-LONGEST = 255  # commands that a row holds
+LONGEST_RUN = 255  # commands that a row holds
 ITSELF = 128  # instead of a change: the pulse follows
 WIDTH = 88  # of a line of bytes
 PLAYER = """\
@@ -164,9 +164,9 @@ def pack(counts: Array) -> bytes:
     row, packed = np.zeros(counts.shape[1], dtype=int), bytearray()
     for start, count in zip(starts.tolist(), held.tolist(), strict=True):
         steps, row = counts[start] - row, counts[start]
-        packed += bytes((min(count, LONGEST), *_changes(steps, row)))
-        for more in range(count - LONGEST, 0, -LONGEST):
-            packed += bytes((min(more, LONGEST), *_changes(0 * steps, row)))
+        packed += bytes((min(count, LONGEST_RUN), *_changes(steps, row)))
+        for more in range(count - LONGEST_RUN, 0, -LONGEST_RUN):
+            packed += bytes((min(more, LONGEST_RUN), *_changes(0 * steps, row)))
     return bytes(packed)
 
 

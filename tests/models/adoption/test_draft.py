@@ -10,6 +10,7 @@ from models.errors import ModelError, UnknownRobotError
 from models.library import load
 from models.motion.robot_equations import equations
 from scripts.adoptees import ADOPTEES, Adoptee, parallel, radial
+from tests import owners
 
 SOME = [a for a in ADOPTEES if a.name in ("spider", "crab", "box")]
 DOG = """<mujoco>
@@ -139,8 +140,28 @@ def test_urdf_finds_meshes_of_its_package_and_can_be_moved(tmp_path):
     assert "../meshes/hull.obj" in source.text
     assert str(tmp_path) not in source.text
     assert len(draft_card(source).limbs) == 6
-    path.write_text(text.replace("package://bot", "package://other"))
-    with pytest.raises(ModelError, match="package.*other"):
+
+
+def test_a_urdf_without_its_meshes_is_drawn_from_frame_to_frame(tmp_path):
+    source = source_of(str(owners.meshes(tmp_path)))
+    (note,) = source.notes
+    assert "package://robot_description/meshes/base.stl" in note  # as it was written
+    assert "and 2 more" in note
+    source.path.write_text(source.text)
+    draft = draft_card(source)
+    source.path.with_suffix(".toml").write_text(draft.card)
+    assert draft.guesses[0] == note
+    # feet at twice the centre of mass of a tibia, (0.02, 0, -0.09) from its joint
+    reach = np.linalg.norm(draft.limbs[0].toe[:2] - draft.limbs[0].hip)
+    assert reach == pytest.approx(0.04 + 0.06 + 0.02, abs=0.002)
+    assert len(load(str(source.path)).legs) == 6
+
+
+def test_a_link_without_mesh_joint_and_mass_is_refused_by_name(tmp_path):
+    path = owners.meshes(tmp_path)
+    text = path.read_text().replace('<origin xyz="0.01 0 -0.045"/>', "")
+    path.write_text(text)
+    with pytest.raises(ModelError, match="no end of link 'tibia_1' is known"):
         source_of(str(path))
 
 
