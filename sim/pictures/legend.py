@@ -86,6 +86,11 @@ def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
         (nominal.label, nominal.colour, "dashes"),
         ("goal", nominal.colour, "ring"),
         *((mark.label, mark.colour, "line") for mark in (*predicted, palette.ACHIEVED)),
+        *(
+            [(palette.THOUGHT.label, palette.THOUGHT.colour, "ring")]
+            if walk.thought
+            else []
+        ),
         ("centre of mass", palette.CENTRE_OF_MASS, "disc"),
         ("support polygon", palette.STABLE, "area"),
         *(

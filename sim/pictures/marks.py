@@ -13,7 +13,16 @@ from sim import palette
 from sim.motion.poses import spaced_rows
 from sim.motion.stability import support_polygons
 from sim.obstacles.solids import Solids
-from sim.palette import ACHIEVED, EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, PathMark
+from sim.palette import (
+    ACHIEVED,
+    EDGE,
+    FOOTPRINT,
+    GOAL,
+    NOMINAL,
+    SPOT,
+    THOUGHT,
+    PathMark,
+)
 from sim.pictures.clock import Clock
 from sim.pictures.drawing import (
     Drawing,
@@ -53,6 +62,7 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
         # The predicted paths are wider than the achieved one, and below it.
         *(_path(walk, clock, p, palette.PREDICTED[n]) for n, p in walk.drawn.items()),
         _path(walk, clock, walk.achieved, ACHIEVED),
+        _thought(walk, clock),
         Mark(NOMINAL.label, nominal, NOMINAL.colour),
         *_weight(walk, clock, frames),
     )
@@ -84,6 +94,18 @@ def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
     frames = clock.frame_of(rows)
     width, jump = style.width * walk.reach, JUMP * walk.reach
     return Mark(style.label, ribbon(poses[rows, :2], frames, width, jump), style.colour)
+
+
+def _thought(walk: Run, clock: Clock) -> Mark:
+    """Where feedback thought the body to be, from each stop on."""
+    rows = np.searchsorted(walk.time, [stop.time for stop in walk.stops])
+    frames = clock.frame_of(np.minimum(rows, len(walk.time) - 1))
+    width = THOUGHT.width * walk.reach
+    lines = (
+        ribbon(outline, np.full(len(outline), frame), width)
+        for outline, frame in zip(walk.thought, frames, strict=False)
+    )
+    return Mark(THOUGHT.label, join(lines), THOUGHT.colour)
 
 
 def _telling(line: Array, frames: Array) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from planner import Array
 from sim.motion.poses import spaced_rows
-from sim.palette import ACHIEVED, FAINT, NOMINAL, OBSTACLE, PREDICTED, Style
+from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, THOUGHT, Style
 from sim.pictures.inset import magnification
 from sim.reports.drawing import Drawing, Key, finish, sheet
 from sim.runs.run import Run
@@ -18,7 +18,6 @@ SPACING = 1 / 600  # of a path's extent, between its points
 SHARE = 0.3  # of the path's extent that the largest error takes
 FEWEST_ENDS = 8  # points at which the error is drawn
 HEIGHTS = (1.8, 4.2)  # [in]
-SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 
 
 def plan_view(run: Run) -> Drawing:
@@ -36,10 +35,10 @@ def plan_view(run: Run) -> Drawing:
             mark, label = PREDICTED[name], f"predicted, {PREDICTIONS[name].label}"
             axes.plot(*_thin(path).T, **mark.line())
             keys.append(Key.of(mark, label))
-        if doubted := _doubts(run):
-            for ellipse in doubted:
-                axes.plot(*(MM * ellipse), color=FAINT.hex, lw=0.7)
-            keys.append(Key("thought to be there, 90 % sure", FAINT.hex))
+        for outline in run.thought:
+            axes.plot(*(MM * outline.T), **THOUGHT.line())
+        if run.thought:
+            keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
         ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
         axes.plot(*np.multiply(MM, run.summary.goal[:2]), "o", markersize=8, **ring)
         axes.set_aspect("equal", adjustable="datalim")
@@ -48,19 +47,6 @@ def plan_view(run: Run) -> Drawing:
             "but swings about it: it moves forward and back, and parks sideways."
         )
         return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
-
-
-def _doubts(run: Run) -> list[Array]:
-    """Outlines within which feedback thought the body was at each stop, (2, n) [m]."""
-    if run.summary.feedback is None:
-        return []
-    around = np.linspace(0, 2 * np.pi, 40)
-    circle = SURE * np.stack([np.cos(around), np.sin(around)])
-    return [
-        np.reshape(stop.expected[:2], (2, 1))
-        + np.reshape(stop.doubt[:2], (2, 1)) * circle
-        for stop in run.stops
-    ]
 
 
 def magnified(run: Run) -> Drawing:

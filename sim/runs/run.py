@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     import mujoco
 
 LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
+SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
 DRAWN = ("ideal", "quasi_static")  # predictions in pictures of the robot
 FILES = ("model.xml", "model.toml")  # without which nothing can be shown
@@ -169,6 +170,25 @@ class Run:
         path = body_path.decode(self.settings["path"])
         poses = np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
         return poses if self.frame is None else _in_world(self.frame, poses)
+
+    @cached_property
+    def thought(self) -> tuple[Array, ...]:
+        """Where feedback was 90 % sure to be at each stop, closed lines (n, 2) [m].
+
+        There are none where the pose was told exactly.
+        """
+        if self.summary.feedback is None:
+            return ()
+        around = np.linspace(0, 2 * np.pi, 33)
+        circle = SURE * np.stack([np.cos(around), np.sin(around)], axis=1)
+        frame = np.zeros(3) if self.frame is None else self.frame
+        return tuple(
+            frame[:2]
+            + rotate(
+                np.array(stop.expected[:2]) + circle * stop.doubt[:2], float(frame[2])
+            )
+            for stop in self.stops
+        )
 
     @cached_property
     def obstacles(self) -> tuple[Array, ...]:

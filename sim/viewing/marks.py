@@ -55,6 +55,9 @@ class Marks:
             colour = palette.PREDICTED[name].colour
             yield from self._line(thinned(poses[:, :2]), colour, THICK, level)
 
+        for outline in walk.thought:
+            yield from self._line(outline, palette.THOUGHT.colour, THICK / 2, level=3)
+
     def _goal(self) -> mujoco.MjvGeom:
         reach = self._walk.reach
         place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)

@@ -25,6 +25,7 @@ MEANINGS = {
     "nose": palette.Colour(242, 140, 38),  # of the shipped robots
     "nominal": palette.NOMINAL.colour,
     "achieved": palette.ACHIEVED.colour,
+    "thought": palette.THOUGHT.colour,
     **{name: mark.colour for name, mark in palette.PREDICTED.items()},
     **{f"group {i}": colour for i, colour in enumerate(palette.GROUPS)},
     **{f"footprint of group {i}": palette.footprint(i) for i in range(TINTS)},
