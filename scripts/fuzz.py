@@ -32,6 +32,8 @@ import tempfile
 import time
 import warnings
 from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -189,6 +191,44 @@ def fault(words: list[str]) -> str | None:
     return judged(code, lines_of(warned.getvalue()))
 
 
+@dataclass
+class Found:
+    """What a search came to: cases of each kind, and how many of them are faults."""
+
+    done: Counter[str] = field(default_factory=Counter)
+    faults: int = 0
+    longest: dict[str, tuple[float, int]] = field(default_factory=dict)  # [s], seeds
+
+
+def search(
+    worker: Worker,
+    kinds: Sequence[str],
+    rng: random.Random,
+    seconds: float,
+    cases: float,
+    keep: Path,
+) -> Found:
+    """Run cases of some kinds until time or number is up, and keep those that fail."""
+    found, end = Found(), time.monotonic() + seconds
+    while time.monotonic() <= end and found.done.total() < cases:
+        kind, seed = rng.choice(kinds), rng.randrange(2**32)
+        with tempfile.TemporaryDirectory() as folder:
+            words = KINDS[kind](Path(folder), random.Random(seed))
+            began = time.monotonic()
+            wrong = worker.fault(words, folder)
+            took = round(time.monotonic() - began, 1)
+            if wrong is not None:
+                found.faults += 1
+                shown = json.dumps(words)[:200]
+                print(f"{kind} {seed}: {shown}: {wrong}", flush=True)
+                shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
+        found.done[kind] += 1
+        found.longest[kind] = max(found.longest.get(kind, (0.0, 0)), (took, seed))
+        if found.done.total() % 1000 == 0:
+            print(f"{found.done.total()} cases so far", flush=True)
+    return found
+
+
 def main() -> int:
     """Run cases until time or number is up; 1 if one fails."""
     parser = parser_of(__doc__)
@@ -199,29 +239,18 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=LIMIT, help="[s] for a case")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
-    keep, done = Path(asked.keep).resolve(), Counter[str]()
-    faults, longest = 0, dict[str, tuple[float, int]]()
-    rng, end = random.Random(asked.seed), time.monotonic() + asked.seconds
     with Worker(patience=asked.patience) as worker:
-        while time.monotonic() <= end and done.total() < asked.cases:
-            kind, seed = rng.choice(asked.kinds), rng.randrange(2**32)
-            with tempfile.TemporaryDirectory() as folder:
-                words = KINDS[kind](Path(folder), random.Random(seed))
-                began = time.monotonic()
-                wrong = worker.fault(words, folder)
-                took = round(time.monotonic() - began, 1)
-                if wrong is not None:
-                    faults += 1
-                    shown = json.dumps(words)[:200]
-                    print(f"{kind} {seed}: {shown}: {wrong}", flush=True)
-                    shutil.copytree(folder, keep / f"{kind}-{seed}", dirs_exist_ok=True)
-            done[kind] += 1
-            longest[kind] = max(longest.get(kind, (0.0, 0)), (took, seed))
-            if done.total() % 1000 == 0:
-                print(f"{done.total()} cases so far", flush=True)
-    print(f"{done.total()} cases, {faults} faults: {dict(done)}")
-    print(f"longest, in seconds, and their seeds: {longest}")
-    return int(faults > 0)
+        found = search(
+            worker,
+            asked.kinds,
+            random.Random(asked.seed),
+            asked.seconds,
+            asked.cases,
+            Path(asked.keep).resolve(),
+        )
+    print(f"{found.done.total()} cases, {found.faults} faults: {dict(found.done)}")
+    print(f"longest, in seconds, and their seeds: {found.longest}")
+    return int(found.faults > 0)
 
 
 if __name__ == "__main__":

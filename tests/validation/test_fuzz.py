@@ -1,34 +1,47 @@
 """What nobody would write ends the command as everything else does."""
 
-import subprocess
+import math
+import random
 import sys
 from pathlib import Path
 
 import pytest
 
-from scripts.fuzz import LIMIT, Worker, decided, fault
+from scripts.fuzz import LIMIT, Worker, decided, fault, main, search
 from scripts.fuzz_inputs import KINDS
 
 ROOT = Path(__file__).resolve().parents[2]
-BRIEF = 5  # [s] a kind of input
+BRIEF = 2  # [s] a kind of input, once a process is there to run its cases
 LONG = 30  # as many; three minutes in all
+
+
+@pytest.fixture(scope="module")
+def worker():
+    """The process that runs the cases, whose libraries take longest to load."""
+    with Worker(patience=4 * LIMIT) as process:
+        process.fault(["scenarios"], str(ROOT))
+        yield process
 
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "duration", [BRIEF, pytest.param(LONG, marks=pytest.mark.full)]
 )
-def test_no_mutated_input_breaks_the_command(kind, duration, tmp_path):
-    seconds = ("--seconds", str(duration), "--kinds", kind)
-    done = subprocess.run(
-        [sys.executable, "-m", "scripts.fuzz", *seconds, "--keep", str(tmp_path)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=duration + 4 * LIMIT,  # its last case may fail, and twice
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert " 0 faults" in done.stdout
+def test_no_mutated_input_breaks_the_command(worker, kind, duration, tmp_path, capsys):
+    found = search(worker, [kind], random.Random(0), duration, math.inf, tmp_path)
+    assert found.faults == 0, capsys.readouterr().out
+    assert found.done[kind] > 0
+
+
+def test_the_search_counts_and_keeps_what_fails(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["fuzz", "--cases", "2", "--keep", str(tmp_path)])
+    monkeypatch.setattr(Worker, "fault", lambda self, words, folder: "it fails")
+    assert main() == 1
+    assert "2 cases, 2 faults" in capsys.readouterr().out
+    assert len(list(tmp_path.iterdir())) == 2
+    monkeypatch.setattr(Worker, "fault", lambda self, words, folder: None)
+    assert main() == 0
+    assert "2 cases, 0 faults" in capsys.readouterr().out
 
 
 def test_the_fuzz_sees_what_is_wrong(tmp_path, monkeypatch):

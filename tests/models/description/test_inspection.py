@@ -188,9 +188,9 @@ def test_a_file_that_is_missing_is_named(robot):
 
 
 def test_a_compiled_model_leaves_room_for_its_copies(robot):
-    """Such a model compiles at once; each array of its sensors would have 2 GB."""
-    sensor = '<user name="u" dim="300000000" datatype="real" needstage="pos"/>'
-    with pytest.raises(ModelError, match="too large: .*; compiled it has 2.4 GB"):
+    """Such a model compiles at once; each array of its sensors would have 0.6 GB."""
+    sensor = '<user name="u" dim="70000000" datatype="real" needstage="pos"/>'
+    with pytest.raises(ModelError, match="too large: .*; compiled it has 0.6 GB"):
         load(str(robot(f"<sensor>{sensor}</sensor>")))
 
 
