@@ -3,9 +3,13 @@
 import os
 import subprocess
 import sys
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
 from pathlib import Path
+from unittest import mock
 
 from scripts.torture import TEXTS
+from sim.cli import main
 from sim.pictures import gl
 from tests import commands
 
@@ -32,6 +36,31 @@ def stratawalk(*words, env=ENV, timeout=300):
     return subprocess.run(
         command(*words), env=env, capture_output=True, text=True, timeout=timeout
     )
+
+
+class Here:
+    """Walks points in this process, where it does not matter who walks them."""
+
+    def carry_out(self, tasks):
+        """The outcomes of tasks, one after another."""
+        return (task.carry_out() for task in tasks)
+
+
+@contextmanager
+def _here(workers, scheduler):
+    yield Here()
+
+
+def walked_here(*words):
+    """Run the command in this process, as its own and only worker."""
+    words = [str(word) for word in words]
+    with (
+        mock.patch("sim.sweeps.sweeping.open_pool", _here),
+        redirect_stdout(StringIO()) as out,
+        redirect_stderr(StringIO()) as err,
+    ):
+        code = main(words)
+    return subprocess.CompletedProcess(words, code, out.getvalue(), err.getvalue())
 
 
 def poisoned(folder):

@@ -1,5 +1,6 @@
 """Commands that the pages show as text, because they need files or go on, run too."""
 
+import contextlib
 import os
 import re
 import shlex
@@ -12,10 +13,10 @@ import pytest
 from scripts.adoptees import ADOPTEES
 from sim.cli import main
 from sim.sweeps.file import read_sweep
-from tests.commands import COMMAND, OUTSIDE, run
+from tests.commands import COMMAND, OUTSIDE, run, told
 from tests.docs.test_code import agrees
 from tests.pages import PROMPT, blocks
-from tests.sweeps import write_sweep
+from tests.sweeps import walked_here, write_sweep
 
 VARIES = "[grid]\nfriction = [0.5, 1.0]\n"
 LONG = ("design", "friction-speed")  # half a minute and more
@@ -70,7 +71,8 @@ def swept(tmp_path_factory):
     folder = tmp_path_factory.mktemp("swept")
     write_sweep(folder, VARIES, name="friction")
     sweep = "sweep friction.toml --out sweeps/friction --workers 1"
-    assert printed(sweep.split(), folder)
+    with contextlib.chdir(folder):
+        assert walked_here(*sweep.split()).returncode == 0
     return folder
 
 
@@ -88,7 +90,11 @@ def test_commands_of_sweeps_run(line, swept, tmp_path, monkeypatch):
     elif line.startswith("sweep friction-speed"):
         pass  # just above
     else:
-        assert printed(words, tmp_path)
+        monkeypatch.chdir(tmp_path)
+        alone = "--workers" not in words  # or with the workers that are asked for
+        done = walked_here(*words) if alone else run(words, tmp_path)
+        assert (done.returncode, told(done.stderr)) == (0, [])
+        assert done.stdout
 
 
 @pytest.mark.physics

@@ -1,5 +1,7 @@
 """Drafts of cards: legs, joints, groups, pivots and postures found in foreign files."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -35,9 +37,15 @@ def adopted(adoptee, folder):
     return load(str(source.path)), found
 
 
+@pytest.fixture(scope="module")
+def drafted(tmp_path_factory):
+    """Robots with drafted cards, each drafted once."""
+    return cache(lambda adoptee: adopted(adoptee, tmp_path_factory.mktemp("drafted")))
+
+
 @pytest.mark.parametrize("adoptee", SOME, ids=lambda adoptee: adoptee.name)
-def test_joints_and_feet_are_found_by_what_they_do(adoptee, tmp_path):
-    robot, _ = adopted(adoptee, tmp_path)
+def test_joints_and_feet_are_found_by_what_they_do(adoptee, drafted):
+    robot, _ = drafted(adoptee)
     assert len(robot.legs) == len(adoptee.hips)
     for leg in robot.card.legs.values():
         number = leg.swing.removeprefix("yaw")
@@ -50,8 +58,8 @@ def test_joints_and_feet_are_found_by_what_they_do(adoptee, tmp_path):
 
 
 @pytest.mark.parametrize("adoptee", SOME, ids=lambda adoptee: adoptee.name)
-def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, tmp_path):
-    robot, found = adopted(adoptee, tmp_path)
+def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, drafted):
+    robot, found = drafted(adoptee)
     described = equations(robot)
     stance = Kinematics(robot).standing
     for i, (name, place) in enumerate(zip("12", found.gait.pivots, strict=True)):
@@ -66,16 +74,16 @@ def test_legs_of_a_group_meet_at_the_pivot_that_the_body_turns_about(adoptee, tm
         assert set(np.flatnonzero(robot.group_of_leg == i)) == set(np.flatnonzero(on))
 
 
-def test_straight_knees_are_bent_to_stand(tmp_path):
-    robot, found = adopted(ADOPTEES[0], tmp_path)
+def test_straight_knees_are_bent_to_stand(drafted):
+    robot, found = drafted(ADOPTEES[0])
     assert "knees were bent" in found.guesses[0]
     height = Kinematics(robot).standing.height
     assert np.ptp(height) < 1e-6
     assert robot.card.start["knee1"] != 0.0
 
 
-def test_forward_is_forward_for_a_positive_angle(tmp_path):
-    robot, _ = adopted(ADOPTEES[0], tmp_path)
+def test_forward_is_forward_for_a_positive_angle(drafted):
+    robot, _ = drafted(ADOPTEES[0])
     assert equations(robot).twists["g1_1"][0] > 0
     assert equations(robot).twists["g2_2"][0] > 0
 

@@ -2,6 +2,7 @@
 
 import sys
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from planner.optimisation.corridor import Tolerance, deviation
 from planner.optimisation.optimise import Criterion, Optimiser
 from planner.optimisation.refinement import Violations
 from planner.optimisation.solver import MissingSolverError
-from planner.optimisation.stages import cycle
+from planner.optimisation.stages import Stage, cycle
 from planner.optimisation.task import Inequality, Task
 from planner.optimisation.windows import WindowSearch
 from planner.planning.algorithm import plan
@@ -278,3 +279,22 @@ def test_strokes_during_which_legs_recover_meet_the_goal_too():
 def test_strokes_whose_legs_are_set_anew_leave_recoveries_to_others():
     found = optimised(centred=True).plan()
     assert {flow.field for flow in found.flows} <= {"g1_1", "g2_2"}
+
+
+def test_margins_of_inequalities_are_for_states_that_are_free_to_move():
+    """A first stage begins and a last one ends where it must, whatever is asked for."""
+    ca, unit = pytest.importorskip("casadi"), 2.0
+    kept = SimpleNamespace(relaxed=False, expressions=lambda stage, state: [state[0]])
+    task = SimpleNamespace(
+        inequalities=(kept,), moved=(0,), overlapped=False, unit=lambda start: unit
+    )
+    states, asked = ca.SX.sym("states", 1, 3), np.array([[0.2], [0.4], [0.6]])
+    rows = constraints.Constraints()
+    rows.inequalities(
+        task, Stage("0", None, ()), np.zeros(1), (states, states), states, range(3)
+    )
+    low, high = rows.bounds(Margins(np.ones(3), asked))
+    tightened = np.repeat(asked, 3, axis=1)  # as a stage begins, has recovered and ends
+    tightened[0, 0] = tightened[2, 2] = 0.0
+    assert low.reshape(3, 3) == pytest.approx(tightened / unit)
+    assert np.isinf(high).all()

@@ -8,6 +8,8 @@ import pytest
 import yaml
 
 from sim.cli import main
+from sim.export.files import servos
+from sim.export.source import from_run
 from sim.folder import RunFolder
 from sim.run_folder import run
 from sim.scenarios.body_path import line
@@ -226,3 +228,14 @@ def test_a_folder_that_is_no_run_is_refused(tmp_path, capsys):
     out = str(tmp_path / "walk")
     assert main(["export", str(tmp_path), "--format", "csv", "--out", out]) == 2
     assert "not a finished run, it lacks scenario.toml" in capsys.readouterr().err
+
+
+@pytest.mark.physics
+def test_pulses_are_counts_where_microseconds_are_not_asked_for(classroom):
+    source = from_run(classroom[0])
+    plain, counts, pulses = (
+        servos(source, "header", **asked)
+        for asked in ({}, {"microseconds": False}, {"microseconds": True})
+    )
+    assert plain == counts
+    assert plain != pulses

@@ -1,9 +1,11 @@
 """A test that a robot stands, tried at a shorter timestep before it is refused."""
 
+from dataclasses import replace
+
 import mujoco
 import pytest
 
-from sim.physics.standing import with_timestep
+from sim.physics.standing import _Standing, with_timestep
 from sim.preparation.setup import prepare
 
 EULER = mujoco.mjtIntegrator.mjINT_EULER
@@ -18,3 +20,17 @@ def test_a_shorter_timestep_is_tried_with_the_integrator_of_a_run_with_it(scenar
     assert (short.opt.integrator, short.opt.timestep) == (EULER, 0.0005)
     run = prepare(scenario(timestep=0.0005)).model
     assert short.opt.integrator == run.opt.integrator
+
+
+@pytest.mark.physics
+def test_a_lift_servo_that_is_too_soft_bears_what_the_engine_says(scenario):
+    setup = prepare(scenario())
+    model, card = setup.model, replace(setup.robot.card, lift_angle=1e-6)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    mujoco.mj_step(model, data, nstep=500)
+    standing = _Standing(replace(setup.robot, card=card), model, data)
+    for leg, (what, _) in enumerate(standing.too_soft(), start=1):
+        torque = abs(float(data.actuator(f"lift_{leg}").force[0]))
+        assert f"joint 'lift_{leg}' bears {torque:.3g} N m" in what
+    assert leg == 6

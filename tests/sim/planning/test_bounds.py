@@ -64,13 +64,10 @@ def engine_clearances(setup):
 def passage():
     """Walls on both sides of a short diagonal walk, as far from the feet as given."""
 
-    def make(room, **changes):
-        up, down = 0.188 + 0.02 + room, -0.188 - room  # feet and way; thickness below
-        scenario = load_scenario(
-            "line",
-            {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "min_clearance": 0.002}
-            | changes,
-        )
+    def make(room, way=0.02, **changes):
+        up, down = 0.188 + way + room, -0.188 - room  # feet and way; thickness below
+        asked = {"path.goal": [way, way, 0.0], "segments": round(way / 0.005)}
+        scenario = load_scenario("line", asked | {"min_clearance": 0.002} | changes)
         walls = shapes.decode(
             [
                 {"kind": "box", "center": [0, up + 0.05], "size": [1, 0.1]},
@@ -96,9 +93,10 @@ def test_without_bounds_nothing_is_changed():
 @REPLAN
 def test_a_margin_is_kept_all_along_the_predicted_motion(replan):
     least = 0.05
-    plain = prepare(load_scenario("line", {"replan": replan}))
+    third = {"path.goal": [0.05, 0.05, 0.0], "segments": 13, "replan": replan}
+    plain = prepare(load_scenario("line", third))
     assert min(margins(plain)) < least  # 46 mm, or the bound would show nothing
-    setup = bounded(min_margin=least, replan=replan)
+    setup = bounded(**third, min_margin=least)
     assert setup.scenario.segments > plain.scenario.segments
     # ends of swings, where the margin is least, are among the steps looked at
     assert min(margins(setup)) > least - 1e-9
@@ -182,7 +180,7 @@ def test_a_margin_that_takes_too_many_segments_is_refused_with_what_can_be_kept(
 def test_a_passage_is_walked_through_clear_of_its_walls(passage, replan):
     """The clearance of the prediction, found densely by the engine's own distances."""
     room = 0.012
-    coarse = prepare(passage(room, replan=replan))
+    coarse = prepare(passage(room, way=0.01, replan=replan))
     assert min(engine_clearances(coarse)) < 0  # or nothing would have to be cut
     setup = within_bounds(coarse)
     assert setup.scenario.segments > coarse.scenario.segments

@@ -57,6 +57,17 @@ def plain():
     return Scenario(name="plain", segments=2, path=line((0.01, 0.01, 0.0)))
 
 
+@pytest.fixture(scope="module")
+def world(plain, hexapod):
+    return build(hexapod, plain)
+
+
+@pytest.fixture(scope="module")
+def planned(plain, hexapod):
+    """The flows of the plain scenario's plan."""
+    return plan_open_loop(prepare(plain, hexapod)).flows
+
+
 def changed(scenario, name):
     other = replace(scenario, **{name: another(name)})
     assert other != scenario
@@ -64,23 +75,24 @@ def changed(scenario, name):
 
 
 @pytest.mark.parametrize("name", unless(*WORLD))
-def test_the_way_does_not_change_the_world(plain, hexapod, name):
-    world, other = build(hexapod, plain), build(hexapod, changed(plain, name))
-    assert world == other
+def test_the_way_does_not_change_the_world(plain, world, hexapod, name):
+    assert build(hexapod, changed(plain, name)) == world
 
 
 @pytest.mark.parametrize("name", unless(*PLAN))
-def test_the_physics_does_not_change_a_shareable_plan(plain, hexapod, name):
-    setup, other = prepare(plain, hexapod), prepare(changed(plain, name), hexapod)
+def test_the_physics_does_not_change_a_shareable_plan(plain, planned, hexapod, name):
+    other = prepare(changed(plain, name), hexapod)
     assert is_shareable(other)
-    assert plan_open_loop(setup).flows == plan_open_loop(other).flows
+    assert plan_open_loop(other).flows == planned
 
 
 @pytest.mark.parametrize("name", COUNTED)
-def test_plans_whose_strokes_end_on_counts_are_not_shared(plain, hexapod, name):
-    setup, other = prepare(plain, hexapod), prepare(changed(plain, name), hexapod)
+def test_plans_whose_strokes_end_on_counts_are_not_shared(
+    plain, planned, hexapod, name
+):
+    other = prepare(changed(plain, name), hexapod)
     assert not is_shareable(other)
-    assert plan_open_loop(setup).flows != plan_open_loop(other).flows
+    assert plan_open_loop(other).flows != planned
 
 
 def test_scenarios_that_differ_in_the_way_share_a_model(plain, hexapod):

@@ -7,12 +7,14 @@ import re
 import numpy as np
 import pytest
 
-from planner.errors import PlannerError
+from models.systems.catalogue import shipped_system
+from planner.errors import BoundError, PlannerError
 from planner.support.stopping import tick
 from sim import cli
 from sim.preparation.setup import prepare
 from sim.problems.problem import tried
 from sim.problems.scenario import miss_of
+from sim.problems.system import SystemProblem
 from tests import radial
 
 SHORT = ("--segments", "1", "--set", "path.goal=[0.02, 0.02, 0]")
@@ -122,3 +124,14 @@ def test_trials_end_with_their_time_and_pass_over_what_has_no_plan():
     assert list(trials.helpful) == ["b"]
     assert trials.useless == ("a",)
     assert str(tried([("a", refused)], 1.0, 1.0)) == "nothing that was tried: a"
+
+
+def test_a_system_whose_search_fails_keeps_its_stratified_plan(monkeypatch):
+    def refused(self):
+        raise BoundError("no plan was found")
+
+    monkeypatch.setattr(SystemProblem, "shortest", refused)
+    problem = SystemProblem(shipped_system("unicycle"), objective="time")
+    solved = problem.solve()
+    assert solved.fallback == "no plan was found"
+    assert solved.plan.flows == problem.stratified.flows

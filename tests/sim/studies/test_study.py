@@ -2,14 +2,17 @@
 
 import json
 
+import numpy as np
 import pyarrow as pa
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 from pyarrow import parquet
 
 from sim.cli import main
 from sim.errors import UsageError
-from sim.studies.results import read_results
+from sim.studies.maps import _place
+from sim.studies.results import Results, read_results
 from sim.sweeps import table
 from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
@@ -140,3 +143,13 @@ def test_the_table_of_a_stranger_is_refused_in_one_line(
     assert code == (2 if said else 0)
     assert said in line
     assert {path.name for path in tmp_path.iterdir()} == {"in"}
+
+
+@pytest.mark.parametrize(("most", "scale"), [(0.18, "linear"), (0.22, "log")])
+def test_an_axis_over_more_than_a_factor_of_20_is_logarithmic(most, scale):
+    values = np.linspace(0.01, most, 15).tolist()
+    axes = Figure().subplots()
+    assert _place(
+        axes, Results({"friction": values}, (), "ideal"), "friction", "x"
+    ) == (pytest.approx(values))
+    assert axes.get_xscale() == scale

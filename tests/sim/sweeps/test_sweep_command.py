@@ -1,4 +1,4 @@
-"""`stratawalk sweep` with real workers: its table, its refusals, and going on."""
+"""`stratawalk sweep`: its table by real workers, its refusals, and going on."""
 
 import json
 import re
@@ -17,7 +17,8 @@ from sim.cli import main
 from sim.simulation import simulate
 from sim.sweeps.file import read_sweep
 from sim.sweeps.worker import numbers
-from tests.sweeps import ENV, command, stratawalk, write_sweep
+from tests.commands import told
+from tests.sweeps import ENV, command, stratawalk, walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
 VARIES = '[grid]\nfriction = [0.4, 1.0]\nstance = ["centred", "paper"]\n'
@@ -70,7 +71,7 @@ def test_what_is_missing_is_walked_again_to_the_same_bytes(again):
     (folder / "table.parquet").unlink()
     lines = (folder / "ledger.jsonl").read_bytes().splitlines(keepends=True)
     (folder / "ledger.jsonl").write_bytes(lines[2] + lines[0] + lines[3][:50])
-    done = stratawalk("sweep", file, "--out", folder, "--workers", 1, "--resume")
+    done = walked_here("sweep", file, "--out", folder, "--workers", 1, "--resume")
     assert done.returncode == 0, done.stderr
     assert "4 points, 2 walked now, 0 failed" in done.stdout
     assert (folder / "table.parquet").read_bytes() == wanted
@@ -78,13 +79,13 @@ def test_what_is_missing_is_walked_again_to_the_same_bytes(again):
 
 def test_going_on_with_a_finished_sweep_walks_nothing(again):
     file, folder = again
-    done = stratawalk("sweep", file, "--out", folder, "--resume")
+    done = walked_here("sweep", file, "--out", folder, "--resume")
     assert (done.returncode, done.stderr) == (0, "")
     assert "4 points, 0 walked now" in done.stdout
 
 
 def test_an_existing_sweep_is_not_begun_again(swept):
-    done = stratawalk("sweep", swept[0], "--out", swept[1])
+    done = walked_here("sweep", swept[0], "--out", swept[1])
     assert done.returncode == 2
     assert "already exists" in done.stderr
     assert "--resume" in done.stderr
@@ -93,7 +94,7 @@ def test_an_existing_sweep_is_not_begun_again(swept):
 def test_another_sweep_in_its_folder_is_refused_with_what_differs(again, tmp_path):
     _, folder = again
     other = write_sweep(tmp_path, VARIES.replace("0.4", "0.5"), "other")
-    done = stratawalk("sweep", other, "--out", folder, "--resume")
+    done = walked_here("sweep", other, "--out", folder, "--resume")
     assert done.returncode == 2
     assert "friction: [0.4, 1.0], now [0.5, 1.0]" in done.stderr
     assert "--force-mix" in done.stderr
@@ -102,8 +103,8 @@ def test_another_sweep_in_its_folder_is_refused_with_what_differs(again, tmp_pat
 def test_mixing_keeps_equal_points_and_walks_the_others(again, tmp_path):
     _, folder = again
     other = write_sweep(tmp_path, VARIES.replace("0.4", "0.5"), "other")
-    words = ("sweep", other, "--out", folder, "--workers", 1)
-    done = stratawalk(*words, "--resume", "--force-mix")
+    words = ("sweep", other, "--out", folder)
+    done = walked_here(*words, "--resume", "--force-mix")
     assert done.returncode == 0, done.stderr
     assert "4 points, 2 walked now" in done.stdout
     rows = pandas.read_parquet(folder / "table.parquet")
@@ -117,7 +118,7 @@ def test_a_sweep_begun_with_other_software_is_refused(again, key):
     now = about["software"][key]
     about["software"][key] = "older"
     (folder / "sweep.json").write_text(json.dumps(about))
-    done = stratawalk("sweep", file, "--out", folder, "--resume")
+    done = walked_here("sweep", file, "--out", folder, "--resume")
     assert done.returncode == 2
     assert f'{key}: "older", now "{now}"' in done.stderr
 
@@ -170,7 +171,7 @@ def failing(tmp_path_factory):
     folder = tmp_path_factory.mktemp("failing")
     varies = "[grid]\ndegree = [1, 2]\n[keep]\npoints = [1]\n"
     file = write_sweep(folder, varies, "failing")
-    done = stratawalk("sweep", file, "--out", folder / "out", "--workers", 1)
+    done = walked_here("sweep", file, "--out", folder / "out")
     return folder / "out", done
 
 
@@ -188,7 +189,7 @@ def test_a_sweep_of_failures_has_a_table_of_reasons(tmp_path):
     file = write_sweep(
         tmp_path, "[grid]\nfriction = [0.5, 1.0]\n[list]\ndegree = [1]\n"
     )
-    done = stratawalk("sweep", file, "--out", tmp_path / "out", "--workers", 1)
+    done = walked_here("sweep", file, "--out", tmp_path / "out")
     assert done.returncode == 8
     assert "2 of 2 points failed" in done.stderr
     rows = pandas.read_parquet(tmp_path / "out" / "table.parquet")
@@ -208,7 +209,7 @@ def test_chosen_points_have_run_folders(failing):
 
 def test_an_unknown_robot_is_refused_before_anything_is_made(tmp_path):
     file = write_sweep(tmp_path, '[grid]\nrobot = ["hexapod", "hexpod"]')
-    done = stratawalk("sweep", file, "--out", tmp_path / "out")
+    done = walked_here("sweep", file, "--out", tmp_path / "out")
     assert done.returncode == 2
     assert "did you mean 'hexapod'" in done.stderr
     assert not (tmp_path / "out").exists()
@@ -216,33 +217,33 @@ def test_an_unknown_robot_is_refused_before_anything_is_made(tmp_path):
 
 def test_shards_are_merged_to_the_bytes_of_the_whole(swept, tmp_path):
     file, whole = swept
-    (alone, beside), words = (tmp_path / "a", tmp_path / "b"), ("--workers", 1)
+    alone, beside = tmp_path / "a", tmp_path / "b"
     for number, folder in ((1, alone), (2, beside)):
         shard = ("--shard", f"{number}/2")
-        done = stratawalk("sweep", file, "--out", folder, *words, *shard)
+        done = walked_here("sweep", file, "--out", folder, *shard)
         assert done.returncode == 0, done.stderr
         rows = pandas.read_parquet(folder / f"table-{number}-of-2.parquet")
         assert rows["point"].tolist() == [number - 1, number + 1]
-    lacking = stratawalk("merge", alone)
+    lacking = walked_here("merge", alone)
     assert lacking.returncode == 2
     assert "2 of 4 points are missing: 1, 3" in lacking.stderr
-    done = stratawalk("merge", alone, beside, "--out", tmp_path / "both")
+    done = walked_here("merge", alone, beside, "--out", tmp_path / "both")
     assert done.returncode == 0, done.stderr
     wanted = (whole / "table.parquet").read_bytes()
     assert (tmp_path / "both" / "table.parquet").read_bytes() == wanted
-    going_on = stratawalk("sweep", file, "--out", tmp_path / "both", "--resume")
+    going_on = walked_here("sweep", file, "--out", tmp_path / "both", "--resume")
     assert "4 points, 0 walked now" in going_on.stdout
 
 
 def test_only_shards_of_one_sweep_are_merged(swept, failing):
-    done = stratawalk("merge", swept[1], failing[0], "--out", swept[1].parent / "x")
+    done = walked_here("merge", swept[1], failing[0], "--out", swept[1].parent / "x")
     assert done.returncode == 2
     assert "not of one sweep" in done.stderr
 
 
 def test_an_unknown_number_of_a_shape_is_refused_before_anything_is_made(tmp_path):
     file = write_sweep(tmp_path, "[grid]\ngeometry.kapa = [0.5]")
-    done = stratawalk("sweep", file, "--out", tmp_path / "out")
+    done = walked_here("sweep", file, "--out", tmp_path / "out")
     assert done.returncode == 2
     assert "did you mean 'kappa'" in done.stderr
     assert not (tmp_path / "out").exists()
@@ -268,7 +269,7 @@ def test_a_sweep_that_is_interrupted_says_how_far_it_is_and_how_to_go_on(tmp_pat
     assert workers
     assert not psutil.wait_procs(workers, timeout=30)[1]
     assert process.returncode == 130
-    assert len(said.splitlines()) == 1
+    (line,) = told(said)
     on = f"stratawalk sweep {file} --out {tmp_path / 'out'} --workers 1 --resume"
-    assert f"1 of 2 points are done, they are kept in {tmp_path / 'out'}, " in said
-    assert said.endswith(f"go on: {on}\n")
+    assert f"1 of 2 points are done, they are kept in {tmp_path / 'out'}, " in line
+    assert line.endswith(f"go on: {on}")
