@@ -8,7 +8,7 @@ import time
 import psutil
 import pytest
 
-from tests.sweeps import ENV, command, stratawalk, write_sweep
+from tests.sweeps import ENV, command, stratawalk, walked_here, write_sweep
 
 pytestmark = pytest.mark.physics
 SEED = 16
@@ -82,8 +82,7 @@ def test_a_sweep_survives_being_killed(tmp_path, points, times):
     assert set(codes) <= {0, -signal.SIGKILL}
     last = stratawalk(*words, timeout=7200)
     assert last.returncode == 0, last.stderr
-    plain = ("sweep", file, "--out", tmp_path / "plain", "--workers", 2)
-    once = stratawalk(*plain, timeout=7200)
+    once = walked_here("sweep", file, "--out", tmp_path / "plain")
     assert once.returncode == 0, once.stderr
     folders = (tmp_path / "plain", tmp_path / "killed")
     first, second = ((folder / "table.parquet").read_bytes() for folder in folders)

@@ -15,8 +15,8 @@ ca = pytest.importorskip("casadi")
 
 WALL = {"kind": "wall", "points": [[-0.4, 0.23], [0.4, 0.23]]}
 BESIDE = {
-    "path.goal": [0.06, 0.0, 0.0],
-    "segments": 8,
+    "path.goal": [0.03, 0.0, 0.0],
+    "segments": 4,
     "path_tolerance": 0.03,
     "yaw_tolerance": 3.2,
     "optimise": "time",

@@ -136,15 +136,15 @@ def test_what_finds_the_way_may_be_missing(monkeypatch):
 
 
 def test_a_long_way_in_few_segments_is_cut_until_it_can_be_followed():
-    """Three metres around the end of a wall: no inputs follow its bends at once."""
+    """Around the end of a wall, where no inputs follow all bends at once."""
     walls = [
-        {"kind": "wall", "points": [[0.4, side * 0.18], [0.4, side * 1.2]]}
+        {"kind": "wall", "points": [[0.4, side * 0.18], [0.4, side * 0.8]]}
         for side in (1, -1)
     ]
-    asked = {"segments": 8, "replan": False, "obstacles": walls}
+    asked = {"segments": 6, "replan": False, "obstacles": walls}
     far = routed(
         prepare(load_scenario("detour", asked | {"path.goal": [0.8, 0.0, 0.0]}))
     )
     with pytest.raises(ResolutionError):
-        plan_open_loop(far.recut(grid(far.scenario.path.curve, 8)))
+        plan_open_loop(far.recut(grid(far.scenario.path.curve, 6)))
     assert plan_open_loop(within_bounds(far)).flows
