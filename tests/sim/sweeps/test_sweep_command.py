@@ -80,7 +80,7 @@ def test_what_is_missing_is_walked_again_to_the_same_bytes(again):
 def test_going_on_with_a_finished_sweep_walks_nothing(again):
     file, folder = again
     done = walked_here("sweep", file, "--out", folder, "--resume")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.returncode, told(done.stderr)) == (0, [])
     assert "4 points, 0 walked now" in done.stdout
 
 
