@@ -18,9 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-CODES = {0, 2, 3, 4, 6}  # that an input alone may lead to
+CODES = {0, 2, 3, 4, 6, 8}  # that an input alone may lead to
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
-MEMORY = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 
 
@@ -77,16 +76,22 @@ def end_session(leader: int | None) -> None:
             os.killpg(leader, signal.SIGKILL)
 
 
-def limit_process(seconds: float) -> None:
-    """Let this process and those that it starts compute for so long [s] from now.
+@dataclass(frozen=True)
+class Bounds:
+    """What a case may take."""
 
-    Their memory is limited as well.
-    """
+    seconds: float = 60.0  # on the processor
+    memory: int = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
+
+
+def limit_process(bounds: Bounds) -> None:
+    """Let this process and those that it starts take no more than that from now on."""
     used = resource.getrusage(resource.RUSAGE_SELF)
-    end = math.ceil(used.ru_utime + used.ru_stime + seconds) + 1
+    end = math.ceil(used.ru_utime + used.ru_stime + bounds.seconds) + 1
     _, most = resource.getrlimit(resource.RLIMIT_CPU)
     resource.setrlimit(resource.RLIMIT_CPU, (end, most))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    _, most = resource.getrlimit(resource.RLIMIT_DATA)
+    resource.setrlimit(resource.RLIMIT_DATA, (bounds.memory, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """Run the command on mutated inputs, and check how it ends.
 
-Scenarios, cards, MJCF, systems, saved plans and options are mutated, and the command is
-run on each of them: `python -m scripts.fuzz --seconds 180 --seed 1`. A case fails if
-the command ends with code 70, with an exception, with more than one line on standard
-error, with an unknown code, or not within a minute; `--patience` gives it longer on a
-busy machine, though no longer a time on the processor.
+Scenarios, cards, MJCF, systems, saved plans and options are mutated, and so is what
+others send: robots to adopt and their meshes, sweeps, their ledgers and tables, tables
+of servos, finished runs. The command is run on each of them: `python -m scripts.fuzz
+--seconds 180 --seed 1`. A case fails if the command ends with code 70, with an
+exception, with more than one line on standard error, with an unknown code, or not
+within a minute; within 10 s and 2 GB for what others send. `--patience` gives it longer
+on a busy machine, though no longer a time on the processor.
 
 The cases run one after another in a process beside this one, whose memory and time are
 limited, and which is ended and replaced where it does not answer in time or does not
@@ -33,7 +35,7 @@ import time
 import warnings
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -43,43 +45,48 @@ from models import ModelError
 from scripts.endings import (
     ROOT,
     SLICE,
+    Bounds,
     end_session,
     ending,
     judged,
     limit_process,
     lines_of,
 )
-from scripts.fuzz_inputs import KINDS
+from scripts.fuzz_foreign import FOREIGN
+from scripts.fuzz_inputs import OWN_KINDS
 from scripts.pages import parser_of
 
-LIMIT = 60.0  # [s] a case may take, on the processor in any case
+OWN = Bounds()  # of cases that we make ourselves, and of those that others send:
+THEIRS = Bounds(10.0, 2 * 10**9)
+LOADING = 4.0  # [s] on the processor that the real command takes to begin
 START = 100.0  # [s] a process may take to begin
+KINDS = OWN_KINDS | FOREIGN
 FRESH = 1000  # cases after which libraries have kept enough for another process
 
 
 class Worker(contextlib.AbstractContextManager["Worker"]):
     """One process that runs cases, and the next one where it fails."""
 
-    def __init__(self, limit: float = LIMIT, patience: float | None = None) -> None:
-        """Let a case take `limit` seconds to compute, and `patience` in all."""
-        self._limit, self._patience = limit, patience or limit
+    def __init__(self, patience: float = OWN.seconds) -> None:
+        """Let a case take so long in all [s], whatever the machine does beside."""
+        self._patience = patience
         self._process: multiprocessing.process.BaseProcess | None = None
         self._left = 0
 
-    def fault(self, words: list[str], folder: str) -> str | None:
+    def fault(self, words: list[str], folder: str, bounds: Bounds = OWN) -> str | None:
         """What is wrong with how the command ends in a folder, or None."""
-        if (seems := self.answer(words, folder)) is None:
+        if (seems := self.answer(words, folder, bounds)) is None:
             return None
-        wrong = decided(words, folder, self._limit, self._patience)
+        wrong = decided(words, folder, bounds, self._patience)
         return wrong and f"{wrong} (first: {seems})"
 
-    def answer(self, words: list[str], folder: str) -> str | None:
+    def answer(self, words: list[str], folder: str, bounds: Bounds = OWN) -> str | None:
         """What seems wrong where one case is run after another, or None."""
         if self._process is None or not self._left:
             self._begin()
         self._left -= 1
         try:
-            self._cases.send((folder, words))
+            self._cases.send((folder, words, bounds))
             if self._comes(self._patience):
                 found: str | None = self._cases.recv()
                 return found
@@ -93,8 +100,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self.end()
         spawn = multiprocessing.get_context("spawn")
         self._cases, theirs = spawn.Pipe()
-        given = (theirs, self._limit)
-        self._process = spawn.Process(target=serve, args=given, daemon=True)
+        self._process = spawn.Process(target=serve, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()
         if not self._comes(START + self._patience) or not self._cases.recv():
@@ -118,24 +124,28 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
 
 
 def decided(
-    words: list[str], folder: str, limit: float = LIMIT, patience: float = LIMIT
+    words: list[str],
+    folder: str,
+    bounds: Bounds = OWN,
+    patience: float = OWN.seconds,
 ) -> str | None:
     """What is wrong with how the real command ends, or None.
 
-    It may take `limit` seconds of the processor, and `patience` seconds in all.
+    It may take what the bounds say besides loading, and `patience` seconds in all.
     """
+    bounds = replace(bounds, seconds=bounds.seconds + LOADING)
     command = [sys.executable, "-m", "sim.cli", *words]
     env = os.environ | {"PYTHONPATH": str(ROOT)}
-    end = ending(command, folder, patience, env, partial(limit_process, limit))
+    end = ending(command, folder, patience, env, partial(limit_process, bounds))
     if end.code in (None, -signal.SIGXCPU):
-        return f"takes {limit:g} s"
+        return f"takes {bounds.seconds:g} s"
     return judged(end.code, end.warned)
 
 
-def serve(cases: Connection, limit: float) -> None:
+def serve(cases: Connection) -> None:
     """Answer a folder and the words of a command to run there with what is wrong.
 
-    It goes on until the other end closes, or a case has computed to its limit [s].
+    It goes on until the other end closes, or a case has computed to its bounds.
     """
     os.setsid()
     quicken()
@@ -144,8 +154,8 @@ def serve(cases: Connection, limit: float) -> None:
         for stream in (sys.stdout, sys.stderr):
             os.dup2(below.fileno(), stream.fileno())
         while True:
-            folder, words = cases.recv()
-            limit_process(limit)
+            folder, words, bounds = cases.recv()
+            limit_process(bounds)
             os.chdir(folder)
             begin = below.seek(0, io.SEEK_END)
             wrong = fault(words)
@@ -215,7 +225,8 @@ def search(
         with tempfile.TemporaryDirectory() as folder:
             words = KINDS[kind](Path(folder), random.Random(seed))
             began = time.monotonic()
-            wrong = worker.fault(words, folder)
+            bounds = THEIRS if kind in FOREIGN else OWN
+            wrong = worker.fault(words, folder, bounds)
             took = round(time.monotonic() - began, 1)
             if wrong is not None:
                 found.faults += 1
@@ -236,7 +247,7 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=10**9)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
-    parser.add_argument("--patience", type=float, default=LIMIT, help="[s] for a case")
+    parser.add_argument("--patience", type=float, default=OWN.seconds, help="[s]")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
     with Worker(patience=asked.patience) as worker:

@@ -146,7 +146,7 @@ def options(folder: Path, rng: random.Random) -> list[str]:
     return [rng.choice(("plan", "check", "robots", "scenarios")), *words]
 
 
-KINDS: dict[str, Callable[[Path, random.Random], list[str]]] = {
+OWN_KINDS: dict[str, Callable[[Path, random.Random], list[str]]] = {
     "scenario": scenario,
     "card": partial(robot, spoilt="hexapod.toml"),
     "mjcf": partial(robot, spoilt="hexapod.xml"),

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scripts.fuzz import LIMIT, Worker, decided, fault, main, search
-from scripts.fuzz_inputs import KINDS
+from scripts.endings import Bounds
+from scripts.fuzz import KINDS, OWN, Worker, decided, fault, main, search
 
 ROOT = Path(__file__).resolve().parents[2]
 BRIEF = 2  # [s] a kind of input, once a process is there to run its cases
@@ -18,7 +18,7 @@ LONG = 30  # as many; three minutes in all
 @pytest.fixture(scope="module")
 def worker():
     """The process that runs the cases, whose libraries take longest to load."""
-    with Worker(patience=4 * LIMIT) as process:
+    with Worker(patience=4 * OWN.seconds) as process:
         process.fault(["scenarios"], str(ROOT))
         yield process
 
@@ -35,11 +35,11 @@ def test_no_mutated_input_breaks_the_command(worker, kind, duration, tmp_path, c
 
 def test_the_search_counts_and_keeps_what_fails(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["fuzz", "--cases", "2", "--keep", str(tmp_path)])
-    monkeypatch.setattr(Worker, "fault", lambda self, words, folder: "it fails")
+    monkeypatch.setattr(Worker, "fault", lambda *given: "it fails")
     assert main() == 1
     assert "2 cases, 2 faults" in capsys.readouterr().out
     assert len(list(tmp_path.iterdir())) == 2
-    monkeypatch.setattr(Worker, "fault", lambda self, words, folder: None)
+    monkeypatch.setattr(Worker, "fault", lambda *given: None)
     assert main() == 0
     assert "2 cases, 0 faults" in capsys.readouterr().out
 
@@ -74,8 +74,9 @@ def robot(folder, old, new):
 def test_a_case_that_never_ends_is_a_find_and_not_the_end_of_the_fuzz(tmp_path):
     """The compiler is busy for minutes, and no signal of Python's interrupts it."""
     robot(tmp_path, "<worldbody>", BOMB)
-    with Worker(limit=2) as worker:
-        assert "takes 2 s" in worker.fault(["robots", "mine.xml"], str(tmp_path))
+    with Worker() as worker:
+        said = worker.fault(["robots", "mine.xml"], str(tmp_path), Bounds(seconds=1))
+        assert "takes 5 s" in said
         (tmp_path / "mine.xml").write_text("")
         assert worker.fault(["robots", "mine.xml"], str(tmp_path)) is None
 

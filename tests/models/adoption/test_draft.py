@@ -2,11 +2,13 @@
 
 from functools import cache
 
+import mujoco
 import numpy as np
 import pytest
 
 from models.adoption.draft import draft_card
 from models.adoption.source import source_of
+from models.adoption.standing import servo_for
 from models.contact.kinematics import Kinematics
 from models.errors import ModelError, UnknownRobotError
 from models.library import load
@@ -180,3 +182,17 @@ def test_folder_is_that_of_its_robot_and_not_of_its_scene(tmp_path):
     (tmp_path / "spider.xml").unlink()
     with pytest.raises(UnknownRobotError, match="has a free joint"):
         source_of(str(tmp_path))
+
+
+def test_a_drafted_servo_damps_critically(drafted):
+    """What it moves is its leg, and its rotor where the model lacks that."""
+    robot, _ = drafted(ADOPTEES[0])
+    servo, model = servo_for(robot), robot.model
+    data = mujoco.MjData(model)
+    data.qpos = robot.start_qpos
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    joints = [model.joint(name).dofadr[0] for name in robot.card.joints]
+    inertia = np.median(np.diag(full)[joints]) + servo.armature
+    assert servo.damping**2 == pytest.approx(4 * servo.stiffness * inertia, rel=1e-6)

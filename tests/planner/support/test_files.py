@@ -7,12 +7,7 @@ import sys
 
 import pytest
 
-from planner.support.files import (
-    read_file,
-    remove_unfinished,
-    require_space,
-    whole_file,
-)
+from planner.support.files import read_file, require_space, whole_file
 
 
 def names(folder):
@@ -39,15 +34,6 @@ def test_block_that_fails_leaves_the_file_that_was_there(tmp_path):
     pytest.raises(ZeroDivisionError, write_half)
     assert names(tmp_path) == ["plan.json"]
     assert (tmp_path / "plan.json").read_text() == "before"
-
-
-def test_files_being_written_are_removed_before_a_process_ends_at_once(tmp_path):
-    with whole_file(tmp_path / "plan.json") as part:
-        part.write_text("half")
-        remove_unfinished()
-        assert names(tmp_path) == []
-        part.write_text("all of it")  # by a process that does not end after all
-    assert names(tmp_path) == ["plan.json"]
 
 
 def test_process_that_dies_halfway_leaves_no_file_under_its_name(tmp_path):

@@ -58,6 +58,12 @@ def test_the_prediction_ends_in_the_goal_with_legs_at_rest(setup, found):
     assert Judge(setup).end(found.flows)[:5] == pytest.approx(goal, abs=1e-6)
 
 
+def test_no_flows_end_where_they_begin(setup):
+    judge = Judge(setup)
+    states = len(judge.end(plan_open_loop(setup).flows))
+    assert judge.end([]).tolist() == [0.0] * states
+
+
 def test_it_is_several_times_faster_than_the_stratified_plan(setup, found):
     judge, stratified = Judge(setup), plan_open_loop(setup)
     assert judge.duration(found.flows) < judge.duration(stratified.flows) / 3

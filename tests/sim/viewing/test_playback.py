@@ -1,5 +1,8 @@
 """A recorded walk played back: its moments, its forces and the marks in its scene."""
 
+from types import SimpleNamespace
+from unittest import mock
+
 import mujoco
 import numpy as np
 import pytest
@@ -143,3 +146,15 @@ def test_colours_are_explained(recorded):
     said = dict(entries(recorded))
     assert said["achieved path"] == palette.ACHIEVED.colour
     assert said["legs of tripod 2, and paler their footprints"] == palette.group(1)
+
+
+def test_a_button_of_the_panel_sets_the_speed(monkeypatch):
+    plugins = pytest.importorskip("sim.viewing.plugins")
+    imgui = mock.MagicMock()
+    imgui.SliderFloat.return_value = False, 0.0
+    imgui.Button.side_effect = lambda label: label == "4x"
+    monkeypatch.setattr(plugins, "imgui", imgui)
+    panel = plugins.Panel.__new__(plugins.Panel)
+    panel._playback, panel._key = SimpleNamespace(time=0, end=9, paused=True), ()
+    panel.on_gui(None)
+    assert (panel._playback.speed, panel._playback.paused) == (4, True)

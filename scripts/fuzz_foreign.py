@@ -1,0 +1,273 @@
+"""Inputs for `scripts/fuzz.py` that others may send: robots, tables, finished runs.
+
+Every kind is a function that writes its files into a folder, one of them mutated, and
+returns the words of the command to run there. What they begin with is made once.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import random
+import shutil
+import tempfile
+from collections.abc import Callable
+from contextlib import redirect_stdout
+from functools import cache, partial
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+
+from scripts.adoptees import ADOPTEES
+from scripts.fuzz_inputs import NASTY, mutated
+
+SHORT = ("--segments", "1", "--set", "path.goal=[0.005, 0, 0]")
+SWEEP = """scenario = "line"
+without = ["identified", "creep_floor"]
+[set]
+segments = 1
+path.goal = [0.004, 0.0, 0.0]
+[grid]
+friction = [0.5, 0.8]
+stance = ["centred", "paper"]
+[sobol]
+samples = 4
+slope = { from = [0.0, 0.0], to = [0.1, 3.0] }
+[keep]
+points = [1]
+"""
+SMALL = '[grid]\nfriction = [0.5, 1.0]\nstance = ["centred", "paper"]\n'
+OBJ = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+SHAPE = (
+    '<asset><mesh name="part" file="part.{}"/></asset><worldbody>'
+    '<geom type="mesh" mesh="part" pos="0 0 1" contype="0" conaffinity="0"/>'
+)
+SERVO = "- {{name: {}, id: {}, ticks: 1024, center: 512, max_radians: 5.236}}\n"
+SIZES = (0, 1, 2, 7, 10**5, 2**31, 2**63 - 1)
+
+
+def flipped(content: bytes, rng: random.Random) -> bytes:
+    """Bytes with one to eight of them changed, cut off or repeated."""
+    bytes_ = bytearray(content)
+    for _ in range(rng.randint(1, 8)):
+        at = rng.randrange(len(bytes_) + 1)
+        match rng.randrange(5):
+            case 0:
+                del bytes_[at : at + rng.randint(1, 9)]
+            case 1:
+                bytes_[at:at] = bytes_[at - 8 : at] * rng.randint(1, 3)
+            case 2 if rng.random() < 0.2:
+                del bytes_[at:]
+            case _:
+                bytes_[at : at + 1] = bytes([rng.choice((0, 1, 127, 128, 255))])
+    return bytes(bytes_)
+
+
+def adopted(folder: Path, rng: random.Random, urdf: bool) -> list[str]:
+    """A robot to adopt, in MJCF or URDF."""
+    path = rng.choice([a for a in ADOPTEES if a.urdf == urdf]).write(folder)
+    _write(path, mutated(path.read_text().replace("><", ">\n<"), rng))
+    return ["adopt", path.name]
+
+
+def mesh(folder: Path, rng: random.Random) -> list[str]:
+    """A mesh of a robot to adopt, as text or in binary."""
+    kind = rng.choice(("obj", "stl", "msh"))
+    path = ADOPTEES[0].write(folder)
+    path.write_text(path.read_text().replace("<worldbody>", SHAPE.format(kind), 1))
+    (folder / f"part.{kind}").write_bytes(
+        mutated(OBJ, rng).encode(errors="surrogateescape")
+        if kind == "obj"
+        else flipped(_stl() if kind == "stl" else _msh(), rng)
+    )
+    return ["adopt", path.name]
+
+
+def sweep(folder: Path, rng: random.Random) -> list[str]:
+    """The file of a sweep, which is read as far as its folder, which exists."""
+    _write(folder / "mine.toml", mutated(SWEEP, rng))
+    return ["sweep", "mine.toml", "--out", "."]
+
+
+def ledger(folder: Path, rng: random.Random) -> list[str]:
+    """What a sweep has done; lines of its ledger may be sealed again."""
+    shutil.copytree(_swept(), folder / "mine")
+    path = folder / "mine" / rng.choice(("ledger.jsonl", "ledger.jsonl", "sweep.json"))
+    if path.suffix == ".json":
+        _write(path, _json(path.read_text(), rng))
+    else:
+        lines = path.read_bytes().splitlines(keepends=True)
+        at = rng.randrange(len(lines))
+        lines[at] = (_sealed if rng.random() < 0.7 else flipped)(lines[at], rng)
+        path.write_bytes(b"".join(lines))
+    return ["merge", "mine", "--out", "joined"]
+
+
+def table(folder: Path, rng: random.Random) -> list[str]:
+    """The table of a sweep."""
+    content = (_swept() / "table.parquet").read_bytes()
+    (folder / "table.parquet").write_bytes(flipped(content, rng))
+    return ["study", "table.parquet"]
+
+
+def servos(folder: Path, rng: random.Random) -> list[str]:
+    """A table of servos that a walk is exported for."""
+    card = import_module("models").load("hexapod").card
+    text = "".join(SERVO.format(name, n) for n, name in enumerate(card.joints))
+    _write(folder / "servos.yaml", mutated(text, rng))
+    words = ("--format", "dynamixel", "--no-play", "--out", "walk")
+    return ["export", str(_run()), *words, "--servo-table", "servos.yaml"]
+
+
+def run_folder(folder: Path, rng: random.Random) -> list[str]:
+    """A finished run, one of whose files is mutated."""
+    shutil.copytree(_run(), folder / "mine")
+    path = folder / "mine" / rng.choice(FILES)
+    if path.suffix == ".npz":
+        content = path.read_bytes()
+        change = _arrays if rng.random() < 0.7 else flipped
+        path.write_bytes(change(content, rng))
+    else:
+        change = _json if path.suffix == ".json" else mutated
+        _write(path, change(path.read_text(), rng))
+    return [*rng.choice(READERS), "mine"]
+
+
+FILES = (
+    *("scenario.toml", "model.xml", "summary.json", "model.toml"),
+    *("trajectory.npz", "trajectory.npz", "commands.npz", "flows.csv"),
+)
+READERS = (
+    *(["show", "--no-browser"], ["compare", "mine"]),
+    ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
+)
+FOREIGN: dict[str, Callable[[Path, random.Random], list[str]]] = {
+    "adopt-mjcf": partial(adopted, urdf=False),
+    "adopt-urdf": partial(adopted, urdf=True),
+    "adopt-mesh": mesh,
+    "sweep": sweep,
+    "ledger": ledger,
+    "table": table,
+    "servos": servos,
+    "run": run_folder,
+}
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_bytes(text.encode("utf-8", errors="surrogateescape"))
+
+
+@cache
+def _scratch() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="fuzz-")
+
+
+@cache
+def _run() -> Path:
+    """A finished run folder."""
+    folder = Path(_scratch().name, "run")
+    words = ["run", "line", *SHORT, "--no-video", "--out", str(folder), "--json"]
+    with redirect_stdout(io.StringIO()):
+        import_module("sim.cli").main(words)
+    return folder
+
+
+@cache
+def _swept() -> Path:
+    """A finished sweep, each of whose points has the numbers of one run."""
+    folder = Path(_scratch().name, "swept")
+    sweeping, ledgers = map(import_module, ("sim.sweeps.sweeping", "sim.sweeps.ledger"))
+    folders, worker = map(import_module, ("sim.sweeps.folder", "sim.sweeps.worker"))
+    file = Path(_scratch().name, "sweep.toml")
+    file.write_text('scenario = "line"\n' + SMALL)
+    points = sweeping.points_of(
+        import_module("sim.sweeps.file").read_sweep(str(file)), folders.Shard()
+    )
+    found = dict(worker.numbers(json.loads((_run() / "summary.json").read_text())))
+    known = [
+        ledgers.Outcome(digest, ledgers.OK, found, worker.software())
+        for digest in points.digests.values()
+    ]
+    made = folders.claim(folder, folders.Shard(), False)
+    with ledgers.opened(made.ledger) as open_ledger:
+        open_ledger.add(known)
+    made.write_about(folders.About.of(points.sweep))
+    sweeping.carry_on(points, made)
+    return folder
+
+
+def _sealed(line: bytes, rng: random.Random) -> bytes:
+    """A line of a ledger with something changed, sealed as if it had been so."""
+    ledgers = import_module("sim.sweeps.ledger")
+    text = _json("{" + line[ledgers.LENGTH :].decode(), rng).rstrip("\n")
+    sealed: bytes = ledgers._sealed(text.encode(errors="surrogateescape") or b"{")
+    return sealed
+
+
+def _json(text: str, rng: random.Random) -> str:
+    """JSON with a value exchanged for another one, or mutated as text."""
+    values = json.loads(text)
+    if rng.random() < 0.4:
+        return mutated(text, rng)
+    at, key = values, rng.choice(list(values))
+    while isinstance(at[key], dict | list) and at[key] and rng.random() < 0.8:
+        at = at[key]
+        key = rng.choice(list(at) if isinstance(at, dict) else range(len(at)))
+    if rng.random() < 0.2 and isinstance(at, dict):
+        del at[key]
+    else:
+        odd = (None, True, -1, 2**70, 1e300, float("nan"), "", "x" * 99, [], {}, [[1]])
+        at[key] = rng.choice((*odd, *NASTY))
+    return json.dumps(values)
+
+
+def _arrays(content: bytes, rng: random.Random) -> bytes:
+    """Arrays of a file, one of which has other values, another shape or type."""
+    with np.load(io.BytesIO(content)) as file:
+        arrays = dict(file)
+    name = rng.choice(list(arrays))
+    old = arrays[name]
+    place = rng.randrange(old.size + 1)
+    with np.errstate(all="ignore"):
+        arrays[name] = rng.choice(
+            (
+                np.full_like(old, rng.choice((np.nan, np.inf, -1, 1e300)), float),
+                np.where(np.arange(old.size).reshape(old.shape) == place, np.nan, old),
+                old[: rng.randrange(len(old))] if old.ndim and len(old) else old[None],
+                old.astype(rng.choice((str, np.float16, np.int8, complex))),
+                old.T if old.ndim > 1 else old[..., None],
+                np.empty((0, *old.shape[1:]), old.dtype),
+            )
+        )
+    if rng.random() < 0.1:
+        del arrays[name]
+    return _packed(arrays, rng)
+
+
+def _packed(arrays: dict[str, np.ndarray], rng: random.Random) -> bytes:
+    """An npz file, in which a header may declare another size than there is."""
+    out = io.BytesIO()
+    np.savez(out, **arrays)  # type: ignore[arg-type]
+    content = out.getvalue()
+    if rng.random() < 0.2:
+        sizes = f"'shape': ({rng.choice(SIZES)},".encode()
+        at = content.find(b"'shape': (")
+        end = content.find(b",", at) + 1
+        content = content[:at] + sizes.ljust(end - at) + content[end:]
+    return content
+
+
+def _stl() -> bytes:
+    """A tetrahedron in binary."""
+    faces = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
+    corners = 0.1 * np.vstack([np.zeros(3), np.eye(3)])[faces]
+    parts = [np.r_[np.zeros(3), c.ravel()].astype("<f4").tobytes() for c in corners]
+    return bytes(80) + np.uint32(4).tobytes() + b"".join(p + b"\0\0" for p in parts)
+
+
+def _msh() -> bytes:
+    """A tetrahedron as MuJoCo's own files have it."""
+    corners = (0.1 * np.vstack([np.zeros(3), np.eye(3)])).astype("<f4")
+    faces = np.array([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)], "<i4")
+    return np.array([4, 0, 0, 4], "<i4").tobytes() + corners.tobytes() + faces.tobytes()
