@@ -3,11 +3,11 @@
 
 Scenarios, cards, MJCF, systems, saved plans and options are mutated, and so is what
 others send: robots to adopt and their meshes, sweeps, their ledgers and tables, tables
-of servos, finished runs. The command is run on each of them: `python -m scripts.fuzz
---seconds 180 --seed 1`. A case fails if the command ends with code 70, with an
-exception, with more than one line on standard error, with an unknown code, or not
-within a minute; within 10 s and 2 GB for what others send. `--patience` gives it longer
-on a busy machine, though no longer a time on the processor.
+of servos, finished runs, and what a browser says to the viewer. The command is run on
+each of them: `python -m scripts.fuzz --seconds 180 --seed 1`. A case fails if the
+command ends with code 70, with an exception, with more than one line on standard error,
+with an unknown code, or not within a minute; within 10 s and 2 GB for what others send.
+`--patience` gives it longer on a busy machine, but no longer on the processor.
 
 The cases run one after another in a process beside this one, whose memory and time are
 limited, and which is ended and replaced where it does not answer in time or does not
@@ -69,7 +69,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
 
     def __init__(self, patience: float = OWN.seconds) -> None:
         """Let a case take so long in all [s], whatever the machine does beside."""
-        self._patience = patience
+        self.patience = patience
         self._process: multiprocessing.process.BaseProcess | None = None
         self._left = 0
 
@@ -77,7 +77,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         """What is wrong with how the command ends in a folder, or None."""
         if (seems := self.answer(words, folder, bounds)) is None:
             return None
-        wrong = decided(words, folder, bounds, self._patience)
+        wrong = decided(words, folder, bounds, self.patience)
         return wrong and f"{wrong} (first: {seems})"
 
     def answer(self, words: list[str], folder: str, bounds: Bounds = OWN) -> str | None:
@@ -87,10 +87,10 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self._left -= 1
         try:
             self._cases.send((folder, words, bounds))
-            if self._comes(self._patience):
+            if self._comes(self.patience):
                 found: str | None = self._cases.recv()
                 return found
-            answer = f"does not answer in {self._patience:g} s"
+            answer = f"does not answer in {self.patience:g} s"
         except (EOFError, OSError):
             answer = "does not survive it"
         self.end()
@@ -103,7 +103,7 @@ class Worker(contextlib.AbstractContextManager["Worker"]):
         self._process = spawn.Process(target=serve, args=(theirs,), daemon=True)
         self._process.start()
         theirs.close()
-        if not self._comes(START + self._patience) or not self._cases.recv():
+        if not self._comes(START + self.patience) or not self._cases.recv():
             raise RuntimeError("the process that runs the cases did not begin")
         self._left = FRESH
 
@@ -138,7 +138,7 @@ def decided(
     env = os.environ | {"PYTHONPATH": str(ROOT)}
     end = ending(command, folder, patience, env, partial(limit_process, bounds))
     if end.code in (None, -signal.SIGXCPU):
-        return f"takes {bounds.seconds:g} s"
+        return f"takes {bounds.seconds:g} s, or {patience:g} s in all"
     return judged(end.code, end.warned)
 
 
@@ -223,10 +223,14 @@ def search(
     while time.monotonic() <= end and found.done.total() < cases:
         kind, seed = rng.choice(kinds), rng.randrange(2**32)
         with tempfile.TemporaryDirectory() as folder:
-            words = KINDS[kind](Path(folder), random.Random(seed))
             began = time.monotonic()
             bounds = THEIRS if kind in FOREIGN else OWN
-            wrong = worker.fault(words, folder, bounds)
+            try:
+                words = KINDS[kind](Path(folder), random.Random(seed))
+            except Exception as error:  # of what is tried in this process
+                words = f"raises {type(error).__name__}: {error}"
+            known = isinstance(words, str)
+            wrong = words or None if known else worker.fault(words, folder, bounds)
             took = round(time.monotonic() - began, 1)
             if wrong is not None:
                 found.faults += 1

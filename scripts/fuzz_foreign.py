@@ -1,7 +1,8 @@
 """Inputs for `scripts/fuzz.py` that others may send: robots, tables, finished runs.
 
 Every kind is a function that writes its files into a folder, one of them mutated, and
-returns the words of the command to run there. What they begin with is made once.
+returns the words of the command to run there; a text is what is found wrong already.
+What they begin with is made once.
 """
 
 from __future__ import annotations
@@ -10,11 +11,13 @@ import io
 import json
 import random
 import shutil
+import struct
 import tempfile
 from collections.abc import Callable
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from functools import cache, partial
 from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +29,6 @@ SHORT = ("--segments", "1", "--set", "path.goal=[0.005, 0, 0]")
 SWEEP = """scenario = "line"
 without = ["identified", "creep_floor"]
 [set]
-segments = 1
 path.goal = [0.004, 0.0, 0.0]
 [grid]
 friction = [0.5, 0.8]
@@ -44,24 +46,18 @@ SHAPE = (
     '<geom type="mesh" mesh="part" pos="0 0 1" contype="0" conaffinity="0"/>'
 )
 SERVO = "- {{name: {}, id: {}, ticks: 1024, center: 512, max_radians: 5.236}}\n"
+SCRATCH = tempfile.TemporaryDirectory(prefix="fuzz-")
 SIZES = (0, 1, 2, 7, 10**5, 2**31, 2**63 - 1)
 
 
 def flipped(content: bytes, rng: random.Random) -> bytes:
     """Bytes with one to eight of them changed, cut off or repeated."""
-    bytes_ = bytearray(content)
     for _ in range(rng.randint(1, 8)):
-        at = rng.randrange(len(bytes_) + 1)
-        match rng.randrange(5):
-            case 0:
-                del bytes_[at : at + rng.randint(1, 9)]
-            case 1:
-                bytes_[at:at] = bytes_[at - 8 : at] * rng.randint(1, 3)
-            case 2 if rng.random() < 0.2:
-                del bytes_[at:]
-            case _:
-                bytes_[at : at + 1] = bytes([rng.choice((0, 1, 127, 128, 255))])
-    return bytes(bytes_)
+        at, gone = rng.randrange(len(content) + 1), rng.randrange(9)
+        odd = bytes([rng.choice((0, 1, 127, 128, 255))])
+        new = rng.choice((b"", odd, odd, content[at : at + 8]))
+        content = content[:at] + new + content[at + gone :]
+    return content[:at] if rng.random() < 0.1 else content
 
 
 def adopted(folder: Path, rng: random.Random, urdf: bool) -> list[str]:
@@ -134,6 +130,25 @@ def run_folder(folder: Path, rng: random.Random) -> list[str]:
     return [*rng.choice(READERS), "mine"]
 
 
+def viewer(folder: Path, rng: random.Random) -> str:
+    """What a browser says to the viewer; what is wrong with how its gate takes it.
+
+    Commands pass so that they would pass again, other bytes are a `ValueError`.
+    """
+    commands = import_module("sim.viewing.netimgui")
+    said = b"".join(_said(rng, kind) for kind in (0, *rng.choices((0, 2, 5), k=3)))
+    said = flipped(said, rng) if rng.random() < 0.8 else said
+    (folder / "said").write_bytes(said)
+    heard, again = commands.Commands(), commands.Commands()
+    cuts = sorted(rng.randrange(len(said) + 1) for _ in range(3))
+    with suppress(ValueError):
+        for begin, end in pairwise((0, *cuts, len(said))):
+            for command in heard.taken(said[begin:end]):
+                if list(again.taken(command)) != [command]:
+                    return f"a command of {len(command)} bytes passes and changes"
+    return ""
+
+
 FILES = (
     *("scenario.toml", "model.xml", "summary.json", "model.toml"),
     *("trajectory.npz", "trajectory.npz", "commands.npz", "flows.csv"),
@@ -142,7 +157,7 @@ READERS = (
     *(["show", "--no-browser"], ["compare", "mine"]),
     ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
 )
-FOREIGN: dict[str, Callable[[Path, random.Random], list[str]]] = {
+FOREIGN: dict[str, Callable[[Path, random.Random], list[str] | str]] = {
     "adopt-mjcf": partial(adopted, urdf=False),
     "adopt-urdf": partial(adopted, urdf=True),
     "adopt-mesh": mesh,
@@ -151,7 +166,20 @@ FOREIGN: dict[str, Callable[[Path, random.Random], list[str]]] = {
     "table": table,
     "servos": servos,
     "run": run_folder,
+    "viewer": viewer,
 }
+
+
+def _said(rng: random.Random, kind: int) -> bytes:
+    """A command of the viewer's interface: its version, an input, or a paste."""
+    body = b"MuJoCo Web Viewer".ljust(112, b"\0")
+    if kind == 2:
+        body = struct.pack("<2H2h2f", 800, 465, 10, 20, 0.0, 0.0) + bytes(512)
+        body += struct.pack("<H2x2f", rng.choice((0, 3, 256)), 1.0, 60.0)
+        body = body.ljust(608, b"\0")
+    elif kind == 5:
+        body = struct.pack("<QQ", 8, 9) + b"pasted\0\0" * rng.randint(1, 9)
+    return struct.pack("<IB3x", 8 + len(body), kind) + body
 
 
 def _write(path: Path, text: str) -> None:
@@ -159,14 +187,9 @@ def _write(path: Path, text: str) -> None:
 
 
 @cache
-def _scratch() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="fuzz-")
-
-
-@cache
 def _run() -> Path:
     """A finished run folder."""
-    folder = Path(_scratch().name, "run")
+    folder = Path(SCRATCH.name, "run")
     words = ["run", "line", *SHORT, "--no-video", "--out", str(folder), "--json"]
     with redirect_stdout(io.StringIO()):
         import_module("sim.cli").main(words)
@@ -176,10 +199,14 @@ def _run() -> Path:
 @cache
 def _swept() -> Path:
     """A finished sweep, each of whose points has the numbers of one run."""
-    folder = Path(_scratch().name, "swept")
-    sweeping, ledgers = map(import_module, ("sim.sweeps.sweeping", "sim.sweeps.ledger"))
-    folders, worker = map(import_module, ("sim.sweeps.folder", "sim.sweeps.worker"))
-    file = Path(_scratch().name, "sweep.toml")
+    folder, names = (
+        Path(SCRATCH.name, "swept"),
+        ("sweeping", "ledger", "folder", "worker"),
+    )
+    sweeping, ledgers, folders, worker = (
+        import_module(f"sim.sweeps.{n}") for n in names
+    )
+    file = Path(SCRATCH.name, "sweep.toml")
     file.write_text('scenario = "line"\n' + SMALL)
     points = sweeping.points_of(
         import_module("sim.sweeps.file").read_sweep(str(file)), folders.Shard()

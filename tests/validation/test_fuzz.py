@@ -7,12 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from scripts.endings import Bounds
 from scripts.fuzz import KINDS, OWN, Worker, decided, fault, main, search
 
 ROOT = Path(__file__).resolve().parents[2]
-BRIEF = 2  # [s] a kind of input, once a process is there to run its cases
-LONG = 30  # as many; three minutes in all
+BRIEF = 1  # [s] a kind of input, once a process is there to run its cases
+LONG = 30  # as many; eight minutes in all
 
 
 @pytest.fixture(scope="module")
@@ -74,10 +73,11 @@ def robot(folder, old, new):
 def test_a_case_that_never_ends_is_a_find_and_not_the_end_of_the_fuzz(tmp_path):
     """The compiler is busy for minutes, and no signal of Python's interrupts it."""
     robot(tmp_path, "<worldbody>", BOMB)
-    with Worker() as worker:
-        said = worker.fault(["robots", "mine.xml"], str(tmp_path), Bounds(seconds=1))
-        assert "takes 5 s" in said
+    with Worker(patience=2) as worker:
+        said = worker.fault(["robots", "mine.xml"], str(tmp_path))
+        assert "or 2 s in all" in said
         (tmp_path / "mine.xml").write_text("")
+        worker.patience = 100  # on a busy machine
         assert worker.fault(["robots", "mine.xml"], str(tmp_path)) is None
 
 

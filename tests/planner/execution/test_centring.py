@@ -1,7 +1,5 @@
 """Centring by recoveries: the same motion of the body, legs in the middle."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -300,12 +298,3 @@ def test_a_leg_may_go_up_to_the_end_of_its_range():
     shape.require_within({"p": (-0.1, 0.4)}, sweep, np.zeros(3))
     with pytest.raises(RangeError):
         shape.require_within({"p": (-0.1, 0.399)}, sweep, np.zeros(3))
-
-
-def test_a_new_visit_is_made_where_it_adds_fewest_contact_switches():
-    """On the way from 1 to 123; behind it, it would be a detour on the way to 3."""
-    system = SimpleNamespace(switches=lambda one, other: len({*one} ^ {*other}))
-    done, following = [centring._Visit("123", 4)], centring._Visit("3", 5)
-    placed = centring._place(system, done, {"12": ("g", 1.0)}, (0, following), "1")
-    assert [visit.stratum for visit in done] == ["12", "123"]
-    assert placed is done[0]
