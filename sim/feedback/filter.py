@@ -40,11 +40,11 @@ class Feedback:
         batch: Shape of many walks that are followed at once.
 
     Attributes:
-        pose: Estimate of the pose, (*batch, 3).
-        bias: Estimate of b, (*batch, 3).
-        slope: Estimate of A, (*batch, 3, 3).
+        pose: Estimate of the pose, (..., 3).
+        bias: Estimate of b, (..., 3).
+        slope: Estimate of A, (..., 3, 3).
         scatter: Standard deviation of what a segment misses about that, (3,).
-        covariance: Of pose, b, A by rows, offset and rate, (*batch, 17, 17).
+        covariance: Of pose, b, A by rows, offset and rate, (..., 17, 17).
 
     Example:
         >>> from math import radians
@@ -86,7 +86,7 @@ class Feedback:
 
     @property
     def claimed(self) -> Array:
-        """Standard deviation that it claims for its pose, (*batch, 3) [m], [rad]."""
+        """Standard deviation that it claims for its pose, (..., 3) [m], [rad]."""
         variances = np.diagonal(self.covariance, axis1=-2, axis2=-1)[..., POSE]
         return np.sqrt(np.maximum(variances, 0.0))
 
@@ -96,13 +96,13 @@ class Feedback:
         return Learnt(self.bias, self.slope, self.covariance[3:15, 3:15])
 
     def missing(self, meant: Array) -> Array:
-        """What a meant motion is expected to miss, b + A u, (*batch, 3)."""
+        """What a meant motion is expected to miss, b + A u, (..., 3)."""
         return self.bias + (self.slope @ np.asarray(meant)[..., None])[..., 0]
 
     def aim(self, target: Array) -> Array:
         """The motion to mean so as to end at a target, in the robot's frame.
 
-        It is (I + A)^-1 (wanted - b), shape (*batch, 3); x, y [m], yaw [rad].
+        It is (I + A)^-1 (wanted - b), shape (..., 3); x, y [m], yaw [rad].
         """
         wanted = seen_from(self.pose, np.broadcast_to(target, self.pose.shape))
         left = (wanted - self.bias)[..., None]
@@ -132,7 +132,7 @@ class Feedback:
         self.gyro = self.gyro + self.gyro[..., 1:] * [seconds, 0.0]
 
     def seen(self, pose: Array | None = None, gyro: Array | None = None) -> None:
-        """Take a reading: a camera's pose (*batch, 3), a gyroscope's yaw (*batch,).
+        """Take a reading: a camera's pose (..., 3), a gyroscope's yaw (...,).
 
         What was not told is None or NaN. A reading that is farther off than 99 % should
         be counts for less the farther it is. After three such in a row the robot was

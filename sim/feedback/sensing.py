@@ -117,8 +117,8 @@ class Sensor:
     def read(self, pose: Array, seconds: float) -> Array:
         """A reading at the stop after a segment that took some seconds.
 
-        It is x, y, yaw of the camera and the yaw of the gyroscope, shape (*batch, 4),
-        of a pose (*batch, 3); what is not told is NaN.
+        It is x, y, yaw of the camera and the yaw of the gyroscope, shape (..., 4),
+        of a pose (..., 3); what is not told is NaN.
         """
         sensing, random = self.sensing, self._random
         self._stops += 1
