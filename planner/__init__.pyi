@@ -48,6 +48,7 @@ from .planning import (
     convergence_order as convergence_order,
     critical_step as critical_step,
     ellipse as ellipse,
+    least_critical_step as least_critical_step,
     line as line,
     load_plan as load_plan,
     plan as plan,

@@ -46,13 +46,15 @@ def walking_system(
     *,
     heights: bool = True,
     trailer: float | None = None,
+    radius: float = 1.0,
 ) -> StratifiedSystem:
     """The stratified system of a walking body.
 
     Contacts are the groups that stand on each stratum, the bottom one first. With
     heights the state holds those of the feet, and the strata have fields that lift. A
     trailer is towed with its axle so far behind a hitch at the body's centre; its
-    heading `psi` then follows theta in the state.
+    heading `psi` then follows theta in the state. In the metric every angle counts as
+    the way at that radius.
     """
     phi = [sp.Symbol(f"phi_{group}") for group in groups]
     height = {g: sp.Symbol(f"height_{g}") for g in groups} if heights else {}
@@ -72,7 +74,8 @@ def walking_system(
             column = [*[sp.S.Zero] * len(still), *raised]
             fields[stratum][f"g{stratum}_{number}"] = column
     state = (*still, *height.values())
-    return StratifiedSystem(state, fields, next(iter(contacts)), level_sets)
+    metric = {str(angle): radius for angle in still[2:]}
+    return StratifiedSystem(state, fields, next(iter(contacts)), level_sets, metric)
 
 
 def _velocity(twist: Twist, trailer: float | None) -> list[sp.Expr]:

@@ -20,7 +20,7 @@ from numpy.polynomial import chebyshev
 from models.motion.equations_of_motion import turned
 from models.motion.robot_equations import Equations
 from models.motion.twists import TwistModel
-from planner import Array, StratifiedSystem
+from planner import Array
 
 STROKE_NODES = 13  # along it the twist is smooth but for where feet let go
 ACROSS = 5  # along the angle of the other group, which matters through its weight alone
@@ -120,8 +120,7 @@ def contact_equations(
         stratum: {name: columns[name] for name in names}
         for stratum, names in system.strata.items()
     }
-    moved = StratifiedSystem(system.state, strata, system.bottom, system.level_sets)
-    return replace(described, system=moved)
+    return replace(described, system=replace(system, strata=strata))
 
 
 def _fit(

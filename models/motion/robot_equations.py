@@ -101,8 +101,9 @@ def equations(robot: Robot, fields: Fields = "lifted") -> Equations:
     contacts = {name: name for name in card.strata}
     # a robot that rows in patterns on all feet is centred by stepping in between
     centred: StanceRule = "stepped" if card.patterns else "centred"
+    feet_radius = Kinematics(robot).reach  # turns radians into metres
     return Equations(
-        system=walking_system(robot.groups, contacts, swings),
+        system=walking_system(robot.groups, contacts, swings, radius=feet_radius),
         elements=_elements(robot, swings, fields),
         twists={swing.name: swing.twist or STILL for swing in swings},
         swings={swing.name: swing.direction for swing in swings},

@@ -28,7 +28,7 @@ REQUIRED = ("state", "goal", "strata")
 OPTIONAL = (
     *("description", "bottom", "gait", "elements", "start", "segments", "stance"),
     *("degree", "words", "flat"),
-    *("parameters", "limits", "level_sets"),
+    *("parameters", "limits", "level_sets", "metric", "lifts"),
 )
 FLAT = ("along", "across", "rate", "slope")
 Reader = Callable[[str, object], sp.Expr]
@@ -178,7 +178,9 @@ def _system(
         for stratum in sets.values
     }
     bottom = str(table.values.get("bottom", next(iter(strata), "")))
-    return StratifiedSystem(state, strata, bottom, level_sets)
+    metric, raising = table.gains("metric"), table.table("lifts")
+    lifts = {stratum: raising.texts(stratum) for stratum in raising.values}
+    return StratifiedSystem(state, strata, bottom, level_sets, metric, lifts)
 
 
 def _gait(system: StratifiedSystem) -> tuple[str, ...]:

@@ -150,4 +150,5 @@ class Execution:
             starts = nominal[:-1]
             return [steering.words(hall_coordinates, o, starts) for o in orders]
         signs = nearest_signs(extended, hall_coordinates, nominal, plain)
-        return [steering.scaled_words(hall_coordinates, o, signs) for o in plain]
+        measured, units = steering.measured(hall_coordinates, nominal[:-1])
+        return [steering.scaled_words(measured, o, units * signs) for o in plain]

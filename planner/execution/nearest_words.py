@@ -2,12 +2,11 @@
 
 Words of an approximation of degree k miss brackets of degree k + 1. The error of two
 orders of the same flows may differ a hundredfold, and which one is the smaller depends
-on the goal and on the signs of the fields, so the words are played, with each generator
-run forward or backward first. Therefore a plan is as good whichever signs a system is
-written with. That costs some rollouts a segment, which only a degree beyond that of the
-elements is worth: it is asked for where accuracy matters. Signs are chosen once for all
-segments of a plan, on a sample of them, where there are many, or the elements alone are
-of degree 3 and more.
+on the goal and on the fields, so the words are played, with each generator run forward
+or backward first. That costs some rollouts a segment, which only a degree beyond that
+of the elements is worth: it is asked for where accuracy matters. Signs are chosen once
+for all segments of a plan, on a sample of them, where there are many, or the elements
+alone are of degree 3 and more.
 """
 
 from __future__ import annotations
@@ -41,11 +40,12 @@ def nearest_words(
     segments, shape (segments + 1, n).
     """
     steering = extended.steering
-    every: Sequence[Array | None] = list(steering.signs)
+    every = list(steering.signs)
     if len(hall_coordinates) > SAMPLE:
         every = [nearest_signs(extended, hall_coordinates, nominal, ORDERS)]
+    hall_coordinates, units = steering.measured(hall_coordinates, nominal[:-1])
     ways = [
-        steering.scaled_words(hall_coordinates, order, signs)
+        steering.scaled_words(hall_coordinates, order, units * signs)
         for signs in every
         for order in ORDERS
     ]
@@ -63,24 +63,27 @@ def nearest_signs(
     hall_coordinates: Array,
     nominal: Array,
     orders: Sequence[Spelled],
-) -> Array | None:
+) -> Array:
     """Signs (m,) of the generators with which words in the orders end nearest to goals.
 
-    None where the printed signs are as good as any.
+    They are those of the units themselves where these are as good as any.
     """
     steering, count = extended.steering, len(hall_coordinates)
     sample = np.unique(np.linspace(0, count - 1, SAMPLE).round().astype(int))
     starts, goals = nominal[sample], nominal[sample + 1]
+    coordinates, units = (
+        each[sample] for each in steering.measured(hall_coordinates, nominal[:-1])
+    )
 
     def miss(signs: Array, order: Spelled) -> float:
         tick()
-        words = steering.scaled_words(hall_coordinates[sample], order, signs)
+        words = steering.scaled_words(coordinates, order, units * signs)
         segments = zip(words, starts, goals, strict=True)
         return sum(_miss(extended.system, *segment) for segment in segments)
 
     misses = [min(miss(signs, order) for order in orders) for signs in steering.signs]
     best = int(np.argmin(misses))
-    return None if misses[0] <= misses[best] * AS_GOOD else steering.signs[best]
+    return steering.signs[0 if misses[0] <= misses[best] * AS_GOOD else best]
 
 
 def _miss(system: StratifiedSystem, word: Word, start: Array, goal: Array) -> float:
@@ -91,4 +94,4 @@ def _miss(system: StratifiedSystem, word: Word, start: Array, goal: Array) -> fl
             state = flow_map(system, name, state, duration)
     except ConvergenceError:
         return np.inf
-    return float(np.linalg.norm(state - goal))
+    return float(system.length(state - goal))

@@ -17,6 +17,7 @@ from planner.errors import PlannerError, RankError, point
 from planner.extension.fields_on_bottom import on_bottom
 from planner.extension.steering import Steering, steering
 from planner.numerics.arrays import Array
+from planner.numerics.subspaces import column_space
 from planner.systems.elements import column, leaves, name_of, parse
 from planner.systems.fields import (
     CompiledFields,
@@ -58,18 +59,22 @@ class ExtendedSystem:
     columns: CompiledFields
     steering: Steering
 
-    def fictitious_inputs(self, x: Array, velocity: Array) -> Array:
+    def fictitious_inputs(
+        self, x: Array, velocity: Array, units: Array | None = None
+    ) -> Array:
         """Inputs v with B(x) v = velocity, eq. (5), of least norm if not unique.
 
         Configurations x on the bottom stratum and velocities have shape (..., n), the
-        inputs (..., p). Raises `SingularConfigurationError` if a field is not finite,
-        `RankError` if the elements do not span the tangent space of the bottom stratum,
-        and `PlannerError` if a velocity leaves it.
+        inputs (..., p). The norm measures them in units of shape (p,), those of their
+        declaration if not given. Raises `SingularConfigurationError` if a field is not
+        finite, `RankError` if the elements do not span the tangent space of the bottom
+        stratum, and `PlannerError` if a velocity leaves it.
         """
         matrix = self.columns(x)  # (..., n, p)
         inverse = _inverse(matrix[..., self._moving, :])
         if inverse is None or len(self._moving) != self.system.bottom_dimension:
-            inputs = self._least_norm(matrix, velocity, x)
+            units = np.ones(len(self.elements)) if units is None else units
+            inputs = self._least_norm(matrix, velocity, x, units)
         else:
             inputs = (inverse @ velocity[..., self._moving, None])[..., 0]
         self._require_reached(matrix, inputs, velocity, x)
@@ -100,34 +105,39 @@ class ExtendedSystem:
         return np.flatnonzero(moving)
 
     def _least_norm(
-        self, matrix: Array, velocity: Array, x: Array, sizes: Array | None = None
+        self, matrix: Array, velocity: Array, x: Array, units: Array, last: bool = False
     ) -> Array:
-        """Inputs of least norm, relative to the sizes of the elements if given."""
-        unit = matrix if sizes is None else matrix / sizes
-        left, singular, right = _decomposed(unit)
+        """Inputs of least norm in given units; in others where these hide the rank."""
+        rows = self.system.weights[:, None]
+        left, singular, right = _decomposed(rows * matrix * units)
         needed = self.system.bottom_dimension
-        largest = singular[..., :1] if sizes is None else 1.0
-        kept = singular > largest / CONDITION  # (..., min(n, p))
+        kept = singular * CONDITION > singular[..., :1]  # (..., min(n, p))
         rank = kept.sum(axis=-1)
-        if (rank < needed).any() and sizes is None:
-            return self._least_norm(matrix, velocity, x, self._sizes(matrix, x))
+        if (rank < needed).any() and not last:
+            even = 1.0 / self._sizes(matrix, x)
+            return self._least_norm(matrix, velocity, x, even, last=True)
         if (rank < needed).any():
             worst = np.unravel_index(rank.argmin(), rank.shape)
-            reached = left[worst][:, kept[worst]]
+            reached = column_space(left[worst][:, kept[worst]] / rows)
             raise RankError(x[worst], needed, self.system.missing(reached, x[worst]))
         scale = np.where(kept, 1 / np.where(kept, singular, 1.0), 0.0)
-        parts = np.swapaxes(left, -1, -2) @ velocity[..., None]
-        inputs = (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
-        return inputs if sizes is None else inputs / sizes
+        parts = np.swapaxes(left, -1, -2) @ (rows * velocity[..., None])
+        return units * (np.swapaxes(right, -1, -2) @ (scale[..., None] * parts))[..., 0]
 
     def _sizes(self, matrix: Array, x: Array) -> Array:
-        """Largest length of each element on a path and near its start, shape (p,)."""
-        around = x.reshape(-1, x.shape[-1])[0] + sample_configurations(x.shape[-1])
-        near = self.columns.values(around)
+        """Usual length of each element on a path and near its start, shape (p,).
+
+        A few places where one is singular or vanishes count for nothing.
+        """
+        weights = self.system.weights
+        nearby = sample_configurations(x.shape[-1]) / weights
+        near = self.columns.values(x.reshape(-1, x.shape[-1])[0] + nearby)
         every = np.concatenate([matrix.reshape(-1, *matrix.shape[-2:]), near])
-        finite = np.where(np.isfinite(every), every, 0.0)
-        sizes = np.linalg.norm(finite, axis=-2).max(axis=0)
-        return np.where(sizes > 0.0, sizes, 1.0)
+        lengths = np.linalg.norm(every * weights[:, None], axis=-2)
+        usable = np.where(np.isfinite(lengths) & (lengths > 0.0), lengths, np.nan)
+        usable[:, np.isnan(usable).all(axis=0)] = 1.0
+        sizes: Array = np.nanmedian(usable, axis=0)
+        return sizes
 
     def orientations(self, x: Array) -> Array:
         """Signs of det B(x), shape (...), if B is square, and ones if it is not.

@@ -9,7 +9,8 @@ therefore determined from the fields and not taken from the order in the paper. 
 degree 3 and more are judged by where they end: `execution.nearest_words`.
 
 A choice is described by a scale for each generator: its flows are measured in units of
-the scale, and a negative scale runs the generator backward.
+the scale, and a negative scale runs the generator backward. Scales begin with the units
+of `extension.input_units`; at other degrees there is nothing else to choose.
 """
 
 from __future__ import annotations
@@ -22,16 +23,17 @@ from itertools import product
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, fields_of, renumbered
+from planner.extension.input_units import EQUAL, InputUnits, weights
 from planner.lie.free_lie import lie_algebra
-from planner.lie.hall import Bracket, Element, degree, hall_basis
+from planner.lie.hall import Element, degree, hall_basis
 from planner.lie.input_words import logarithm_of_word
 from planner.numerics.arrays import Array
 from planner.systems.fields import CompiledFields, compile_fields
+from planner.systems.shape import ShapeCoordinates
 from planner.systems.strata import StratifiedSystem
 
 DEGREE = 2  # of the brackets whose words are rectangles
 WORTH_TURNING = 0.5  # of the printed word's error, above which that word is kept
-EQUAL = 1e-6  # relative difference below which sides count as equal
 LONGEST_SHAPE = 10.0  # times as long as wide that a rectangle may be
 MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
 
@@ -40,32 +42,38 @@ MOST_SIGNED = 6  # generators whose signs are tried, all combinations of them
 class Rectangles:
     """Corners and shapes of rectangles, compared by the brackets of the next degree."""
 
-    hall: HallFields  # of degree 2
-    fields: CompiledFields  # those of the basis, then the brackets of the next degree
+    hall: HallFields
+    units: InputUnits
+    fields: CompiledFields | None  # of the basis and beyond; None if not of degree 2
 
-    def scales(self, hall_coordinates: Array, at: Array) -> Array | None:
+    def scales(self, hall_coordinates: Array, at: Array, units: Array) -> Array:
         """A scale for each generator and segment, shape (segments, m).
 
-        Takes backward coordinates, shape (segments, s), and the configurations where
-        segments start, (segments, n). None if the printed words are as good as any.
+        Takes backward coordinates, shape (segments, s), the configurations where
+        segments start, (segments, n), and the units of the inputs, (segments, m).
         """
-        if not hall_coordinates[:, self._tops].any():
-            return None
+        scales = units
+        if self.fields is None or not hall_coordinates[:, self._tops].any():
+            return scales
         fields = self.fields.values(at)  # (segments, n, basis and brackets beyond)
         if not np.isfinite(fields).all():
-            return None
+            return scales
+        fields *= self.units.weights[:, None]
         own, beyond = np.split(fields, [len(self.hall.elements)], axis=-1)
-        scales = self._sides(beyond)
-        unit = weights(self.hall.elements, scales)
+        scales = scales * self._sides(beyond * self._weights(self._beyond, scales))
         errors = self._errors(
-            hall_coordinates / unit,
-            own * unit[:, None],
-            beyond * weights(self._beyond, scales)[:, None],
+            hall_coordinates / weights(self.hall.elements, scales),
+            own * self._weights(self.hall.elements, scales),
+            beyond * self._weights(self._beyond, scales),
         )  # (ways, segments)
         least = errors.min(axis=0) + EQUAL * errors.max(axis=0)
         printed = errors[0] * WORTH_TURNING <= least
-        scales = scales * self._signs[np.where(printed, 0, errors.argmin(axis=0))]
-        return None if (scales == 1.0).all() else scales
+        turned = self._signs[np.where(printed, 0, errors.argmin(axis=0))]
+        return np.asarray(scales * turned)
+
+    def _weights(self, elements: Sequence[Element], scales: Array) -> Array:
+        """Factors of the columns of fields in each segment, (segments, 1, elements)."""
+        return weights(elements, scales)[:, None]
 
     def _errors(self, h: Array, own: Array, beyond: Array) -> Array:
         """Leading errors of all ways relative to the intended motion, (ways, segments).
@@ -142,14 +150,18 @@ class Rectangles:
         return leading
 
 
-def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles | None:
-    """The rectangles of the words of a basis; None if it is not of degree 2."""
-    if degree(hall.elements[-1]) != DEGREE:
-        return None
+def rectangles(system: StratifiedSystem, hall: HallFields) -> Rectangles:
+    """The units and rectangles of the words of a basis."""
     generators = [system.fields[name] for name in hall.generators]
+    compiled = compile_fields(generators, system.state)
+    joints = ShapeCoordinates(system).inert
+    units = InputUnits(hall.elements, hall.entangled, compiled, system.weights, joints)
+    if degree(hall.elements[-1]) != DEGREE:
+        return Rectangles(hall, units, None)
     every = fields_of(entangled(hall), generators, system.state)
     brackets = [field for e, field in every.items() if degree(e) > DEGREE]
-    return Rectangles(hall, compile_fields([*hall.fields, *brackets], system.state))
+    fields = compile_fields([*hall.fields, *brackets], system.state)
+    return Rectangles(hall, units, fields)
 
 
 def entangled(hall: HallFields) -> tuple[Element, ...]:
@@ -169,21 +181,3 @@ def sign_choices(count: int, numbers: Sequence[int]) -> Array:
     ways = np.ones((2 ** len(numbers), count))
     ways[:, [i - 1 for i in numbers]] = list(product((1, -1), repeat=len(numbers)))
     return ways
-
-
-def weights(elements: Sequence[Element], scales: Array) -> Array:
-    """Factors by which scales of the generators multiply elements, shape (..., s).
-
-    The scales have shape (..., m), and there are s elements.
-    """
-    columns = [
-        np.prod(scales[..., [i - 1 for i in _letters(e)]], axis=-1) for e in elements
-    ]
-    return np.stack(columns, axis=-1)
-
-
-def _letters(element: Element) -> tuple[int, ...]:
-    """Generators of an element, as often as they occur."""
-    if isinstance(element, Bracket):
-        return (*_letters(element.left), *_letters(element.right))
-    return (element,)

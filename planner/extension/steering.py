@@ -15,7 +15,8 @@ from typing import Literal
 import numpy as np
 
 from planner.extension.bracket_fields import HallFields, hall_fields
-from planner.extension.rectangles import Rectangles, rectangles, sign_choices, weights
+from planner.extension.input_units import weights
+from planner.extension.rectangles import Rectangles, rectangles, sign_choices
 from planner.lie.coordinates import integrate
 from planner.lie.free_lie import lie_algebra
 from planner.lie.input_words import Order, Spelling, joined, spellings
@@ -42,8 +43,9 @@ class Steering:
         selected: Index in the basis of each selected element.
         degree: Degree of the nilpotent approximation: words are exact where all
             brackets beyond it vanish.
-        rectangles: From which corner, and in which shape, words run their rectangles;
-            None where there are none.
+        rectangles: In which units words are spelled, and from which corner and in which
+            shape they run their rectangles; None for the words of the paper, with
+            inputs as they are declared.
 
     Example:
         >>> import numpy as np
@@ -95,23 +97,22 @@ class Steering:
         generators themselves run in the other order. `shortest` takes short words
         where two fields have the only bracket, and the shorter of the first two
         elsewhere. `alternating` mirrors every second of the backward words. The
-        coordinates are backward ones, shape (segments, s). Configurations that the
-        segments start from, shape (segments, n), choose the rectangles that leave the
-        smallest error there; without them rectangles are those that are printed.
+        coordinates are backward ones, shape (segments, s). With the configurations that
+        segments start from, shape (segments, n), inputs are measured in the units of
+        `rectangles`, and rectangles are those that leave the smallest error there;
+        without them, or without `rectangles`, words are those that are printed.
         """
-        if order == "shortest":
-            return self._short_words(hall_coordinates)
-        if order == "alternating":
-            return self._alternating_words(hall_coordinates)
-        scales = None
-        if self.rectangles and at is not None and not order.endswith("-turned"):
-            scales = self.rectangles.scales(hall_coordinates, at)
+        if at is None:
+            return self.scaled_words(hall_coordinates, order)
+        hall_coordinates, scales = self.measured(hall_coordinates, at)
+        if self.rectangles and order in ("backward", "forward"):
+            scales = self.rectangles.scales(hall_coordinates, at, scales)
         return self.scaled_words(hall_coordinates, order, scales)
 
     def scaled_words(
         self,
         hall_coordinates: Array,
-        order: Spelled,
+        order: Wording,
         scales: Array | None = None,
     ) -> list[Word]:
         """Words whose flows are measured in other units, or run backward.
@@ -119,11 +120,35 @@ class Steering:
         All of them realise the same coordinates; they differ in brackets beyond. Scales
         have shape (segments, m) or (m,); None takes the words that are printed.
         """
-        if scales is not None:
-            scales = np.broadcast_to(scales, (len(hall_coordinates), scales.shape[-1]))
-            unit = weights(self.hall.elements, scales)
-            hall_coordinates = hall_coordinates / unit
-        return self._named(self._spelled(hall_coordinates, order, scales))
+        shape = len(hall_coordinates), len(self.hall.generators)
+        scales = np.broadcast_to(1.0 if scales is None else scales, shape)
+        scaled = hall_coordinates / weights(self.hall.elements, scales)
+        if order == "shortest":
+            spelled = self._short(scaled, scales)
+        elif order == "alternating":
+            spelled = self._alternating(scaled, scales)
+        else:
+            spelled = self._spelled(scaled, order, scales)
+        names = self.hall.generators
+        patterns = {letters for letters, _ in spelled}
+        fields = {letters: tuple(names[i - 1] for i in letters) for letters in patterns}
+        return [Word(fields[letters], durations) for letters, durations in spelled]
+
+    def measured(self, hall_coordinates: Array, at: Array) -> tuple[Array, Array]:
+        """Coordinates without rounding, and units of the inputs, (segments, m).
+
+        Without `rectangles` the coordinates are as given, and the units are one.
+        """
+        if self.rectangles is None:
+            return hall_coordinates, np.ones((len(at), len(self.hall.generators)))
+        return self.rectangles.units.measured(hall_coordinates, at)
+
+    def element_units(self, x: Array) -> Array | None:
+        """Units of the selected elements' inputs at x of shape (n,), shape (p,)."""
+        if self.rectangles is None:
+            return None
+        every = weights(self.hall.elements, self.rectangles.units.at(x))
+        return np.asarray(every[list(self.selected)])
 
     @property
     def signs(self) -> Array:
@@ -137,7 +162,7 @@ class Steering:
         return sign_choices(len(self.hall.generators), few)
 
     def _spelled(
-        self, hall_coordinates: Array, order: Spelled, units: Array | None = None
+        self, hall_coordinates: Array, order: Spelled, scales: Array
     ) -> list[Spelling]:
         plain: Order = "backward" if order.startswith("backward") else "forward"
         return spellings(
@@ -146,43 +171,45 @@ class Steering:
             plain,
             self.hall.vanishing,
             turned=order.endswith("-turned"),
-            units=units,
+            units=scales,
         )
 
-    def _named(self, spelled: Sequence[Spelling]) -> list[Word]:
-        names = self.hall.generators
-        patterns = {letters for letters, _ in spelled}
-        fields = {letters: tuple(names[i - 1] for i in letters) for letters in patterns}
-        return [Word(fields[letters], durations) for letters, durations in spelled]
-
-    def _alternating_words(self, hall_coordinates: Array) -> list[Word]:
-        spelled = self._spelled(hall_coordinates, "backward")
-        spelled[1::2] = mirrored_spellings(
+    def _alternating(self, hall_coordinates: Array, scales: Array) -> list[Spelling]:
+        spelled = self._spelled(hall_coordinates, "backward", scales)
+        mirrored = mirrored_spellings(
             self.hall.elements,
             hall_coordinates[1::2],
             max(self.selected_degrees),
             self.hall.vanishing,
         )
-        return self._named(spelled)
+        spelled[1::2] = map(_scaled, mirrored, scales[1::2])
+        return spelled
 
-    def _short_words(self, hall_coordinates: Array) -> list[Word]:
+    def _short(self, hall_coordinates: Array, scales: Array) -> list[Spelling]:
         if self.hall.only_pair is None:
-            backward = self.words(hall_coordinates, "backward")
-            forward = self.words(hall_coordinates, "forward")
-
-            def travel(word: Word) -> float:
-                return sum(map(abs, word.durations))
-
-            return [
-                min(pair, key=travel) for pair in zip(backward, forward, strict=True)
+            unscaled = np.ones_like(scales)
+            backward = self._spelled(hall_coordinates, "backward", unscaled)
+            forward = self._spelled(hall_coordinates, "forward", unscaled)
+            pairs = zip(backward, forward, strict=True)
+            short = [
+                min(p, key=lambda spelled: sum(map(abs, spelled[1]))) for p in pairs
             ]
+            return list(map(_scaled, short, scales))
         first, second = self.hall.only_pair
         count, h = len(self.hall.generators), hall_coordinates.T
         pair = short_durations(h[first - 1], h[second - 1], h[count])
         apart = [i for i in range(1, count + 1) if i not in (first, second)]
         generators = (first, second, first, second, first, *apart)
         durations = np.hstack([pair, h[[i - 1 for i in apart]].T])
-        return self._named([joined(generators, row) for row in durations.tolist()])
+        short = [joined(generators, row) for row in durations.tolist()]
+        return list(map(_scaled, short, scales))
+
+
+def _scaled(spelling: Spelling, scales: Array) -> Spelling:
+    """A word with its durations in the units of the inputs, shape (m,)."""
+    letters, durations = spelling
+    units = scales.tolist()
+    return letters, [units[i - 1] * t for i, t in zip(letters, durations, strict=True)]
 
 
 def steering(

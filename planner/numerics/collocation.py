@@ -81,10 +81,9 @@ def follow(
         ConvergenceError: The flow escapes to infinity, or `HALVINGS` halvings do not
             suffice.
     """
-    with np.errstate(all="ignore"):
-        begin = np.zeros(np.shape(x)) if steady is None else steady
-        end = _follow(field, np.asarray(x, dtype=float), duration, begin, HALVINGS)
-    if end is None:
+    starts, durations = np.asarray(x, dtype=float)[None], np.array([duration])
+    (end,) = follow_all(field, starts, durations, steady)
+    if not np.isfinite(end).all():
         raise ConvergenceError(
             f"flow for {duration:.6g} from {point(x)} does not converge; it "
             "escapes or is not smooth: make it shorter"
@@ -92,34 +91,60 @@ def follow(
     return end
 
 
+def follow_all(
+    field: Callable[[Array], Array],
+    x: Array,
+    durations: Array,
+    steady: Array | None = None,
+) -> Array:
+    """Ends of flows along one field from several states, shape (flows, n).
+
+    They are nan where a flow does not converge; otherwise as `follow`.
+    """
+    with np.errstate(all="ignore"):
+        begin = np.zeros(x.shape[1]) if steady is None else steady
+        return _follow(field, x, durations, begin, HALVINGS)
+
+
 def _follow(
     field: Callable[[Array], Array],
     x: Array,
-    duration: float,
+    durations: Array,
     steady: Array,
     halvings: int,
-) -> Array | None:
+) -> Array:
     tick()
-    end = _picard(field, x, duration, steady)
-    if end is not None or halvings == 0:
-        return end
-    half = duration / 2, steady, halvings - 1
-    middle = _follow(field, x, *half)
-    return None if middle is None else _follow(field, middle, *half)
+    ends = _picard(field, x, durations, steady)
+    (left,) = np.nonzero(np.isnan(ends[:, 0]) & np.isfinite(x).all(axis=1))
+    if len(left) and halvings:
+        half = durations[left] / 2, steady, halvings - 1
+        middle = _follow(field, x[left], *half)
+        ends[left] = _follow(field, middle, *half)
+    return ends
 
 
 def _picard(
-    field: Callable[[Array], Array], x: Array, duration: float, steady: Array
-) -> Array | None:
+    field: Callable[[Array], Array], x: Array, durations: Array, steady: Array
+) -> Array:
+    """Ends of the flows for which the iteration converges, nan for others."""
     rule = collocation(STEP_NODES)
-    path = x + duration * rule.nodes[:, None] * steady
+    by = durations[:, None]
+    path = x + by * rule.nodes[:, None, None] * steady  # (nodes, flows, n)
+    ends, going = np.full(x.shape, np.nan), np.arange(len(x))
     for _ in range(PICARD_ITERATIONS):
-        before, velocity = path, field(path)
-        path = x + duration * (rule.integral @ velocity)
-        scale = 1.0 + np.abs(path).max()
-        if not scale < np.inf:
-            return None
-        if np.abs(path - before).max() <= PICARD_TOLERANCE * scale:
-            tail = np.abs(rule.coefficients[-2:] @ velocity).max() * abs(duration)
-            return path[-1] if tail <= 10 * PICARD_TOLERANCE * scale else None
-    return None
+        before, (nodes, flows, size) = path, path.shape
+        rates = field(path.reshape(-1, size)).reshape(nodes, -1)
+        moved = (rule.integral @ rates).reshape(path.shape)
+        path = x[going] + by[going] * moved
+        scale = 1.0 + np.abs(path).max(axis=(0, 2))
+        met = np.abs(path - before).max(axis=(0, 2)) <= PICARD_TOLERANCE * scale
+        if met.any():
+            last = (rule.coefficients[-2:] @ rates).reshape(2, flows, size)
+            tails = np.abs(last).max(axis=(0, 2)) * np.abs(durations[going])
+            good = met & (tails <= 10 * PICARD_TOLERANCE * scale)
+            ends[going[good]] = path[-1, good]
+        kept = ~met & (scale < np.inf)
+        if not kept.any():
+            break
+        going, path = going[kept], path[:, kept]
+    return ends

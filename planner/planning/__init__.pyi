@@ -14,8 +14,11 @@ from .chained_forms import (
 from .convergence import (
     ConvergenceOrder as ConvergenceOrder,
     convergence_order as convergence_order,
-    critical_step as critical_step,
     faster as faster,
+)
+from .critical_steps import (
+    critical_step as critical_step,
+    least_critical_step as least_critical_step,
 )
 from .lifted_ends import (
     plan_between as plan_between,

@@ -48,6 +48,8 @@ def system_table(system: StratifiedSystem) -> Table:
             stratum: [write_formula(f) for f in functions]
             for stratum, functions in system.level_sets.items()
         },
+        "metric": system.metric,
+        "lifts": system.lifts,
     }
 
 
@@ -58,7 +60,7 @@ def system_from(table: Table) -> StratifiedSystem:
         raise ValueError(
             f"system lacks {key!r}; it has {', '.join(table) or 'nothing'}"
         )
-    for key in sorted(table.keys() - needed - {"level_sets"}):
+    for key in sorted(table.keys() - needed - {"level_sets", "metric", "lifts"}):
         raise ValueError(f"system has the unknown key {key!r}")
     state = [sp.Symbol(str(name), real=True) for name in table["state"]]
     return StratifiedSystem(
@@ -75,6 +77,8 @@ def system_from(table: Table) -> StratifiedSystem:
             stratum: tuple(read_formula(f, state) for f in functions)
             for stratum, functions in table.get("level_sets", {}).items()
         },
+        metric=table.get("metric", {}),
+        lifts=table.get("lifts", {}),
     )
 
 

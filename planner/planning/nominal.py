@@ -126,15 +126,16 @@ def fictitious_inputs_along(extended: ExtendedSystem, samples: Array) -> Array:
 
     The path is differentiated as the polynomial through its samples, so that the
     integral of its velocity meets the end of the segment exactly. Inputs are zero where
-    the path does not move. Samples have shape (segments, nodes, n), inputs (segments,
-    nodes, p).
+    the path does not move, and redundant elements are weighed by the units of their
+    inputs. Samples have shape (segments, nodes, n), inputs (segments, nodes, p).
     """
     segments, nodes, _ = samples.shape
     inputs = np.zeros((segments, nodes, len(extended.elements)))
     moving = np.ptp(samples, axis=1).any(axis=1)
     if moving.any():
         velocity = collocation(nodes).derivative @ samples[moving]
-        inputs[moving] = extended.fictitious_inputs(samples[moving], velocity)
+        units = extended.steering.element_units(samples[0, 0])
+        inputs[moving] = extended.fictitious_inputs(samples[moving], velocity, units)
     return inputs
 
 

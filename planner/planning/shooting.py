@@ -74,7 +74,7 @@ def aim(
         path: Configurations on the bottom stratum for s in [0, 1].
         segments: Number of straight segments that replace the path.
         execution: How to carry them out; its coordinates are not `fewest`.
-        tolerance: Largest distance from the ends of the segments.
+        tolerance: Largest distance from the ends of the segments, in the metric.
 
     Raises:
         ValueError: The execution leaves the choice of coordinates open, or the number
@@ -132,18 +132,20 @@ def _aimed(
     The first approximation is that the end moves as the aim does. No correction is
     longer than the segment.
     """
+    weights = extended.system.weights
     there, inverse = target, np.eye(target.size)  # of the end's change with the aim
     shot = shot_towards(extended, here, there, execution)
-    miss = target - shot.end
+    miss = weights * (target - shot.end)
+    longest = float(extended.system.length(target - here))
     for _ in range(MOST_AIMS):
         tick()
         if np.linalg.norm(miss) <= tolerance:
             return shot
         step = inverse @ miss
-        step *= min(1.0, float(np.linalg.norm(target - here) / np.linalg.norm(step)))
-        there = there + step
+        step *= min(1.0, longest / float(np.linalg.norm(step)))
+        there = there + step / weights
         shot = shot_towards(extended, here, there, execution)
-        missed, miss = miss, target - shot.end
+        missed, miss = miss, weights * (target - shot.end)
         expected = inverse @ (missed - miss)
         if not abs(step @ expected) > 0.0:
             return None
@@ -172,7 +174,7 @@ def steer(
         start: Configuration to start from, shape (n,).
         goal: Configuration to meet, shape (n,).
         execution: How to carry the shots out; its coordinates are not `fewest`.
-        tolerance: Distance from the goal at the end, in the units of the state.
+        tolerance: Distance from the goal at the end, in the metric.
         max_shots: Largest number of shots.
 
     Raises:
@@ -192,7 +194,11 @@ def steer(
     """
     way = line(start, goal)
     here, end = way(0.0), way(1.0)
-    shots, distances = list[Shot](), [float(np.linalg.norm(end - here))]
+
+    def apart(x: Array, y: Array) -> float:
+        return float(extended.system.length(x - y))
+
+    shots, distances = list[Shot](), [apart(end, here)]
     part, critical, hopeful = 1.0, np.inf, True
     while distances[-1] > tolerance:
         tick(f"{len(shots)} shots, which end {distances[-1]:.3g} off the goal")
@@ -201,7 +207,7 @@ def steer(
         if hopeful and (stalled or part < FINEST):
             if aimed := _aimed_pieces(extended, way, execution, tolerance):
                 shots, ends = aimed, [shot.end for shot in aimed]
-                distances[1:] = [float(np.linalg.norm(end - x)) for x in ends]
+                distances[1:] = [apart(end, x) for x in ends]
                 break
             hopeful = False
         if len(shots) >= max_shots or part < FINEST:
@@ -211,13 +217,13 @@ def steer(
             )
         target = here + part * (end - here)
         shot = shot_towards(extended, here, target, execution)
-        length = float(np.linalg.norm(target - here))
-        if np.linalg.norm(target - shot.end) > length / 2:
+        length = apart(target, here)
+        if apart(target, shot.end) > length / 2:
             critical, part = min(critical, length), part / 2
             continue
         shots.append(shot)
         here, part = shot.end, min(1.0, 2 * part)
-        distances.append(float(np.linalg.norm(end - here)))
+        distances.append(apart(end, here))
     nominal = np.array([*([shot.start for shot in shots] or [here]), end])
     planned = _assembled(extended, shots, nominal, execution)
     return Steered(planned, tuple(distances), float(critical))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -171,4 +172,39 @@ def checked_level_sets(
                 f"level sets of S{stratum} are not independent: "
                 f"{', '.join(map(str, functions))} (Def. 1)"
             )
+    return checked
+
+
+def checked_metric(
+    metric: Mapping[str | sp.Symbol, float], state: Symbols
+) -> dict[str, float]:
+    """Lengths that units of coordinates count as, by name; positive and finite."""
+    names = list(map(str, state))
+    for name, weight in metric.items():
+        if str(name) not in names:
+            raise ValueError(f"metric has {name}, which {unknown(str(name), names)}")
+        if not 0.0 < weight < inf:
+            raise ValueError(
+                f"metric has {name} = {weight}; give the length that a unit of it "
+                "counts as"
+            )
+    return {str(name): float(weight) for name, weight in metric.items()}
+
+
+def checked_lifts(
+    lifts: Mapping[str, Sequence[str] | str],
+    strata: Mapping[str, Mapping[str, VectorField]],
+) -> dict[str, tuple[str, ...]]:
+    """Names of the lift fields of strata, each a field of its stratum."""
+    checked = {}
+    for stratum, given in lifts.items():
+        if stratum not in strata:
+            raise ValueError(
+                f"lifts of stratum {stratum!r}, which {unknown(stratum, strata)}"
+            )
+        checked[stratum] = (given,) if isinstance(given, str) else tuple(given)
+        for name in checked[stratum]:
+            if name not in strata[stratum]:
+                known = unknown(name, strata[stratum])
+                raise ValueError(f"lift {name!r} of S{stratum} {known}")
     return checked

@@ -47,23 +47,29 @@ class ShapeCoordinates:
         return frozenset(int(i) for i in np.flatnonzero(constant))
 
     @cached_property
+    def inert(self) -> frozenset[int]:
+        """Indices of shape coordinates on which no field depends, such as joints."""
+        fields = self.system.fields.values()
+        if any(isinstance(field, NumericField) for field in fields):
+            return frozenset()  # it is unknown what a Python function depends on
+        formulas = [*fields, *chain(*self.system.level_sets.values())]
+        used = set().union(*(formula.free_symbols for formula in formulas))
+        return frozenset(
+            i for i in self.coordinates if self.system.state[i] not in used
+        )
+
+    @cached_property
     def recoveries(self) -> dict[str, tuple[int, float]]:
         """Index and rate of the shape coordinate that each recovery moves.
 
         A recovery moves this one coordinate alone, and no field depends on it: its
         flows commute with all others and do not move the body.
         """
-        fields = self.system.fields.values()
-        if any(isinstance(field, NumericField) for field in fields):
-            return {}  # it is unknown what a Python function depends on
-        formulas = [*fields, *chain(*self.system.level_sets.values())]
-        used = set().union(*(formula.free_symbols for formula in formulas))
-        inert = {i for i in self.coordinates if self.system.state[i] not in used}
         moved = {name: np.flatnonzero(rates) for name, rates in self.rates.items()}
         return {
             name: (int(i[0]), float(self.rates[name][i[0]]))
             for name, i in moved.items()
-            if len(i) == 1 and int(i[0]) in inert
+            if len(i) == 1 and int(i[0]) in self.inert
         }
 
     def trajectory(self, coordinate: int, flows: Iterable[Flow], start: float) -> Array:

@@ -15,12 +15,15 @@ from functools import cached_property
 
 import numpy as np
 import sympy as sp
+from numpy.typing import ArrayLike
 
 from planner.errors import StratumError, point, unknown
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import directions_beyond
 from planner.systems.declaration import (
     checked_level_sets,
+    checked_lifts,
+    checked_metric,
     checked_state,
     checked_strata,
 )
@@ -45,6 +48,11 @@ class StratifiedSystem:
         bottom: The bottom stratum S_B, in which plans start and end.
         level_sets: For each stratum the expressions Phi_i that vanish on it, such as
             the heights of its feet. A stratum without an entry is open.
+        metric: By name of a coordinate, the length that a unit of it counts as, such as
+            the feet's distance from the middle for a yaw [m/rad]; 1 where none is
+            given. Distances are measured in it, and inputs compared.
+        lifts: For each stratum the names of the fields that lift feet there (Sec. 5.1);
+            found by their formulas where these leave no choice.
 
     Raises:
         ValueError: A part is misshapen or names something unknown, two strata have the
@@ -62,6 +70,8 @@ class StratifiedSystem:
     strata: Mapping[str, Mapping[str, VectorField]]
     bottom: str
     level_sets: Mapping[str, tuple[sp.Expr, ...]] = field(default_factory=dict)
+    metric: Mapping[str, float] = field(default_factory=dict)
+    lifts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     _compiled: dict[str, CompiledFields] = field(
         default_factory=dict, init=False, repr=False
     )
@@ -76,6 +86,8 @@ class StratifiedSystem:
             ("state", normalised),
             ("strata", strata),
             ("level_sets", level_sets),
+            ("metric", checked_metric(self.metric, normalised)),
+            ("lifts", checked_lifts(self.lifts, strata)),
         ):
             object.__setattr__(self, name, value)
         self._require_distinct_contacts()
@@ -91,6 +103,15 @@ class StratifiedSystem:
     def bottom_dimension(self) -> int:
         """Dimension of the bottom stratum: n minus the number of its level sets."""
         return self.dimension - len(self.level_set(self.bottom).functions)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Length that a unit of each coordinate counts as in the metric, (n,)."""
+        return np.array([self.metric.get(str(s), 1.0) for s in self.state])
+
+    def length(self, change: ArrayLike) -> Array:
+        """Length of changes of the configuration, (..., n), in the metric."""
+        return np.linalg.norm(np.multiply(change, self.weights), axis=-1)
 
     @cached_property
     def fields(self) -> dict[str, VectorField]:

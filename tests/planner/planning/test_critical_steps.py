@@ -9,7 +9,7 @@ import sympy as sp
 from models.systems.catalogue import shipped_system
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
-from planner.planning.convergence import ACCURACY, critical_step
+from planner.planning.critical_steps import ACCURACY, critical_step
 from planner.planning.shooting import shot_towards, steer
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod

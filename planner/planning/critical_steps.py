@@ -1,0 +1,269 @@
+"""The critical step: how long a straight step may be for a single plan to contract it.
+
+A plan that at least halves the distance to its target converges to it when it is
+repeated from where it ended (Sec. 2.1, and the critical algorithm of the paper's
+reference [3]). The part of a step that a plan leaves grows with the step from zero on,
+though not evenly, and the critical step is the smallest one of which more than half is
+left. Lengths are those of the metric of the system.
+
+Steps along a ray are planned and played many at once: on a coarse scale first, until
+one fails, then closely wherever a notable part is left, and around all maxima of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from planner.errors import BudgetError, PlannerError
+from planner.execution.execution import CHOICES, Execution
+from planner.extension.bracket_fields import hall_fields
+from planner.extension.extended import ExtendedSystem
+from planner.numerics.arrays import Array
+from planner.numerics.collocation import collocation, follow_all
+from planner.numerics.subspaces import null_space
+from planner.planning.nominal import extend_along, fictitious_inputs_along, sample
+from planner.planning.paths import line
+from planner.planning.shooting import SEGMENT_NODES
+from planner.support.stopping import tick
+from planner.systems.flows import Word
+from planner.systems.strata import StratifiedSystem
+
+CONTRACTED = 0.5  # part of a step that a plan may leave
+SHORTEST, LONGEST = 1e-9, 1e4  # steps that are tried, in the metric
+COARSE, FINE = 2.0, 1.02  # ratios of successive steps
+NOTABLE = 0.05  # part left, from which on steps are tried closely
+NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tried
+BETWEEN = 16  # steps that are tried between two others
+BLOCK = 128  # steps that are planned at once
+AHEAD = 4  # of them on the coarse scale, whose long steps take long to play
+ACCURACY = 1e-6  # relative, of the critical step
+EXACT = 1e-9  # part left by plans that are exact but for rounding
+RAYS = 20  # directions for each dimension, among which the least step is looked for
+TRIED = 48  # directions around the best one at a time
+NARROWER = 0.6  # times as far apart, the next of them
+WIDEST, NARROWEST = 0.6, 2e-3
+
+Left = Callable[[Array], Array]
+"""The parts that plans leave of steps of given lengths, shape (steps,)."""
+
+
+def critical_step(
+    system: StratifiedSystem | ExtendedSystem,
+    at: ArrayLike,
+    direction: ArrayLike,
+    execution: Execution | None = None,
+    *,
+    within: float = inf,
+) -> float:
+    """Length of the smallest straight step of which a plan leaves more than half.
+
+    Every shorter step in that direction is at least halved.
+
+    Args:
+        system: System to steer; compiled by `extend` beforehand where speed matters.
+        at: Configuration to start from, shape (n,).
+        direction: Direction of the step, of any length, shape (n,).
+        execution: How to carry the steps out; in backward coordinates if not given, or
+            where it leaves the choice of coordinates open.
+        within: Length from which on no longer step is tried.
+
+    Returns:
+        A length in the metric of the system, infinite where every step that is tried
+        serves, as on nilpotent systems, and 0 where none does.
+
+    Raises:
+        ValueError: The direction is zero or leaves the bottom stratum, or something is
+            misshapen or not finite.
+
+    Example:
+        >>> from planner import StratifiedSystem, critical_step
+        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
+        >>> round(critical_step(car, at=(0, 0, 0), direction=(0, 1, 0)), 2)
+        1.06
+    """
+    if np.shape(at) != np.shape(direction):
+        raise ValueError(
+            f"direction of shape {np.shape(direction)} at a configuration of shape "
+            f"{np.shape(at)}; give both as states"
+        )
+    steps = _Steps(system, at, execution)
+    way = np.asarray(direction, dtype=float)
+    size = float(steps.system.length(way))
+    if not 0.0 < size < inf:
+        raise ValueError(f"the direction is {way.tolist()}; give one that is finite")
+    ray = way / size
+    sample(line(steps.start, steps.start + ray), steps.system, 1, 2)  # on the bottom
+    return steps.critical(ray, min(within, LONGEST))
+
+
+def least_critical_step(
+    system: StratifiedSystem | ExtendedSystem,
+    at: ArrayLike,
+    execution: Execution | None = None,
+) -> float:
+    """The least of the critical steps in all directions.
+
+    Directions are drawn evenly, and more of them around the best one; arguments,
+    result and errors are those of `critical_step`.
+
+    Example:
+        >>> from planner import StratifiedSystem, least_critical_step
+        >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
+        >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
+        >>> round(least_critical_step(car, at=(0, 0, 0)), 2)
+        1.0
+    """
+    steps = _Steps(system, at, execution)
+    weights = steps.system.weights
+    slopes = steps.system.level_set(steps.system.bottom).gradients(steps.start)
+    tangent = null_space((slopes / weights[:, None]).T)  # orthonormal in the metric
+    random = np.random.default_rng(0)
+
+    def rays(drawn: Array) -> Array:
+        sizes = np.linalg.norm(drawn, axis=-1, keepdims=True)
+        return drawn @ tangent.T / sizes / weights
+
+    size = tangent.shape[1]
+    drawn = random.normal(size=(RAYS * size, size))
+    drawn = np.concatenate([np.eye(size), -np.eye(size), drawn])
+    for found in _scale(SHORTEST, LONGEST, COARSE**2).tolist():
+        left = steps.left(found * rays(drawn))
+        if left.max() > CONTRACTED:
+            break
+    else:
+        return inf
+    best, width = drawn[left.argmax()], WIDEST
+    while width > NARROWEST and found > SHORTEST:
+        shorter = np.geomspace(found / COARSE, found, BETWEEN)
+        found = float(_until_failure(steps.along(rays(best)), shorter)[0][-1])
+        best = best / np.linalg.norm(best)
+        drawn = best + width * random.normal(size=(TRIED, size)) / np.sqrt(size)
+        closer = found * (1.0 - width**2 / BETWEEN)
+        left = steps.left(closer * rays(drawn))
+        if left.max() > CONTRACTED:
+            best, found = drawn[left.argmax()], closer
+        else:
+            width *= NARROWER
+    return steps.critical(rays(best), found)
+
+
+class _Steps:
+    """Plans of straight steps from one configuration."""
+
+    def __init__(
+        self,
+        system: StratifiedSystem | ExtendedSystem,
+        at: ArrayLike,
+        execution: Execution | None,
+    ) -> None:
+        stay = line(at, at)
+        self.start = stay(0.0)
+        self.extended = extend_along(system, None, stay)
+        self.system = self.extended.system
+        orders = CHOICES[execution.coordinates if execution else "backward"][0]
+        self.order = "backward" if orders[0] == "alternating" else orders[0]
+
+    def critical(self, ray: Array, longest: float) -> float:
+        """The critical step along a ray of length one, up to a longest step."""
+        left = self.along(ray)
+        steps, parts = _until_failure(left, _scale(SHORTEST, longest, COARSE), AHEAD)
+        failed = parts[-1] > CONTRACTED
+        if len(steps) == 1 and failed:
+            return 0.0
+        if (parts[:-1] < EXACT).all() and (not failed or self._is_exact):
+            return inf
+        close = [
+            _scale(low, high, FINE)[1:] if max(pair) > NOTABLE else np.array([high])
+            for low, high, pair in zip(
+                steps[:-1], steps[1:], zip(parts[:-1], parts[1:], strict=True),
+                strict=True,
+            )
+        ]  # fmt: skip
+        steps, parts = _until_failure(left, np.concatenate([steps[:1], *close]))
+        inner = parts[1:-1]
+        high = (inner >= NEARLY) & (inner >= parts[:-2]) & (inner >= parts[2:])
+        for k in np.flatnonzero(high):
+            around, beside = _until_failure(
+                left, np.linspace(steps[k], steps[k + 2], BETWEEN)
+            )
+            if beside[-1] > CONTRACTED:
+                steps, parts = around, beside
+                break
+        if parts[-1] <= CONTRACTED:
+            return inf
+        low, top = steps[-2:]
+        while top > low * (1.0 + ACCURACY):
+            between = np.linspace(low, top, BETWEEN + 2)
+            fails = np.append(left(between[1:-1]) > CONTRACTED, True)
+            first = int(fails.argmax())
+            low, top = between[first], between[first + 1]
+        return float(low)
+
+    def along(self, ray: Array) -> Left:
+        """What plans leave of steps along a ray, by their lengths."""
+        return lambda lengths: self.left(lengths[:, None] * ray)
+
+    @property
+    def _is_exact(self) -> bool:
+        """Whether no bracket beyond those of the words is left."""
+        hall, degree = self.extended.steering.hall, self.extended.steering.degree
+        return len(hall_fields(self.system, hall.generators, degree + 1).elements) == (
+            len(hall.elements)
+        )
+
+    def left(self, steps: Array) -> Array:
+        """Part that a plan leaves of each step (steps, n); infinite where none is."""
+        tick()
+        nodes = collocation(SEGMENT_NODES).nodes
+        try:
+            samples = self.start + nodes[:, None] * steps[:, None]
+            inputs = fictitious_inputs_along(self.extended, samples)
+            coordinates = self.extended.steering.hall_coordinates(inputs)
+            starts = np.repeat(self.start[None], len(steps), axis=0)
+            words = self.extended.steering.words(coordinates, self.order, starts)
+        except BudgetError:
+            raise
+        except PlannerError:
+            if len(steps) == 1:
+                return np.array([inf])
+            half = len(steps) // 2
+            return np.concatenate([self.left(steps[:half]), self.left(steps[half:])])
+        missed = self.system.length(starts + steps - self._ends(words))
+        parts: Array = missed / self.system.length(steps)
+        return np.where(np.isfinite(parts), parts, inf)
+
+    def _ends(self, words: list[Word]) -> Array:
+        """Where words end, all from the start, shape (words, n); nan if nowhere."""
+        ends = np.repeat(self.start[None], len(words), axis=0)
+        for fields in {word.fields for word in words}:
+            those = [i for i, word in enumerate(words) if word.fields == fields]
+            durations = np.array([words[i].durations for i in those])
+            for name, times in zip(fields, durations.T, strict=True):
+                field = self.system.compiled(name)
+                steady = field.constant[:, 0]
+                if field.is_constant:
+                    ends[those] += times[:, None] * steady
+                else:
+                    ends[those] = follow_all(field.velocity, ends[those], times, steady)
+        return ends
+
+
+def _scale(low: float, high: float, ratio: float) -> Array:
+    """Lengths between two, both included, of about a given ratio."""
+    return np.geomspace(low, high, 2 + int(np.log(high / low) / np.log(ratio)))
+
+
+def _until_failure(left: Left, steps: Array, block: int = BLOCK) -> tuple[Array, Array]:
+    """Steps up to the first that fails, and the parts that are left of them."""
+    parts = np.empty(0)
+    for begin in range(0, len(steps), block):
+        parts = np.append(parts, left(steps[begin : begin + block]))
+        if (failed := parts > CONTRACTED).any():
+            parts = parts[: int(failed.argmax()) + 1]
+            break
+    return steps[: len(parts)], parts
