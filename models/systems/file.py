@@ -34,7 +34,9 @@ FLAT = ("along", "across", "rate", "slope")
 Reader = Callable[[str, object], sp.Expr]
 
 
-def load_system(path: Path, values: Mapping[str, object] | None = None) -> Problem:
+def load_system(
+    path: Path | str, values: Mapping[str, object] | None = None
+) -> Problem:
     """Read a system and its problem from a file.
 
     Args:
@@ -62,6 +64,7 @@ def load_system(path: Path, values: Mapping[str, object] | None = None) -> Probl
         ...     load_system(file).elements
         ()
     """
+    path = Path(path)
     source = read_file(path)
     try:
         if path.suffix == ".py":

@@ -6,7 +6,7 @@ degree comes first, then few contact switches, then distance from linear depende
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
@@ -32,11 +32,14 @@ ALIKE = 9  # digits to which two elements count as equally far from dependence
 
 @dataclass(frozen=True)
 class Choice:
-    """Chosen elements by name, and the reasons for each."""
+    """Chosen elements by name, and the reasons for each; iterates over the names."""
 
     elements: tuple[str, ...]
     condition: float  # largest condition number of B(x) at the configurations
     reasons: tuple[str, ...]  # one sentence for each element
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.elements)
 
     def __str__(self) -> str:
         return "\n".join([*self.reasons, f"condition number {self.condition:.3g}"])

@@ -7,7 +7,7 @@ x' = B(x) v (Def. 3). The fictitious inputs v that follow a path come from here;
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -164,7 +164,7 @@ class ExtendedSystem:
 
 
 def extend(
-    system: StratifiedSystem, elements: Sequence[str], degree: int | None = None
+    system: StratifiedSystem, elements: Iterable[str], degree: int | None = None
 ) -> ExtendedSystem:
     """The extended system of chosen elements, eqs. (4) and (15).
 
@@ -173,9 +173,9 @@ def extend(
 
     Args:
         system: System whose fields the elements are made of.
-        elements: Names as in `systems.elements`. Brackets are Hall elements over the
-            fields in the order in which these first appear. A field that leaves the
-            bottom stratum is replaced by its tangent part (Sec. 5.1).
+        elements: Names as in `systems.elements`, or a `Choice`. Brackets are Hall
+            elements over the fields in the order in which these first appear. A field
+            that leaves the bottom stratum is replaced by its tangent part (Sec. 5.1).
         degree: Degree of the nilpotent approximation. Brackets up to that degree are
             realised, not those among the elements alone. The highest degree of the
             elements if not given.

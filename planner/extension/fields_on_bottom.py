@@ -15,7 +15,7 @@ from itertools import chain
 import numpy as np
 import sympy as sp
 
-from planner.errors import DecouplingError, PlannerError
+from planner.errors import DecouplingError, PlannerError, StratumError
 from planner.numerics.arrays import Array
 from planner.numerics.subspaces import rank
 from planner.systems.elements import Tree, leaves, relabel
@@ -29,39 +29,50 @@ from planner.systems.level_sets import LevelSet
 from planner.systems.rounding import vanishing
 from planner.systems.strata import StratifiedSystem
 
-EVEN = 0.5  # least over largest rate of a field that is as good a lift as any
-
 
 def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str, ...]:
     """Lift fields of a stratum: fields that raise feet off the bottom stratum.
 
-    Fields that raise them everywhere alike are preferred, and simple ones among these:
-    a field whose rate vanishes somewhere raises nothing there. The lift fields change
-    the level sets of the bottom stratum, or of another one that is named, independently
-    of one another.
+    They change the level sets of the bottom stratum, or of another one that is named,
+    independently of one another. They are those that the system declares for the
+    stratum; or all fields that leave, if these are independent; or the fields that move
+    nothing but heights, as in Assumption 2.
+
+    Raises:
+        StratumError: That leaves a choice.
     """
     level_set = system.level_set(bottom or system.bottom)
     if not level_set.functions:
         return ()
     fields = system.strata[stratum]
-    leaving = [name for name, field in fields.items() if level_set.leaves(field)]
-    found = {name: level_set.rates(fields[name]) for name in leaving}
+    rates = {name: level_set.rates(f) for name, f in fields.items()}
+    leaving = [name for name, found in rates.items() if found.any()]
 
-    def preference(name: str) -> tuple[float, int]:
-        """Evenness of the rates, capped, then the number of coordinates moved."""
-        sizes = np.linalg.norm(found[name], axis=1)
-        field = fields[name]
-        symbolic = not isinstance(field, NumericField)
-        moved = sum(entry != 0 for entry in field) if symbolic else 10**6
-        return -min(float(sizes.min() / sizes.max()), EVEN), moved
+    def independent(names: Sequence[str]) -> int:
+        first = [rates[name][0][:, None] for name in names]
+        return rank(np.hstack(first)) if first else 0
 
-    chosen: list[str] = []
-    rates = np.empty((len(level_set.functions), 0))
-    for name in sorted(leaving, key=preference):
-        wider = np.hstack([rates, found[name][0][:, None]])
-        if rank(wider) > rates.shape[1]:
-            chosen, rates = [*chosen, name], wider
-    return tuple(chosen)
+    needed = independent(leaving)
+    declared = [name for name in system.lifts.get(stratum, ()) if name in leaving]
+    upright = [n for n in leaving if _moves_heights_alone(fields[n], level_set)]
+    for names in (declared, leaving, upright):
+        if len(names) == needed == independent(names):
+            return tuple(names)
+    raise StratumError(
+        f"which field lifts on S{stratum}, {', '.join(leaving)}? {needed} of them "
+        f"{'lifts' if needed == 1 else 'lift'}; declare it with the system, as in "
+        f"lifts={{{stratum!r}: [{leaving[0]!r}]}}"
+    )
+
+
+def _moves_heights_alone(field: VectorField, level_set: LevelSet) -> bool:
+    """Whether all that a field moves are coordinates that level sets rise with."""
+    if isinstance(field, NumericField):
+        return False
+    slopes = level_set.differential
+    moved = [i for i, rate in enumerate(field) if rate != 0]
+    steady = [slopes.col(i) for i in moved]
+    return all(c.is_zero_matrix is False and not c.free_symbols for c in steady)
 
 
 def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
@@ -86,8 +97,8 @@ def require_decoupled(system: StratifiedSystem, names: Iterable[str]) -> None:
     """
     fields = {name: system.fields[name] for name in names}
     for stratum in system.strata:
-        raised = {n: system.fields[n] for n in lifts(system, stratum)}
         here = {n: f for n, f in fields.items() if system.stratum_of[n] == stratum}
+        raised = {n: system.fields[n] for n in lifts(system, stratum) if here}
         for lift, name in coupled(system, raised, here):
             raise DecouplingError(lift, name)
 
@@ -119,6 +130,10 @@ def tangent_field(
     Returns:
         The field itself if it is tangent. None if it is a lift field, or if the lift
         fields cannot make it tangent.
+
+    Raises:
+        StratumError: It is open which fields lift on its stratum; the system's `lifts`
+            say it.
 
     Example:
         >>> from planner import StratifiedSystem, tangent_field

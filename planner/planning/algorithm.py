@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import chain, groupby, pairwise
 
@@ -153,7 +153,7 @@ def plan(
     system: StratifiedSystem | ExtendedSystem | Steerable,
     path: Path | Callable[[float], ArrayLike],
     segments: int,
-    elements: Sequence[str] | None = None,
+    elements: Iterable[str] | None = None,
     *,
     execution: Execution | None = None,
     nodes: int | None = None,

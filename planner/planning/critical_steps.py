@@ -38,8 +38,8 @@ COARSE, FINE = 2.0, 1.02  # ratios of successive steps
 NOTABLE = 0.05  # part left, from which on steps are tried closely
 NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tried
 BETWEEN = 16  # steps that are tried between two others
-BLOCK = 128  # steps that are planned at once
-AHEAD = 4  # of them on the coarse scale, whose long steps take long to play
+AT_ONCE = 128  # steps that are planned at once
+FEW = 4  # of them on the coarse scale, whose long steps take long to play
 ACCURACY = 1e-6  # relative, of the critical step
 EXACT = 1e-9  # part left by plans that are exact but for rounding
 RAYS = 20  # directions for each dimension, among which the least step is looked for
@@ -95,7 +95,9 @@ def critical_step(
     way = np.asarray(direction, dtype=float)
     size = float(steps.system.length(way))
     if not 0.0 < size < inf:
-        raise ValueError(f"the direction is {way.tolist()}; give one that is finite")
+        raise ValueError(
+            f"the direction has length {size:g}; give one that is finite and not zero"
+        )
     ray = way / size
     sample(line(steps.start, steps.start + ray), steps.system, 1, 2)  # on the bottom
     return steps.critical(ray, min(within, LONGEST))
@@ -171,7 +173,7 @@ class _Steps:
     def critical(self, ray: Array, longest: float) -> float:
         """The critical step along a ray of length one, up to a longest step."""
         left = self.along(ray)
-        steps, parts = _until_failure(left, _scale(SHORTEST, longest, COARSE), AHEAD)
+        steps, parts = _until_failure(left, _scale(SHORTEST, longest, COARSE), FEW)
         failed = parts[-1] > CONTRACTED
         if len(steps) == 1 and failed:
             return 0.0
@@ -258,7 +260,9 @@ def _scale(low: float, high: float, ratio: float) -> Array:
     return np.geomspace(low, high, 2 + int(np.log(high / low) / np.log(ratio)))
 
 
-def _until_failure(left: Left, steps: Array, block: int = BLOCK) -> tuple[Array, Array]:
+def _until_failure(
+    left: Left, steps: Array, block: int = AT_ONCE
+) -> tuple[Array, Array]:
     """Steps up to the first that fails, and the parts that are left of them."""
     parts = np.empty(0)
     for begin in range(0, len(steps), block):

@@ -8,7 +8,7 @@ nodes do not show it; `require_regular` looks between them.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable
 from numbers import Integral
 from typing import Protocol
 
@@ -103,7 +103,7 @@ def sample(path: Path, system: StratifiedSystem, segments: int, nodes: int) -> A
 
 def extend_along(
     system: StratifiedSystem | ExtendedSystem,
-    elements: Sequence[str] | None,
+    elements: Iterable[str] | None,
     path: Path,
 ) -> ExtendedSystem:
     """The extended system of given elements, or of those that span along a path.
@@ -117,7 +117,7 @@ def extend_along(
         return system
     if elements is None:
         (samples,) = sample(path, system, 1, CHOICE_NODES)
-        elements = choose_elements(system, samples).elements
+        elements = choose_elements(system, samples)
     return extend(system, elements)
 
 

@@ -69,13 +69,11 @@ class Steps:
     @classmethod
     def of(cls, problem: Problem) -> Steps | None:
         """Steps of a problem; None where it has no way, or is met in any step."""
-        import numpy as np
-
         from planner import critical_step
         from planner.planning import grid
 
         start, end = problem.path.at(grid(problem.path, problem.segments)[:2])
-        length = float(np.linalg.norm(end - start))
+        length = float(problem.extended.system.length(end - start))
         if problem.is_exact or not length:
             return None
         critical = critical_step(
@@ -261,8 +259,8 @@ class SystemFacts:
             start=named(planned.start),
             goal=named(planned.goal),
             end=named(end),
-            distance=math.dist(planned.start, planned.goal),
-            error=math.dist(end, planned.goal),
+            distance=float(planned.system.length(planned.goal - planned.start)),
+            error=float(planned.system.length(planned.goal - end)),
             flow_count=len(planned.flows),
             flow_time=sum(abs(flow.duration) for flow in planned.flows),
             contact_switches=planned.contact_switches,

@@ -7,7 +7,6 @@ path on the way of the shortest plans.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -73,8 +72,9 @@ class SystemProblem(Problem):
 
     def miss(self, plan: Plan) -> float:
         """Distance from the goal over that of the start."""
-        distance = math.dist(plan.start, plan.goal)
-        return math.dist(rollout(plan)[-1], plan.goal) / distance if distance else 0.0
+        start, end, goal = plan.start, rollout(plan)[-1], plan.goal
+        distance, missed = plan.system.length(np.array([goal - start, goal - end]))
+        return float(missed / distance) if distance else 0.0
 
     def changed(self, degree: int = 0, **options: object) -> SystemProblem:
         """The same problem with another degree, words, segments or replanning."""

@@ -9,7 +9,11 @@ import sympy as sp
 from models.systems.catalogue import shipped_system
 from planner.execution.execution import Execution
 from planner.extension.extended import extend
-from planner.planning.critical_steps import ACCURACY, critical_step
+from planner.planning.critical_steps import (
+    ACCURACY,
+    critical_step,
+    least_critical_step,
+)
 from planner.planning.shooting import shot_towards, steer
 from planner.systems.strata import StratifiedSystem
 from tests.systems import PAPER, chained, hexapod
@@ -35,11 +39,80 @@ def test_step_at_the_critical_length_halves_and_one_beyond_does_not(name):
     assert ratios == pytest.approx([0.5, 0.5], abs=0.01)  # the ratio is continuous
 
 
-def test_critical_step_does_not_depend_on_the_length_to_begin_with():
+def test_critical_step_does_not_depend_on_the_length_of_the_direction():
     extended = extend(hexapod(), PAPER)
     lengths = (1e-7, 1e-3, 50)
     found = [critical_step(extended, np.zeros(5), [0, t, 0, 0, 0]) for t in lengths]
     assert found == pytest.approx([found[-1]] * 3, rel=2 * ACCURACY)
+
+
+def test_a_step_beyond_one_that_fails_is_not_critical():
+    # of 3.41 along this ray 57 % is left, of 66 less than half again
+    unicycle = shipped_system("unicycle").extended
+    assert critical_step(unicycle, np.zeros(3), [0, 2.4, 8]) == pytest.approx(
+        critical_step(unicycle, np.zeros(3), [0, 0.3, 1]), rel=2 * ACCURACY
+    )
+    assert critical_step(unicycle, np.zeros(3), [0, 2.4, 8]) < 3.41
+
+
+def rays(extended, count, seed):
+    """Random directions of length one in the bottom stratum."""
+    bottom = extended.system.bottom_dimension
+    drawn = np.random.default_rng(seed).normal(size=(count, bottom))
+    drawn /= np.linalg.norm(drawn, axis=1)[:, None]
+    return np.pad(drawn, ((0, 0), (0, extended.system.dimension - bottom)))
+
+
+def left(extended, ray, length):
+    start = np.zeros(extended.system.dimension)
+    shot = shot_towards(extended, start, length * ray, BACKWARD)
+    return np.linalg.norm(length * ray - shot.end) / length
+
+
+@pytest.mark.parametrize("name", ["unicycle", "biped"])
+def test_every_shorter_step_on_random_rays_is_halved(name):
+    extended = shipped_system(name).extended
+    start, random = np.zeros(extended.system.dimension), np.random.default_rng(1)
+    least = least_critical_step(extended, start)
+    for ray in rays(extended, 4, seed=1):
+        found = critical_step(extended, start, ray)
+        assert least <= found
+        shorter = min(found, 1e3) * random.uniform(0.0, 1.0, 10) ** 0.5
+        for length in (*shorter, least):
+            assert left(extended, ray, length) <= 0.5
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    "name",
+    ["unicycle", "car", "biped", "paper-hexapod", "quadruped-crawl", "octopod-pairs",
+     "hexapod-trailer", "car-trailers", "heisenberg", "engel"],
+)  # fmt: skip
+def test_no_step_on_a_hundred_rays_of_ten_systems_is_a_counterexample(name):
+    extended = shipped_system(name).extended
+    start, random = np.zeros(extended.system.dimension), np.random.default_rng(2)
+    least = least_critical_step(extended, start)
+    for ray in rays(extended, 100, seed=2):
+        found = critical_step(extended, start, ray)
+        assert least <= found * (1 + ACCURACY)
+        for length in min(found, 1e2) * random.uniform(0.0, 1.0, 5) ** 0.5:
+            assert left(extended, ray, length) <= 0.5
+
+
+def test_critical_step_is_a_length_in_the_metric():
+    in_millimetres = StratifiedSystem(
+        "x y a",
+        {"0": {"drive": ["1000*cos(a)", "1000*sin(a)", 0], "turn": [0, 0, 1]}},
+        "0",
+        metric={"x": 1e-3, "y": 1e-3},
+    )
+    unicycle = shipped_system("unicycle").extended
+    for ray in ([0, 1, 0], [0.2, 0.3, 1]):
+        scaled = np.multiply(ray, [1e3, 1e3, 1])
+        found = critical_step(in_millimetres, np.zeros(3), scaled)
+        assert found == pytest.approx(
+            critical_step(unicycle, np.zeros(3), ray), rel=1e-4
+        )
 
 
 def test_unicycle_is_critical_where_its_rectangle_errs_by_half():
@@ -91,7 +164,7 @@ def test_bare_systems_have_their_elements_chosen():
 
 
 def test_direction_without_length_is_refused():
-    with pytest.raises(ValueError, match="direction is zero; give the step"):
+    with pytest.raises(ValueError, match="direction has length 0; give one that"):
         critical_step(extend(hexapod(), PAPER), np.zeros(5), np.zeros(5))
 
 
