@@ -128,6 +128,5 @@ def _card(path: Path, beside: Path) -> tuple[str, str]:
         shipped = FOLDER / f"{spec.modelname}.toml"
         return read_text(shipped), str(shipped)
     raise ModelError(
-        f"no robot card: {beside} is missing; write one that names legs, groups and "
-        f"gait, or put it into the MJCF as custom text {EMBEDDED!r}"
+        f"no robot card: {beside} is missing; draft one: stratawalk adopt {path}"
     )

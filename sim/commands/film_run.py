@@ -8,7 +8,7 @@ import math
 import os
 from pathlib import Path
 
-from sim.commands.options import LOOK, RUN, option
+from sim.commands.options import LOOK, RUN, option, run_of
 from sim.errors import UsageError
 
 HELP = "film a finished run, or a stretch of it, from any side"
@@ -43,7 +43,7 @@ def execute(options: argparse.Namespace) -> None:
 
     with bar(quiet=options.json) as progress:
         film = film_folder(
-            Path(options.run),
+            run_of(options),
             look=options.look,
             camera=options.camera,
             stretch=(start, stop),

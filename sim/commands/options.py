@@ -68,7 +68,13 @@ TRUST = option(
     action="store_true",
     help="let a robot's MJCF open files outside its own folder",
 )
-RUN = option("run", metavar="RUN", help="folder of a finished run")
+RUN = option(
+    "run",
+    metavar="RUN",
+    nargs="?",
+    default="runs",
+    help="folder of a finished run; the newest one in `runs` if left out",
+)
 LOOK = option(
     "--look", choices=("draft", "final"), default="draft", help="look of the film"
 )
@@ -135,6 +141,23 @@ def folder_of(options: argparse.Namespace) -> Path | None:
     if options.out == "":
         raise UsageError("an empty name", "--out", "name a folder, or leave --out out")
     return None if options.out is None else Path(options.out)
+
+
+def run_of(options: argparse.Namespace) -> Path:
+    """The run that is asked for: the newest, where a folder holds runs.
+
+    A folder of runs that has none is a UsageError.
+    """
+    folder = Path(options.run)
+    holds_runs = folder == Path("runs") or any(folder.glob("*/summary.json"))
+    if (folder / "scenario.toml").exists() or not holds_runs:
+        return folder
+    ended = list(folder.glob("*/summary.json"))
+    if not ended:
+        raise UsageError("no run here", str(folder), "walk one: stratawalk run line")
+    run = max(ended, key=lambda file: file.stat().st_mtime).parent
+    notice(f"the newest run, {run}")
+    return run
 
 
 def whole(least: int) -> Callable[[str], int]:

@@ -13,7 +13,7 @@ from sim.errors import UsageError
 COMMANDS = (
     "run", "show", "film", "view", "compare", "sweep", "merge", "study", "design",
     "plan", "export", "drive", "check", "identify", "figures", "robots", "adopt",
-    "systems", "scenarios", "bench", "doctor", "completion",
+    "systems", "scenarios", "bench", "doctor", "completion", "cite",
 )  # fmt: skip
 MODULES = {"film": "film_run"}  # `film` is a function of the front door
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
@@ -21,6 +21,17 @@ EPILOG = (
     "stratawalk help COMMAND explains a command; docs/glossary.md defines the terms."
 )
 OPTIONS = ("-h", "--help", "--version")  # that need no command
+SAME = {"version": "--version", "-V": "--version"}
+HINTS = {  # first guesses that are no command, and what does it
+    "list": "stratawalk robots, stratawalk systems or stratawalk scenarios",
+    "robot": "stratawalk robots",
+    "init": "stratawalk adopt ROBOT.urdf",
+    "import": "stratawalk adopt ROBOT.urdf",
+    **dict.fromkeys(("walk", "simulate", "start", "demo"), "stratawalk run line"),
+    **dict.fromkeys(("video", "render", "record"), "stratawalk film"),
+    **dict.fromkeys(("report", "open", "results"), "stratawalk show"),
+    **dict.fromkeys(("install", "info", "status"), "stratawalk doctor"),
+}
 PLACE = "the command line"
 
 
@@ -39,8 +50,10 @@ class Parser(argparse.ArgumentParser):
         """Parse, refuse unknown options, and leave other words to other parsers."""
         given, rest = super().parse_known_args(args, namespace)
         own = [name for action in self._actions for name in action.option_strings]
-        for word in rest:
+        for place, word in enumerate(rest):
             if word.startswith("--"):
+                if "--set" in own:
+                    _name_setting(word, rest[place + 1 :], self.prog)
                 _refuse_option(word, self.prog, [o for o in own if o[:2] == "--"])
         return given, rest
 
@@ -93,6 +106,9 @@ def as_meant(words: Sequence[str]) -> list[str]:
     if not words:
         return ["--help"]
     first, *rest = words
+    first = SAME.get(first, first)
+    if first in HINTS:
+        raise UsageError(f"unknown command {first!r}", PLACE, f"try {HINTS[first]}")
     if first == "help":
         return as_meant([*rest[:1], "--help"])
     if first.startswith("-") and first not in OPTIONS:
@@ -101,6 +117,18 @@ def as_meant(words: Sequence[str]) -> list[str]:
         near = did_you_mean(first, [*COMMANDS, "help"])
         raise UsageError(f"unknown command {first!r}", PLACE, near)
     return [first, *rest]
+
+
+def _name_setting(word: str, rest: Sequence[str], where: str) -> None:
+    """Refuse an option that is a setting, and say how it is set."""
+    from sim.scenarios.settings import SETTINGS
+
+    option, equals, value = word.partition("=")
+    name = option.removeprefix("--").replace("-", "_")
+    if name in SETTINGS:
+        given = value if equals else " ".join(rest[:1]) or "VALUE"
+        remedy = f"write --set {name}={given}"
+        raise UsageError(f"unknown option {option}", where, remedy)
 
 
 def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:

@@ -6,9 +6,8 @@ import argparse
 import json
 import os
 import sys
-from pathlib import Path
 
-from sim.commands.options import BROWSER, RUN, notice
+from sim.commands.options import BROWSER, RUN, notice, run_of
 
 HELP = "draw the report of a finished run, and open it where there is a display"
 OPTIONS = (RUN, BROWSER)
@@ -21,7 +20,7 @@ def execute(options: argparse.Namespace) -> None:
     from sim.reports.page import write_report
     from sim.runs.run import read_run
 
-    folder = Path(options.run)
+    folder = run_of(options)
     with bar(quiet=options.json) as progress, blamed_on(folder):
         path = write_report(read_run(folder), progress)
     print(json.dumps({"report": str(path)}) if options.json else path)

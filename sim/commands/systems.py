@@ -9,6 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sim.commands.options import option
 from sim.errors import StratawalkError, UsageError
 
 if TYPE_CHECKING:
@@ -16,15 +17,22 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".toml", ".py")
 HELP = "list the shipped systems and their parameters"
-OPTIONS = ()
+OPTIONS = (
+    option("system", metavar="SYSTEM", nargs="?", help="one of them; otherwise all"),
+)
 
 
 def execute(options: argparse.Namespace) -> None:
     """Print names, descriptions and parameters."""
     from models import SYSTEMS, shipped_system
     from models.systems import parameters
+    from planner.support import did_you_mean
 
-    systems = {name: shipped_system(name) for name in SYSTEMS}
+    asked = options.system
+    if asked is not None and asked not in SYSTEMS:
+        raise UsageError("no such system", asked, did_you_mean(asked, SYSTEMS))
+    names = SYSTEMS if asked is None else (asked,)
+    systems = {name: shipped_system(name) for name in names}
     if options.json:
         facts = [
             {

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 from urllib.parse import urlsplit
 
-from sim.commands.options import BROWSER, RUN, option
+from sim.commands.options import BROWSER, RUN, option, run_of
 from sim.commands.show import open_page
 from sim.errors import UsageError
 
@@ -62,7 +61,7 @@ def execute(options: argparse.Namespace) -> None:
         open_page(address, options.browser)
 
     try:
-        serve(Path(options.run), options.host, options.port, options.speed, started)
+        serve(run_of(options), options.host, options.port, options.speed, started)
     except KeyboardInterrupt:
         print(file=sys.stderr)  # the shell's next line begins below ^C
 
@@ -73,6 +72,6 @@ def _write_replay(options: argparse.Namespace) -> None:
     from sim.viewing.replay import write_replay
 
     with bar(quiet=options.json) as progress:
-        path = write_replay(Path(options.run), lambda part: progress("replay", part))
+        path = write_replay(run_of(options), lambda part: progress("replay", part))
     print(json.dumps({"replay": str(path)}) if options.json else path)
     open_page(path.resolve().as_uri(), options.browser)

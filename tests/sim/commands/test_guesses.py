@@ -1,7 +1,11 @@
 """The command as people guess it, before they have read anything."""
 
+import os
 import re
+import shutil
 import subprocess
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -63,11 +67,83 @@ def test_a_slip_of_the_finger_is_answered_with_what_was_meant(words, meant, caps
 
 
 @pytest.mark.parametrize(
+    ("words", "meant"),
+    [
+        ("run line --friction 0.5", "write --set friction=0.5"),
+        ("run line --servo=mg996r", "write --set servo=mg996r"),
+        ("plan line --swing-speed 1", "write --set swing_speed=1"),
+        ("list", "stratawalk robots, stratawalk systems or stratawalk scenarios"),
+        ("walk line", "try stratawalk run line"),
+        ("simulate", "try stratawalk run line"),
+        ("demo", "try stratawalk run line"),
+        ("render", "try stratawalk film"),
+        ("report", "try stratawalk show"),
+        ("import robot.urdf", "try stratawalk adopt ROBOT.urdf"),
+        ("install", "try stratawalk doctor"),
+        ("systems unicycl", "did you mean 'unicycle'?"),
+        ("show", "no run here: runs; walk one: stratawalk run line"),
+        ("view", "no run here: runs; walk one: stratawalk run line"),
+        ("film runs", "no run here: runs; walk one: stratawalk run line"),
+        ("robots mybot.xml", "draft one: stratawalk adopt"),
+    ],
+)
+def test_a_first_guess_is_answered_with_a_command_that_works(
+    words, meant, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mybot.xml").write_text("<mujoco model='mybot'><worldbody/></mujoco>")
+    assert main(words.split()) in (2, 3)
+    (line,) = capsys.readouterr().err.splitlines()
+    assert meant in line
+
+
+@pytest.mark.parametrize("words", ["version", "-V", "--version"])
+def test_the_version_is_told_however_it_is_asked_for(words, capsys):
+    with suppress(SystemExit):
+        assert main([words]) == 0
+    assert re.fullmatch(r"stratawalk \d+\.\d+\.\d+\S*\n", capsys.readouterr().out)
+
+
+def test_one_system_is_told_by_its_name(capsys):
+    assert main(["systems", "unicycle"]) == 0
+    assert capsys.readouterr().out.startswith("unicycle ")
+
+
+def test_without_a_run_the_newest_one_is_taken_and_named(
+    folder, tmp_path, monkeypatch, capsys
+):
+    """Whatever its name is; that one was walked last."""
+    monkeypatch.chdir(tmp_path)
+    for name, age in (("line-001", 100), ("ellipse-001", 50)):
+        shutil.copytree(folder, tmp_path / "runs" / name)
+        summary = tmp_path / "runs" / name / "summary.json"
+        os.utime(summary, (1e9 - age, 1e9 - age))
+    assert main(["show"]) == 0
+    said = capsys.readouterr()
+    assert said.out.strip().endswith("ellipse-001/report.html")
+    assert f"the newest run, {Path('runs', 'ellipse-001')}" in said.err
+
+
+def test_what_to_cite_is_told_for_the_program_and_for_a_run(folder, capsys):
+    assert main(["cite"]) == 0
+    alone = capsys.readouterr().out
+    assert re.findall(r"@\w+\{(\w+),", alone) == ["stratawalk", "goodwine2000"]
+    assert "VERSION" not in alone
+    assert main(["cite", str(folder)]) == 0
+    used = re.findall(r"@\w+\{(\w+),", capsys.readouterr().out)
+    assert {"lafferriere1991", "todorov2012", "murphey2006"} < set(used)
+    assert "sucan2012" not in used
+
+
+@pytest.mark.parametrize(
     ("words", "said"),
     [
         ("run line --draw -1", "-1 cannot be; give a whole number, 0 or more"),
         ("run line --tries 0", "0 cannot be; give a whole number, 1 or more"),
-        ("run line --tolerance a", "a is not a share; give a number such as 0.05"),
+        (
+            "run line --tolerance a",
+            "a is not a share or none; give a number such as 0.25",
+        ),
         ("export line --format csv --out x --rate 0", "0 is not a rate; give a number"),
         ("design hexapod --designs 1.5", "1.5 cannot be; give a whole number, 1 or"),
         ("sweep legs --out x --shard 5/4", "no part 5 of 4; give I/N with I from 1"),
