@@ -9,6 +9,7 @@ import pytest
 
 from models.morphology.mjcf import COLOURS
 from sim import palette
+from sim.world.walls import COLOUR
 
 ROOT = Path(__file__).parents[2]
 TINTS = 4  # groups of the shipped robots, at most
@@ -110,6 +111,16 @@ def test_white_is_where_cie_lab_has_it():
 def test_predictions_are_told_apart_in_grey_by_their_dashes():
     dashes = [mark.dashes for mark in palette.PREDICTED.values()]
     assert len(set(dashes)) == len(dashes)
+
+
+@pytest.mark.parametrize("mark", palette.PREDICTED.values())
+def test_dashes_begin_where_their_line_begins(mark):
+    assert mark.line()["linestyle"] in ("-", (0.0, mark.dashes))
+
+
+def test_walls_are_opaque_and_have_a_colour_that_there_is():
+    assert COLOUR[3] == 1
+    assert all(0 <= share <= 1 for share in COLOUR)
 
 
 def test_legs_of_a_robot_have_the_colour_of_their_groups_footprints():

@@ -1,5 +1,6 @@
 """The recorder: the same whatever the pieces that commands come in."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,13 +12,16 @@ from sim.physics.measure import Readings, bridge, count_bounces
 from sim.physics.recording import Recorder
 
 DT = 0.005  # four steps make an interruption
+NONE = np.zeros((0, 2))
 
 
 class Engine:
     """An engine that knows its forces and speeds ahead."""
 
     def __init__(self, loaded):
-        self.model = SimpleNamespace(opt=SimpleNamespace(timestep=DT), nsensor=0)
+        none = {"actuator_forcelimited": np.zeros(0), "actuator_forcerange": NONE}
+        opt = SimpleNamespace(timestep=DT)
+        self.model = SimpleNamespace(opt=opt, nsensor=0, nu=0, **none)
         self.loaded, self.steps = loaded, 0
 
     @property
@@ -31,7 +35,10 @@ class Engine:
         self.steps = end
         after = np.arange(begin + 1.0, end + 1.0)[:, None]
         return SimpleNamespace(
-            qpos=after, qvel=after * 0, sensordata=self.loaded[begin:end].astype(float)
+            qpos=after,
+            qvel=after * 0,
+            sensordata=self.loaded[begin:end].astype(float),
+            actuator_force=np.zeros((len(ctrl), 0)),
         )
 
     def sense(self):
@@ -82,6 +89,25 @@ def test_contacts_slip_and_states_are_those_of_the_whole_run(flags, cuts, every)
     assert np.array_equal(moments.contact, contact[moments.step])
     slipped = np.cumsum(contact * [1.0, 2.0], axis=0) - contact * [1.0, 2.0]
     assert moments.slip == pytest.approx(DT * slipped[moments.step])
-    assert recording.bounces == count_bounces(loaded, contact)
+    assert np.array_equal(recording.bounces, count_bounces(loaded, contact))
     seen = recording.contacts.between(2, last)
     assert {tuple(row) for row in seen} == {tuple(row) for row in contact[2:]}
+
+
+class Touch(Sensors):
+    """Points are the forces, and 0 in the air, as of a sensor without a contact."""
+
+    def read(self, force):
+        """A foot touches at the number of its force."""
+        point = np.repeat(force[..., None], 2, axis=-1)
+        return replace(super().read(force), point=point)
+
+
+@pytest.mark.parametrize("cuts", [[], [3], [7], [5, 8]])
+def test_a_foot_keeps_the_point_it_last_touched_from_piece_to_piece(cuts):
+    force = np.array([1, 2, 3, 4, 5, 0, 0, 0, 0, 0, 0, 0.0])[:, None] * [1.0, 10.0]
+    recorder = Recorder(Engine(force), Touch(), 1)
+    for _ in recorder.play(np.split(np.zeros((len(force) - 1, 1)), cuts)):
+        pass
+    kept = recorder.finish().moments.point[:, :, 0]
+    assert kept[-6:].tolist() == [[5, 50]] * 6

@@ -31,6 +31,14 @@ def test_a_setting_under_both_of_its_names_is_refused():
 
 
 @pytest.mark.parametrize("name", SETTINGS)
+def test_what_a_setting_is_about_has_its_unit_if_it_has_one(name):
+    declared = SETTINGS[name]
+    assert declared.about.startswith(declared.meaning.partition(";")[0])
+    assert ("[]" in declared.about, "[None]" in declared.about) == (False, False)
+    assert (f"[{declared.unit}]" in declared.about) == bool(declared.unit)
+
+
+@pytest.mark.parametrize("name", SETTINGS)
 def test_a_default_is_a_value_that_the_setting_may_have(name):
     declared = SETTINGS[name]
     if declared.default is not MISSING:
