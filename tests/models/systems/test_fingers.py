@@ -63,3 +63,9 @@ def test_segments_are_as_many_as_the_fingers_range_asks_for():
     plan(problem.system, problem.path, 11, problem.elements, execution=execution)
     with pytest.raises(RangeError, match="plan at least 11 segments"):
         plan(problem.system, problem.path, 10, problem.elements, execution=execution)
+
+
+@pytest.mark.parametrize("fingers", [2, 9])
+def test_two_to_nine_fingers_are_a_hand(fingers):
+    system = shipped_system("finger-gaiting", {"fingers": fingers}).system
+    assert len(system.state) == 1 + 2 * fingers

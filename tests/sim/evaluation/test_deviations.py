@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim.evaluation.deviations import contributions
+from planner.planning.paths import line
+from sim.evaluation.deviations import COMPARED, contributions, deviation_from
 from sim.motion.poses import compose
 
 
@@ -41,3 +42,10 @@ def test_a_turn_too_far_is_charged_with_what_it_does_to_the_way_after_it():
     parts = contributions(walked(turned), walked(ahead))
     assert parts[0] == pytest.approx([np.cos(0.1) - 1, np.sin(0.1), 0.1])
     assert parts[1] == pytest.approx(np.zeros(3), abs=1e-15)
+
+
+@pytest.mark.parametrize("count", [500, 5 * COMPARED])
+def test_the_farthest_from_the_path_is_found_among_any_number_of_poses(count):
+    poses = np.linspace([0.0, 0.1, 0.2], [1.0, 0.1, 0.0], count)
+    found = deviation_from(line((0, 0, 0), (1, 0, 0)), poses)
+    assert (found.position, found.yaw) == pytest.approx((0.1, 0.2), abs=1e-3)

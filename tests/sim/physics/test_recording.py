@@ -89,7 +89,7 @@ def test_contacts_slip_and_states_are_those_of_the_whole_run(flags, cuts, every)
     assert np.array_equal(moments.contact, contact[moments.step])
     slipped = np.cumsum(contact * [1.0, 2.0], axis=0) - contact * [1.0, 2.0]
     assert moments.slip == pytest.approx(DT * slipped[moments.step])
-    assert np.array_equal(recording.bounces, count_bounces(loaded, contact))
+    assert np.array_equal(recording.bounces_of, count_bounces(loaded, contact))
     seen = recording.contacts.between(2, last)
     assert {tuple(row) for row in seen} == {tuple(row) for row in contact[2:]}
 
