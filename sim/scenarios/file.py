@@ -89,8 +89,8 @@ def scenario_from(
     for key in values:
         if key not in KEYS:
             raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
-    if "path" not in values:
-        raise UsageError("path is missing", where, "give path")
+    if lacking := [key for key in ("name", "path") if key not in values]:
+        raise UsageError(f"{lacking[0]} is missing", where, f"give {lacking[0]}")
     if isinstance(file := values.get("learnt"), str):
         values["learnt"] = _learnt(Path(file))
     standing = shapes.decode(values.get("obstacles", ()))

@@ -192,3 +192,7 @@ def test_foot_heights_change_no_plan_of_the_hexapod():
 def test_impossible_parameters_are_refused(name, values, message):
     with pytest.raises(ProblemError, match=message):
         shipped_system(name, values)
+
+
+def test_a_chained_form_goes_a_unit_along_its_last_coordinate():
+    assert shipped_system("chained", {"size": 4}).goal == {"x4": 1}

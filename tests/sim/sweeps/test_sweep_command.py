@@ -137,6 +137,7 @@ def test_a_ledger_with_another_number_makes_no_table(again, capsys):
     assert table.read_bytes() == before
 
 
+NOWHERE = {"kind": "line", "goal": [0.0, 0.0, 0.0]}
 ABOUT = {"scenario": {}, "set": {}, "vary": {}, "without": []}
 
 
@@ -153,6 +154,7 @@ ABOUT = {"scenario": {}, "set": {}, "vary": {}, "without": []}
             "software": {},
         },
         {"asked": ABOUT | {"without": ["all"]}, "software": {}},
+        {"asked": ABOUT | {"scenario": {"path": NOWHERE}}, "software": {}},
         [],
     ],
 )
