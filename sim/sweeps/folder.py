@@ -85,6 +85,7 @@ class About:
         """What the sweep of a folder is about; None where nothing says so yet."""
         try:
             found = json.loads(read_file(path))
+            json.dumps(found, allow_nan=False, ensure_ascii=False).encode()  # is plain
             return cls(found["asked"], found["software"])
         except FileNotFoundError:
             return None

@@ -37,8 +37,8 @@ class Outcome:
     software: Mapping[str, str] = field(default_factory=dict)  # that they come from
 
     def __post_init__(self) -> None:
-        words = [self.digest, self.status, *self.software.values()]
-        if not all(isinstance(word, str) for word in words):
+        words = [self.digest, self.status, *self.software.values(), *self.numbers]
+        if not all(map(_is_text, words)):
             raise TypeError("digest, status and software are texts")
         if not all(map(_is_plain, self.numbers.values())):
             raise TypeError("numbers are finite, or texts")
@@ -127,4 +127,9 @@ def _is_plain(value: object) -> bool:
         return isfinite(value)
     if isinstance(value, int):
         return abs(value) < INT64
-    return value is None or isinstance(value, str)
+    return value is None or _is_text(value)
+
+
+def _is_text(value: object) -> bool:
+    """Whether a value is a text without halves of characters, which no file takes."""
+    return isinstance(value, str) and value.encode(errors="replace").decode() == value

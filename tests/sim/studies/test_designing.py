@@ -4,7 +4,9 @@ import json
 
 import pytest
 
+from models.errors import ModelError
 from sim.cli import main
+from sim.studies import designing
 from sim.studies.designing import DIRECTIONS, Twists, designs
 
 
@@ -32,3 +34,13 @@ def test_two_swing_joints_suffice(capsys):
 def test_a_robot_with_four_legs_is_refused(capsys):
     assert main(["design", "quadruped"]) == 2
     assert "no two groups of which each carries the body" in capsys.readouterr().err
+
+
+def test_a_design_that_cannot_be_checked_says_why(hexapod, monkeypatch):
+    def refused(robot, described):
+        raise ModelError("no two groups of its legs can stand")
+
+    monkeypatch.setattr(designing, "mobility_of", refused)
+    assert designing._checked(hexapod) == {
+        "status": "no two groups of its legs can stand"
+    }

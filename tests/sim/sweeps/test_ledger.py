@@ -72,6 +72,9 @@ def test_a_line_that_was_changed_is_refused_with_its_number(tmp_path, old, new):
         b'{"digest": "a", "status": "ok", "numbers": {"x": [1]}}',
         b'{"digest": "a", "status": "ok", "numbers": {"x": 99999999999999999999}}',
         b'{"digest": "a", "status": "ok", "software": ["x"]}',
+        b'{"digest": "a", "status": "\\udcff"}',
+        b'{"digest": "a", "status": "ok", "numbers": {"x": "\\udcff"}}',
+        b'{"digest": "a", "status": "ok", "numbers": {"\\udcff": 1}}',
     ],
 )  # fmt: skip
 def test_a_seal_alone_makes_no_outcome(tmp_path, content):

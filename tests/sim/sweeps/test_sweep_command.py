@@ -154,6 +154,8 @@ ABOUT = {"scenario": {}, "set": {}, "vary": {}, "without": []}
             "software": {},
         },
         {"asked": ABOUT | {"without": ["all"]}, "software": {}},
+        {"asked": ABOUT, "software": {"python": float("nan")}},
+        {"asked": ABOUT, "software": {"python": "\udcff"}},
         {"asked": ABOUT | {"scenario": {"path": NOWHERE}}, "software": {}},
         [],
     ],
