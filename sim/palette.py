@@ -104,6 +104,9 @@ PREDICTED: Mapping[str, PathMark] = {
     "identified": PathMark(
         "identified prediction", Colour(28, 168, 237), 0.008, 0.8, (1.0, 1.0)
     ),
+    "compliant": PathMark(
+        "compliant prediction", Colour(210, 29, 195), 0.008, 0.8, (6.0, 1.2)
+    ),
 }
 
 # Sizes on the floor, in units of the robot's reach.

@@ -15,10 +15,11 @@ from models import IdealTwists
 from planner import Array
 from sim.compliant.anatomy import anatomy_of, footing_of, servos_of
 from sim.compliant.commands import Commands, changes
-from sim.compliant.increment import Mechanics
-from sim.compliant.phases import Course, Motion, Phases
+from sim.compliant.increment import LOADED, Mechanics
+from sim.compliant.phases import Course, Phases
 from sim.compliant.places import Robots
-from sim.motion.prediction import Predictor
+from sim.motion.poses import wrap
+from sim.motion.prediction import Prediction, Predictor
 from sim.motion.schedule import Schedule
 from sim.preparation.setup import Setup
 
@@ -32,6 +33,28 @@ class Leg:
 
     schedule: Schedule
     pose: Array
+
+
+@dataclass(frozen=True)
+class CompliantPrediction(Prediction):
+    """What no other prediction has: how the body leans, what feet and servos bear."""
+
+    lean: Array  # height of the root [m], roll, pitch [rad], (T, 3)
+    load: Array  # of every foot, (T, F) [N]
+    torque: Array  # of every servo, legs ascending, from the body outwards, (T, J)
+    weight: float  # of the robot [N]
+
+    @property
+    def further(self) -> dict[str, Array]:
+        """Height, roll, pitch, loads and torques."""
+        height, roll, pitch = self.lean.T
+        lean = {"height": height, "roll": roll, "pitch": pitch}
+        return {**lean, "load": self.load, "torque": self.torque}
+
+    @property
+    def standing(self) -> Array:
+        """Which feet bear a load, (T, F), bool."""
+        return self.load > LOADED * self.weight
 
 
 def phases_of(setup: Setup) -> Phases:
@@ -89,11 +112,28 @@ def _headings(setup: Setup, legs: Sequence[Leg]) -> Array:
     return np.concatenate(found)
 
 
-def follow(
-    setup: Setup, phases: Phases, legs: Sequence[Leg], rows: Iterable[Array]
-) -> Motion:
-    """The motion of a walk; `phases` may know some from earlier walks.
+def foreseen(
+    setup: Setup,
+    legs: Sequence[Leg],
+    rows: Iterable[Array],
+    times: Array,
+    contact: Array,
+) -> CompliantPrediction:
+    """The prediction of a walk at times (T,) [s], with its planned contacts (T, F).
 
-    Raises MeasurementError where the robot tips over, or no equilibrium is found.
+    The rows of ctrl are those that the prediction knows of. Raises MeasurementError
+    where the robot tips over, or no equilibrium is found.
     """
-    return phases.follow(course_of(setup, phases, legs, rows))
+    phases = phases_of(setup)
+    motion = phases.follow(course_of(setup, phases, legs, rows)).at(times)
+    real = phases.mechanics.anatomy.axis.any(axis=-1)
+    return CompliantPrediction(
+        pose=np.column_stack([motion.pose[:, :2], wrap(motion.pose[:, 2])]),
+        slip=motion.slip,
+        margin=motion.margin,
+        contact=contact,
+        lean=motion.lean,
+        load=motion.load,
+        torque=motion.torque[:, real],
+        weight=float(phases.robot.weight[0]),
+    )

@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -27,9 +27,16 @@ from sim.evaluation.motions import (
     achieved_motion,
     clearances,
     commands_along,
+    compliant_along,
     predicted_along,
 )
-from sim.evaluation.phases import count_changes, moving_time, swing_slip, swing_travel
+from sim.evaluation.phases import (
+    count_changes,
+    foresight,
+    moving_time,
+    swing_slip,
+    swing_travel,
+)
 from sim.evaluation.summary import (
     Accomplished,
     Departure,
@@ -40,12 +47,12 @@ from sim.evaluation.summary import (
 )
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
-from sim.experiments.predictions import MODELS, follows_commands, twist_model
+from sim.experiments.predictions import follows_commands, twist_model
 from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import PREDICTIONS
+from sim.scenarios.predictions import COMPLIANT, IDEAL, PREDICTIONS
 from sim.versions import versions
 from sim.walking.finished import Walk
 
@@ -131,15 +138,20 @@ def evaluate(
         "commanded", lambda: [list(commands_along(walk, s)) for s in walk.stretches]
     )
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
-    for name in MODELS:
-        if name in without:
+    asked: Collection[str] = walk.setup.scenario.predictions or PREDICTIONS
+    for name in PREDICTIONS:
+        if name in without or (name not in asked and name != IDEAL.key):
             unpredicted[name] = "left out"
             continue
         try:
             alike = follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
             twists = partial(measured, name, partial(twist_model, walk.setup, name))
-            follow = partial(predicted_along, walk, twists, given)
+            follow: Callable[[], Prediction] = partial(
+                predicted_along, walk, twists, given
+            )
+            if name == COMPLIANT.key:
+                follow = partial(compliant_along, walk, given)
             with stage(progress, f"following {name.replace('_', '-')}"):
                 predicted[name] = caches[name](name, follow)
         except MeasurementError as error:
@@ -219,6 +231,7 @@ def summarise(
             slip=float(prediction.slip[-1].sum()),
             min_clearance=evaluation.least_clearance(name),
             ignores=PREDICTIONS[name].ignored(scenario),
+            **foresight(walk, prediction),
         )
         for name, prediction in evaluation.predicted.items()
     }

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from models import TwistModel
 from planner import Array
+from sim.compliant.prediction import CompliantPrediction, Leg, foreseen
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
 from sim.obstacles.clearance import surroundings
 from sim.physics.recording import Moments
-from sim.walking.finished import Stretch, Walk
+from sim.walking.finished import Stretch, Walk, laid_commands
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,20 @@ def predicted_along(
     pose, slip, margin, contact = map(np.concatenate, zip(*pieces, strict=True))
     pose = np.concatenate([pose[:, :2], wrap(pose[:, 2:])], axis=1)
     return Prediction(pose, slip, margin, contact)
+
+
+def compliant_along(
+    walk: Walk, given: Sequence[Sequence[Commanded]]
+) -> CompliantPrediction:
+    """The compliant prediction over all stretches, with what it is told."""
+    told, moments = walk.setup.as_told, walk.recording.moments
+    legs = [Leg(stretch.schedule, stretch.pose) for stretch in walk.stretches]
+    rows = laid_commands(told, walk.stretches, walk.steps)
+    contact = np.concatenate([block.contact for blocks in given for block in blocks])
+    times = moments.step * walk.setup.limits.timestep
+    found = foreseen(told, legs, rows, times, contact)
+    before = found.slip[moments.step.searchsorted(walk.starts)]
+    return replace(found, slip=np.maximum(found.slip - before, 0.0))
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:

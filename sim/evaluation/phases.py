@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from planner import Array
+from sim.compliant.prediction import CompliantPrediction
 from sim.evaluation.flows import WalkedPhase
+from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
 from sim.walking.finished import Walk
 
@@ -35,6 +38,36 @@ def standing_slip(walk: Walk) -> Array:
         if phase.kind == "swing":
             slip += phase_slip(walk, phase) * planted(phase.stratum)
     return slip
+
+
+def foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
+    """What a prediction says of slip by phase and of feet that let go, if anything.
+
+    A foot lets go where it bears no load for a while, though it should stand while legs
+    swing; its first time is told [s].
+    """
+    if not isinstance(prediction, CompliantPrediction):
+        return {}
+    step, dt = walk.recording.moments.step, walk.setup.limits.timestep
+    swings = [p for p in walk.phases if p.kind == "swing" and p.start >= walk.starts]
+    edges = step.searchsorted([(p.start, p.stop) for p in swings]).reshape(-1, 2)
+    total = prediction.slip.sum(axis=1)
+    in_swings = float((total[edges[:, 1]] - total[edges[:, 0]]).sum())
+    swung = np.zeros(len(step), dtype=bool)
+    for begin, end in edges:
+        swung[begin + 1 : end + 1] = True
+    idle = prediction.contact & ~prediction.standing & swung[:, None]
+    lasting = idle[2:] & idle[1:-1] & idle[:-2]
+    legs = zip(walk.setup.robot.legs, lasting.T, strict=True)
+    return {
+        "slip_swing": in_swings,
+        "slip_transition": float(total[-1]) - in_swings,
+        "lets_go": {
+            str(leg): float(step[rows.argmax()] * dt)
+            for leg, rows in legs
+            if rows.any()
+        },
+    }
 
 
 def as_planned(walk: Walk, phase: Phase) -> bool:

@@ -83,6 +83,9 @@ class Predicted(Numbers):
     slip: float  # of all feet [m]
     min_clearance: float | None = None  # [m]; None where there are no obstacles
     ignores: str = ""  # settings of the scenario that it knows nothing of
+    slip_swing: float | None = None  # [m], where lift-offs and touchdowns slip as well
+    slip_transition: float | None = None
+    lets_go: Mapping[str, float] | None = None  # standing feet without load: when [s]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -34,6 +34,11 @@ class Prediction:
     margin: Array  # signed, shape (T,) [m]
     contact: Array  # planned, shape (T, F), bool
 
+    @property
+    def further(self) -> dict[str, Array]:
+        """What else it predicts, by the names of quantities."""
+        return {}
+
 
 @dataclass(frozen=True)
 class Commanded:

@@ -24,6 +24,7 @@ from sim.physics.standing import check_standing
 from sim.preparation.reach import explained, require_gait
 from sim.preparation.shared import Shared, built
 from sim.scenarios.scenario import Scenario, drawn
+from sim.scenarios.settings import IMPERFECTIONS
 from sim.world.model import World
 from sim.world.servo_settings import ServoSettings, servo_settings
 from sim.world.servos import Channels
@@ -59,9 +60,20 @@ class Setup:
     @cached_property
     def as_planned(self) -> Setup:
         """The same without imperfections, as predictions and rehearsals have it."""
-        if not self.scenario.is_imperfect:
+        return self._as(self.scenario.as_planned)
+
+    @cached_property
+    def as_told(self) -> Setup:
+        """The same with what the compliant prediction knows of the imperfections."""
+        return self._as(self.scenario.as_told)
+
+    def _as(self, scenario: Scenario) -> Setup:
+        """The same robot in the world of a scenario with other imperfections."""
+        same = (
+            getattr(self.scenario, n) == getattr(scenario, n) for n in IMPERFECTIONS
+        )
+        if all(same):
             return self
-        scenario = self.scenario.as_planned
         world, model = built(self.robot, scenario)
         return replace(self, scenario=scenario, world=world, model=model)
 

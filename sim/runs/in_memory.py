@@ -65,6 +65,8 @@ def trajectory(evaluation: Evaluation) -> Arrays:
             for quantity in ("pose", "slip", "margin"):
                 name = PREDICTIONS[key].array(quantity)
                 arrays[name] = getattr(prediction, quantity)
+            for quantity, array in prediction.further.items():
+                arrays[PREDICTIONS[key].array(quantity)] = array
     for key, clearance in evaluation.clearance.items():
         known = PREDICTIONS.get(key)
         arrays[known.array("clearance") if known else f"{key}_clearance"] = clearance

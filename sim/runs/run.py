@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
-DRAWN = ("ideal", "quasi_static")  # predictions in pictures of the robot
+DRAWN = ("ideal", "quasi_static", "compliant")  # predictions in pictures of the robot
 FILES = ("model.xml", "model.toml")  # without which nothing can be shown
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 START = "world_start_pose"  # array with the frame in which poses are given

@@ -26,11 +26,20 @@ Table = Mapping[str, Any]  # as TOML has it
 
 LEAST = 1e-9  # of what must be above 0: what is divided by less overflows
 Effect = Literal[
-    "label", "equations", "plan", "motion", "world", "drive", "refusal", "rows", "film"
+    "label",
+    "equations",
+    "plan",
+    "motion",
+    "world",
+    "drive",
+    "refusal",
+    "told",
+    "rows",
+    "film",
 ]
 """What a setting can change: names, a robot's equations, the flows of a plan, the time
-that phases take, the physics, the commands of servos, what is refused, the rows that
-are written, the film."""
+that phases take, the physics, the commands of servos, what is refused, what the
+compliant prediction is told, the rows that are written, the film."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,7 @@ class PredictionName(NamedTuple):
     key: str  # in summary.json and in the columns of sweeps
     label: str  # for people, and as a value of `steer`
     prefix: str  # of its arrays in trajectory.npz
-    ignores: Collection[str] = IMPERFECTIONS
+    ignores: Collection[str] | None = IMPERFECTIONS  # None: all that it is not told
 
     def array(self, quantity: str) -> str:
         """Name of one of its arrays in trajectory.npz, such as `predicted_pose`."""
@@ -28,11 +28,10 @@ class PredictionName(NamedTuple):
 
     def ignored(self, scenario: Settings) -> str:
         """What a scenario sets and this prediction ignores, separated by commas."""
-        return ", ".join(
-            name
-            for name in self.ignores
-            if getattr(scenario, name) != SETTINGS[name].default
-        )
+        found = imperfect(scenario)
+        if self.ignores is None:
+            return ", ".join(name for name in found if name not in told(scenario))
+        return ", ".join(name for name in found if name in self.ignores)
 
 
 IDEAL = PredictionName("ideal", "ideal", "predicted")
@@ -43,9 +42,10 @@ IDENTIFIED = PredictionName(  # measured in the same world, by plain commands
     "identified",
     ignores=("command_delay", "zero_offset", "payload", "slope", "bumps"),
 )
-PREDICTIONS = {name.key: name for name in (IDEAL, QUASI_STATIC, IDENTIFIED)}
+COMPLIANT = PredictionName("compliant", "compliant", "compliant", ignores=None)
+PREDICTIONS = {name.key: name for name in (IDEAL, QUASI_STATIC, IDENTIFIED, COMPLIANT)}
 LABELS = tuple(name.label for name in PREDICTIONS.values())
-JUDGES = (QUASI_STATIC, IDEAL)
+JUDGES = (COMPLIANT, QUASI_STATIC, IDEAL)
 """Predictions that walks are judged by, the best first; the first that could be made
 is taken. One that costs physics of its own is none of them, as it may be left out."""
 
@@ -58,6 +58,27 @@ def prediction_key(label: str) -> str:
 def best(made: Collection[str]) -> str:
     """Key of the prediction that a walk is judged by, of those that were made."""
     return next(name.key for name in JUDGES if name.key in made)
+
+
+def imperfect(scenario: Settings) -> tuple[str, ...]:
+    """The imperfections that a scenario sets."""
+    values = ((name, getattr(scenario, name)) for name in IMPERFECTIONS)
+    return tuple(name for name, value in values if value != SETTINGS[name].default)
+
+
+def told(scenario: Settings) -> tuple[str, ...]:
+    """Those of them that the compliant prediction knows.
+
+    What is drawn is not known unless it is asked for; bumps never are.
+    """
+    hidden: tuple[str, ...] = ("bumps", "imperfect")
+    if isinstance(scenario.known, tuple):
+        hidden += tuple(n for n in IMPERFECTIONS if n not in scenario.known)
+    elif scenario.known == "none":
+        hidden = IMPERFECTIONS
+    elif scenario.known == "given" and not isinstance(scenario.zero_offset, tuple):
+        hidden += ("zero_offset",)
+    return tuple(name for name in imperfect(scenario) if name not in hidden)
 
 
 def who_ignores(ignored: Mapping[str, str]) -> str:

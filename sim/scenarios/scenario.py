@@ -17,7 +17,7 @@ from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.predictions import prediction_key
-from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
+from sim.scenarios.settings import DRAWN, IMPERFECTIONS, SETTINGS, Settings
 
 if TYPE_CHECKING:
     from models import Robot
@@ -59,6 +59,27 @@ class Scenario(Settings):
         none: dict[str, Any] = {n: SETTINGS[n].default for n in IMPERFECTIONS}
         return replace(self, **none)
 
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The imperfections that it has and that the compliant prediction knows.
+
+        What is drawn is not known unless it is asked for.
+        """
+        known = IMPERFECTIONS if self.known == "all" else self.known
+        if self.known == "given":
+            spread = () if isinstance(self.zero_offset, tuple) else ("zero_offset",)
+            known = tuple(n for n in IMPERFECTIONS if n not in (*DRAWN, *spread))
+        own = (n for n in IMPERFECTIONS if getattr(self, n) != SETTINGS[n].default)
+        return tuple(name for name in own if name in known)
+
+    @property
+    def as_told(self) -> Self:
+        """The same with those imperfections alone that the prediction knows."""
+        if not self.is_imperfect:
+            return self
+        kept = {name: getattr(self, name) for name in self.told}
+        return replace(self.as_planned, **kept)
+
     @staticmethod
     def declarations() -> Mapping[str, Setting]:
         """What is declared about every setting, by its name."""
@@ -89,7 +110,7 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
         return scenario
     random = np.random.default_rng(scenario.draw)
     mass = 0.05 * float(robot.model.body_mass.sum())
-    return replace(
+    found = replace(
         scenario,
         imperfect=None,
         zero_offset=radians(0.5),
@@ -99,3 +120,7 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
         foot_friction=tuple(random.uniform(0.6, 1.0, len(robot.legs)).tolist()),
         floor_stiffness=1e4,
     )
+    if scenario.known != "given":
+        return found
+    kept = (n for n in scenario.told if getattr(found, n) == getattr(scenario, n))
+    return replace(found, known=tuple(kept) or "none")

@@ -13,6 +13,7 @@ from dataclasses import MISSING, dataclass, fields
 from functools import partial
 from typing import Annotated, Literal, get_type_hints
 
+from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setting
 
@@ -222,6 +223,17 @@ class Settings:
         None,
         ("world", "drive"),
     )
+    predictions: (
+        tuple[Literal["ideal", "quasi_static", "identified", "compliant"], ...] | None
+    ) = setting(
+        "predictions to make beside the ideal one; all if not given", None, "rows"
+    )
+    known: Literal["given", "all", "none"] | tuple[str, ...] = setting(
+        "imperfections that the compliant prediction is told: those that are given as "
+        "values, all, none, or those with these names",
+        "given",
+        "told",
+    )
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the random draw of zeros, feet and floor", 0, ("world", "drive")
     )
@@ -270,6 +282,11 @@ class Settings:
             value = getattr(self, key)
             value = accept(value, declared.kind, declared.allowed, where, key)
             object.__setattr__(self, key, value)
+        if isinstance(self.known, tuple):
+            for name in self.known:
+                if name not in IMPERFECTIONS:
+                    what = f"known names {name!r}, which is no imperfection"
+                    raise UsageError(what, where, did_you_mean(name, IMPERFECTIONS))
         if self.optimise != "none" and self.replan:
             raise UsageError(
                 f"optimise = {self.optimise!r} plans the whole path at once, but "
@@ -289,3 +306,4 @@ FORMER = {item.formerly: name for name, item in SETTINGS.items() if item.formerl
 """The names of settings by those that they had before."""
 IMPERFECTIONS = tuple(name for name, item in SETTINGS.items() if item.imperfection)
 """Settings that plans and predictions know nothing of; by default there are none."""
+DRAWN = ("bumps", "imperfect")  # imperfections whose values are drawn, if they are set
