@@ -20,7 +20,11 @@ from models import load
 from scripts.pages import parser_of, tabulate
 from sim import load_scenario, simulate
 
-WITHOUT = ("identified", "creep_floor")  # each costs experiments of its own
+WITHOUT = (
+    "identified",
+    "compliant",
+    "creep_floor",
+)  # each costs experiments of its own
 DRAWS = range(3)
 LEGS, LOAD, ASIDE, ABOVE = 6, 0.1, 0.02, 0.02  # of the mass; [m]
 FLOOR = 1e5  # stiffness of the floor as it is

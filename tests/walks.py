@@ -2,7 +2,7 @@
 
 from sim.simulation import simulate
 
-COSTLY = ("identified", "creep_floor")
+COSTLY = ("identified", "compliant", "creep_floor")
 
 
 def simulated(scenario):

@@ -29,7 +29,7 @@ from sim.sweeps.worker_pool import open_pool
 FRICTIONS = (0.5, 0.8)
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}
 TINY = SHORT | {"segments": 1, "path.goal": [0.004, 0.004, 0.0]}
-WITHOUT = ("identified", "creep_floor")
+WITHOUT = ("identified", "compliant", "creep_floor")
 TASKS = 24  # for every number of workers
 MANY = 10_000  # points
 VARIED = 40  # points, more than are shared of a kind

@@ -17,7 +17,7 @@ from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
 from sim.scenarios.predictions import prediction_key
-from sim.scenarios.settings import DRAWN, IMPERFECTIONS, SETTINGS, Settings
+from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 if TYPE_CHECKING:
     from models import Robot
@@ -63,14 +63,17 @@ class Scenario(Settings):
     def told(self) -> tuple[str, ...]:
         """The imperfections that it has and that the compliant prediction knows.
 
-        What is drawn is not known unless it is asked for.
+        What is drawn is not known unless it is asked for; bumps never are.
         """
-        known = IMPERFECTIONS if self.known == "all" else self.known
-        if self.known == "given":
-            spread = () if isinstance(self.zero_offset, tuple) else ("zero_offset",)
-            known = tuple(n for n in IMPERFECTIONS if n not in (*DRAWN, *spread))
+        hidden: tuple[str, ...] = ("bumps", "imperfect")
+        if isinstance(self.known, tuple):
+            hidden += tuple(n for n in IMPERFECTIONS if n not in self.known)
+        elif self.known == "none":
+            hidden = IMPERFECTIONS
+        elif self.known == "given" and not isinstance(self.zero_offset, tuple):
+            hidden += ("zero_offset",)
         own = (n for n in IMPERFECTIONS if getattr(self, n) != SETTINGS[n].default)
-        return tuple(name for name in own if name in known)
+        return tuple(name for name in own if name not in hidden)
 
     @property
     def as_told(self) -> Self:

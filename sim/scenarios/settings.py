@@ -306,4 +306,3 @@ FORMER = {item.formerly: name for name, item in SETTINGS.items() if item.formerl
 """The names of settings by those that they had before."""
 IMPERFECTIONS = tuple(name for name, item in SETTINGS.items() if item.imperfection)
 """Settings that plans and predictions know nothing of; by default there are none."""
-DRAWN = ("bumps", "imperfect")  # imperfections whose values are drawn, if they are set

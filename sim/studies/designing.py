@@ -23,7 +23,7 @@ from sim.simulation import simulate
 
 # How designs are tried: a step aside as long as one ahead.
 WALK = {"path.goal": [0.01, 0.01, 0.0], "segments": 4, "swing_speed": 1.0}
-WITHOUT = ("identified", "creep_floor")
+WITHOUT = ("identified", "compliant", "creep_floor")
 DIRECTIONS = ("ahead", "aside", "round")
 SAME_MOTION = 1e-3  # of the larger motion; what two strokes differ by is rounding
 STANDING = 3  # feet that a body can stand on

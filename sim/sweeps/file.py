@@ -25,7 +25,7 @@ from sim.sweeps.axes import (
 STUDIES = Path(str(files("sim.studies")))
 TABLES = ("set", "grid", "list", "sobol", "keep")
 KEYS = ("scenario", "without", *TABLES)
-MEASURES = ("identified", "creep_floor")
+MEASURES = ("identified", "compliant", "creep_floor")
 """What a sweep may leave out, since each costs physics of its own."""
 
 

@@ -17,7 +17,7 @@ from sim.simulation import simulate
 
 pytestmark = [pytest.mark.physics, pytest.mark.full]
 
-NOT_TOLD = ("identified",)
+NOT_TOLD = ("identified", "compliant")
 DAMPING = {50.0: 1.0, 20.0: 0.6}  # [N m s/rad] by stiffness
 FARTHEST = {50.0: 0.003, 20.0: 0.005}  # of the path
 HALF_DEGREE = {"resolution": 0.0089, "command_rate": 60.0, "servo_stiffness": 50.0}

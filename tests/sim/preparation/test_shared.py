@@ -16,7 +16,7 @@ from sim.scenarios.settings import SETTINGS
 from sim.simulation import simulate
 from sim.world.model import build
 
-LESS = ("identified", "creep_floor")
+LESS = ("identified", "compliant", "creep_floor")
 OTHER = {
     "friction": 0.7, "servo": "mg90", "servo_stiffness": 432.198765,
     "servo_damping": 3.21987654, "command_rate": 200.0, "resolution": 0.001,
