@@ -121,6 +121,28 @@ class Drive:
             f"profile_speed={counts * kind.resolution:.2f}, or lower swing_speed",
         )
 
+    def require_reach(self, schedule: Schedule, torques: FeedForward | None) -> None:
+        """Refuse predicted feed-forward that a joint's range would cut short."""
+        if torques is None or self._servo.feed_forward != "predicted":
+            return
+        model, joints = self._setup.model, self._joints
+        rows = np.arange(len(torques.torque)) * torques.spacing
+        ctrl = self._ctrl(schedule, torques, rows)[:, joints]
+        low, high = model.actuator_ctrlrange[joints].T
+        limited = model.actuator_ctrllimited[joints].astype(bool)
+        beyond = np.where(limited, np.maximum(low - ctrl, ctrl - high), -np.inf)
+        knot, joint = np.unravel_index(beyond.argmax(), beyond.shape)
+        if beyond[knot, joint] <= 0:
+            return
+        name = model.actuator(int(joints[joint])).name
+        seconds = (schedule.start + rows[knot]) * self._setup.limits.timestep
+        raise SimulationError(
+            f"servo {name!r} would be commanded to {ctrl[knot, joint]:.3f} rad, beyond "
+            f"its range from {low[joint]:.3f} to {high[joint]:.3f} rad",
+            f"t = {seconds:.2f} s",
+            "choose stiffer servos, a lighter robot, or feed_forward = false",
+        )
+
     def commands(
         self, schedule: Schedule, torques: FeedForward | None, steps: int | None = None
     ) -> Iterator[Array]:

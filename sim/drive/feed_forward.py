@@ -18,8 +18,6 @@ import numpy as np
 
 from models.description import actuator_of
 from planner import Array
-from sim.motion.schedule import Schedule
-from sim.physics.engine import Engine
 from sim.preparation.setup import Setup
 from sim.world.integrator import suitable_integrator
 
@@ -53,22 +51,6 @@ def smoothed(torque: Array, timestep: float) -> FeedForward:
     spacing = max(round(SPACING / timestep), 1)
     smooth = uniform_filter1d(torque, window, axis=0, mode="nearest")
     return FeedForward(smooth[::spacing].copy(), spacing)
-
-
-class Rehearsal:
-    """A second robot, on very stiff servos, that walks every stretch beforehand."""
-
-    def __init__(self, setup: Setup) -> None:
-        self._setup = setup.as_planned
-        self._engine = Engine(stiffened(self._setup))
-
-    def torques(self, schedule: Schedule) -> FeedForward:
-        """Walk a schedule and return the torques that it took."""
-        torques = [
-            self._engine.advance(ctrl).actuator_force
-            for ctrl in self._setup.commands(schedule)
-        ]
-        return smoothed(np.concatenate(torques), self._setup.limits.timestep)
 
 
 def stiffened(setup: Setup) -> mujoco.MjModel:

@@ -20,7 +20,7 @@ from sim.motion.poses import compose, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.predictions import IDEAL, QUASI_STATIC, best
+from sim.scenarios.predictions import IDEAL, QUASI_STATIC, best, prediction_key
 from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
@@ -43,7 +43,7 @@ def deviations(
     quasi-static.
     """
     scenario = walk.setup.scenario
-    planned = scenario.steered_on
+    planned = prediction_key(scenario.steer)
     if planned == IDEAL.key and scenario.optimise != "none":
         planned = QUASI_STATIC.key
 

@@ -31,8 +31,11 @@ from sim.preparation.shared import PLAN, Shared
 from sim.problems.problem import Offer, Problem, Solution
 from sim.progress import Progress, silent
 from sim.scenarios.scenario import Scenario
+from sim.walking.ahead import Ahead
 
 WIDER = 1.5  # times the joint range
+AIMS = 4  # plans that are aimed; each misses a tenth of what the one before does
+HIT = 1e-5  # [m] and [rad] that a plan may be foreseen to miss
 LEAST_POSITION, LEAST_YAW = 1e-3, 1e-2  # [m], [rad]; of a tolerance that is not given
 ROUNDED = 1.0 + 1e-9  # times a tolerance, within which it is kept
 
@@ -118,7 +121,30 @@ class ScenarioProblem(Problem):
     def solve(self) -> Solution:
         """Plan, check and optimise; a robot that cannot go there is told why."""
         with explained(self.setup.robot, self.setup.equations):
-            return super().solve()
+            return self._aimed() if self.scenario.is_aimed else super().solve()
+
+    def _aimed(self) -> Solution:
+        """The solution that the compliant prediction sees end closest to the goal.
+
+        Each is aimed beside the goal by what the one before was foreseen to miss.
+        """
+        offset, wanted = self.setup.goal_offset, self.path(1.0)[:3]
+        tried: list[tuple[float, Solution]] = []
+        for _ in range(AIMS):
+            problem = self.beside(offset)
+            found = super(ScenarioProblem, problem).solve()
+            missed = self.centre._ahead.end(problem.setup, found.plan) - wanted
+            missed[2] = wrap(missed[2])
+            tried.append((float(np.abs(missed).max()), found))
+            if tried[-1][0] < HIT:
+                break
+            x, y, yaw = (np.array(offset) - missed).tolist()
+            offset = x, y, yaw
+        return min(tried, key=lambda miss: miss[0])[1]
+
+    @cached_property
+    def _ahead(self) -> Ahead:
+        return Ahead(self.setup)
 
     def shortest(self) -> Plan:
         """The plan of least time, strokes or switches that was found."""

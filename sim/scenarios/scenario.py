@@ -16,7 +16,7 @@ import numpy as np
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
-from sim.scenarios.predictions import prediction_key
+from sim.scenarios.predictions import COMPLIANT, prediction_key
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 if TYPE_CHECKING:
@@ -45,8 +45,16 @@ class Scenario(Settings):
 
     @property
     def steered_on(self) -> str:
-        """Key of the prediction that is to reach the goal."""
-        return prediction_key(self.steer)
+        """Key of the prediction whose fields plans follow.
+
+        Plans that are aimed by the compliant prediction follow the ideal fields.
+        """
+        return prediction_key("ideal" if self.is_aimed else self.steer)
+
+    @property
+    def is_aimed(self) -> bool:
+        """Whether plans are aimed beside the goal by the compliant prediction."""
+        return self.steer == COMPLIANT.label
 
     @property
     def is_imperfect(self) -> bool:

@@ -124,7 +124,7 @@ class Settings:
         None,
         "plan",
     )
-    steer: Literal["ideal", "quasi-static", "identified"] = setting(
+    steer: Literal["ideal", "quasi-static", "identified", "compliant"] = setting(
         "prediction that is to reach the goal", "ideal", "plan"
     )
     optimise: Literal["none", "time", "strokes", "switches"] = setting(
@@ -181,8 +181,9 @@ class Settings:
     resolution: Annotated[float, Range(0, 0.2)] | None = setting(
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
-    feed_forward: bool | None = setting(
-        "let commands make up for what loads bend; if not given, on soft servos only",
+    feed_forward: bool | Literal["predicted"] | None = setting(
+        "let commands make up for what loads bend, by a rehearsal or as predicted; if "
+        "not given, on soft servos only",
         None,
         "drive",
     )
@@ -287,6 +288,13 @@ class Settings:
                 if name not in IMPERFECTIONS:
                     what = f"known names {name!r}, which is no imperfection"
                     raise UsageError(what, where, did_you_mean(name, IMPERFECTIONS))
+        if self.steer == "compliant" and self.replan:
+            raise UsageError(
+                "steer = 'compliant' aims the whole plan at once, but replan plans it "
+                "piece by piece",
+                where,
+                "leave one of them out",
+            )
         if self.optimise != "none" and self.replan:
             raise UsageError(
                 f"optimise = {self.optimise!r} plans the whole path at once, but "

@@ -9,7 +9,8 @@ import numpy as np
 
 from planner import Array, Flow
 from sim.drive.drive import Drive
-from sim.drive.feed_forward import FeedForward, Rehearsal
+from sim.drive.feed_forward import FeedForward
+from sim.drive.rehearsal import rehearsal_of
 from sim.feedback.stops import Followed
 from sim.motion.poses import seen_from
 from sim.motion.prediction import inspections
@@ -41,7 +42,7 @@ class Walker:
         self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
         self._drive = Drive(setup)
         self._drive.require_gentleness()
-        self._rehearsal = Rehearsal(setup) if self._drive.rehearsed else None
+        self._rehearsal = rehearsal_of(setup)
         self._progress = progress
         self._stretches: list[Stretch] = []
         self._shape = setup.at_rest
@@ -130,6 +131,7 @@ class Walker:
             rehearsed = self._rehearsal.torques(schedule)
             self._drive.require_strength(schedule, rehearsed)
             torques = rehearsed if self._drive.feeds_forward else None
+            self._drive.require_reach(schedule, torques)
         self._stretches.append(Stretch(schedule, self.pose, torques))
         self._shape = schedule.end
         pieces = self._commands(schedule, torques)

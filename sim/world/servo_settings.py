@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from typing import Literal
 
 from models import Card, ServoKind
 from models.description import KNOWN_SERVOS, servo_of
@@ -28,12 +29,14 @@ class ServoSettings:
     resolution: float  # angle of a count [rad]; 0 for none
     armature: float | None  # of the motor behind its gears, where a file has none
     kind: ServoKind | None  # the make, or what a data sheet gives; None for ideal ones
-    feed_forward: bool | None  # whether to make up for loads; None by the stiffness
+    # Whether to make up for loads; None by the stiffness. Loads are rehearsed, or
+    # predicted.
+    feed_forward: bool | Literal["predicted"] | None
 
     def feeds_forward(self, stiffness: float) -> bool:
         """Whether commands make up for loads, on servos of a stiffness [N m/rad]."""
         soft, asked = stiffness < SOFT_STIFFNESS, self.feed_forward
-        return soft if asked is None else asked
+        return soft if asked is None else bool(asked)
 
     def table(self, simulated: tuple[float, float] | None) -> dict[str, object]:
         """As summary.json has it."""

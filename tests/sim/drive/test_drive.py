@@ -8,8 +8,9 @@ from models.description.makes import SERVO_KINDS
 from models.description.servos import ServoKind
 from planner.systems.flows import Flow
 from sim.drive.drive import Drive
-from sim.drive.feed_forward import FeedForward, Rehearsal, leg_actuators, smoothed
+from sim.drive.feed_forward import FeedForward, leg_actuators, smoothed
 from sim.drive.lift_counts import PASSED
+from sim.drive.rehearsal import Rehearsal
 from sim.errors import SimulationError, UsageError
 from sim.motion.schedule import Scheduler
 from sim.physics.engine import Engine

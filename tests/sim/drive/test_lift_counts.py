@@ -5,8 +5,8 @@ import pytest
 
 from models.library import load
 from planner.systems.flows import Flow
-from sim.drive.feed_forward import Rehearsal
 from sim.drive.lift_counts import PASSED, LiftCounts, lift_torques
+from sim.drive.rehearsal import Rehearsal
 from sim.motion.schedule import Scheduler
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line

@@ -67,7 +67,7 @@ def test_mistakes_are_refused_with_what_was_meant(tmp_path, varies, said):
 def test_what_may_be_left_out_is_said(tmp_path):
     path = tmp_path / "less.toml"
     path.write_text('scenario = "line"\nwithout = ["identifed"]\n')
-    with pytest.raises(UsageError, match="give a list of identified and creep_floor"):
+    with pytest.raises(UsageError, match="give a list of identified and comp"):
         read_sweep(str(path))
 
 
