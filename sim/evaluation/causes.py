@@ -19,7 +19,7 @@ from sim.evaluation.deviations import Scale, error_sources
 from sim.evaluation.motions import Achieved
 from sim.evaluation.summary import Weighed
 from sim.motion.prediction import Prediction
-from sim.scenarios.predictions import IDEAL, PREDICTIONS
+from sim.scenarios.predictions import IDEAL, PREDICTIONS, prediction_key
 from sim.walking.finished import Walk
 
 CARRIED = 0.05  # of the time that a foot is to stand; less is as good as nothing
@@ -74,7 +74,10 @@ def _on_paper(evidence: Evidence) -> str:
     if scenario.replan or share <= evidence.weighed.goal / 2:
         return ""
     planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
-    if scenario.steered_on == judge or evidence.on_paper(IDEAL.key) > share / 2:
+    if (
+        prediction_key(scenario.steer) == judge
+        or evidence.on_paper(IDEAL.key) > share / 2
+    ):
         twice = f"walk it in more segments (--segments {2 * scenario.segments})"
         return f"{planned}: {twice}, or plan again on the way (--replan)"
     label = PREDICTIONS[judge].label

@@ -27,17 +27,20 @@ def swing_slip(walk: Walk) -> float:
     return float(sum(phase_slip(walk, phase).sum() for phase in swings))
 
 
-def standing_slip(walk: Walk) -> Array:
+def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
     """Slip of every foot while it was planned to stand and legs swung, (F,) [m].
 
-    What feet slip while others lift and land is no part of any prediction, and does not
-    move the body.
+    It is that of the physics, or of a prediction with slip (T, F) at the moments
+    recorded. What feet slip while others lift and land does not move the body.
     """
-    slip, planted = np.zeros(len(walk.setup.robot.legs)), walk.setup.robot.planted
+    moments = walk.recording.moments
+    total = moments.slip if slip is None else slip
+    stood, planted = np.zeros(len(walk.setup.robot.legs)), walk.setup.robot.planted
     for phase in walk.phases:
         if phase.kind == "swing":
-            slip += phase_slip(walk, phase) * planted(phase.stratum)
-    return slip
+            begin, end = moments.step.searchsorted([phase.start, phase.stop])
+            stood += (total[end] - total[begin]) * planted(phase.stratum)
+    return stood
 
 
 def foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
@@ -49,10 +52,10 @@ def foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
     if not isinstance(prediction, CompliantPrediction):
         return {}
     step, dt = walk.recording.moments.step, walk.setup.limits.timestep
-    swings = [p for p in walk.phases if p.kind == "swing" and p.start >= walk.starts]
-    edges = step.searchsorted([(p.start, p.stop) for p in swings]).reshape(-1, 2)
+    swings = [(p.start, p.stop) for p in walk.phases if p.kind == "swing"]
+    edges = step.searchsorted(swings).reshape(-1, 2)
     total = prediction.slip.sum(axis=1)
-    in_swings = float((total[edges[:, 1]] - total[edges[:, 0]]).sum())
+    in_swings = float(np.diff(total[edges]).sum())
     swung = np.zeros(len(step), dtype=bool)
     for begin, end in edges:
         swung[begin + 1 : end + 1] = True

@@ -131,7 +131,7 @@ def _drifted(weighed: Weighed, achieved: Array, predicted: Array) -> Found:
 
 def _slipped(walk: Walk, predicted: Prediction, weighed: Weighed) -> Found:
     """Whether feet slid farther than predicted, and the body with them."""
-    slip, foreseen = standing_slip(walk), predicted.slip[-1]
+    slip, foreseen = standing_slip(walk), standing_slip(walk, predicted.slip)
     more, expected = float((slip - foreseen).sum()), float(foreseen.sum())
     if weighed.ended <= NEAR or more <= SLIPPED * expected:
         return None

@@ -227,6 +227,8 @@ def words(kind: object) -> str:
         return " or ".join(inner)
     if origin is tuple and inner[0] is str:
         return "a list of texts in quotation marks"
+    if origin is tuple and get_origin(inner[0]) is Literal:
+        return f"a list of {words(inner[0])}"
     if origin is tuple:
         each = [item for item in inner if item is not Ellipsis]
         count = f"{len(each)} " if len(each) == len(inner) else ""

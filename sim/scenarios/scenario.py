@@ -16,7 +16,7 @@ import numpy as np
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
-from sim.scenarios.predictions import COMPLIANT, prediction_key
+from sim.scenarios.predictions import COMPLIANT, imperfect, prediction_key, told
 from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class Scenario(Settings):
     @property
     def is_imperfect(self) -> bool:
         """Whether it has any imperfection that no prediction knows of."""
-        return any(getattr(self, n) != SETTINGS[n].default for n in IMPERFECTIONS)
+        return bool(imperfect(self))
 
     @property
     def as_planned(self) -> Self:
@@ -69,19 +69,8 @@ class Scenario(Settings):
 
     @property
     def told(self) -> tuple[str, ...]:
-        """The imperfections that it has and that the compliant prediction knows.
-
-        What is drawn is not known unless it is asked for; bumps never are.
-        """
-        hidden: tuple[str, ...] = ("bumps", "imperfect")
-        if isinstance(self.known, tuple):
-            hidden += tuple(n for n in IMPERFECTIONS if n not in self.known)
-        elif self.known == "none":
-            hidden = IMPERFECTIONS
-        elif self.known == "given" and not isinstance(self.zero_offset, tuple):
-            hidden += ("zero_offset",)
-        own = (n for n in IMPERFECTIONS if getattr(self, n) != SETTINGS[n].default)
-        return tuple(name for name in own if name not in hidden)
+        """The imperfections that it has and that the compliant prediction knows."""
+        return told(self)
 
     @property
     def as_told(self) -> Self:
@@ -134,4 +123,5 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     if scenario.known != "given":
         return found
     kept = (n for n in scenario.told if getattr(found, n) == getattr(scenario, n))
-    return replace(found, known=tuple(kept) or "none")
+    known: dict[str, Any] = {"known": tuple(kept) or "none"}
+    return replace(found, **known)

@@ -13,7 +13,6 @@ from dataclasses import MISSING, dataclass, fields
 from functools import partial
 from typing import Annotated, Literal, get_type_hints
 
-from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setting
 
@@ -22,6 +21,11 @@ Mass = Annotated[float, Range(0, 1e3)]
 Coordinate = Annotated[float, Range(-10, 10)]
 Slope = Annotated[float, Range(0, 1)]
 Direction = Annotated[float, Range(-7, 7)]
+Predicted = Literal["ideal", "quasi_static", "identified", "compliant"]
+Imperfection = Literal[
+    "command_delay", "dead_band", "zero_offset", "backlash", "payload", "slope",
+    "floor_stiffness", "foot_friction",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,8 +186,7 @@ class Settings:
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
     feed_forward: bool | Literal["predicted"] | None = setting(
-        "let commands make up for what loads bend, by a rehearsal or as predicted; if "
-        "not given, on soft servos only",
+        "let commands make up for what loads bend; if not given, on soft servos only",
         None,
         "drive",
     )
@@ -224,14 +227,11 @@ class Settings:
         None,
         ("world", "drive"),
     )
-    predictions: (
-        tuple[Literal["ideal", "quasi_static", "identified", "compliant"], ...] | None
-    ) = setting(
+    predictions: tuple[Predicted, ...] | None = setting(
         "predictions to make beside the ideal one; all if not given", None, "rows"
     )
-    known: Literal["given", "all", "none"] | tuple[str, ...] = setting(
-        "imperfections that the compliant prediction is told: those that are given as "
-        "values, all, none, or those with these names",
+    known: Literal["given", "all", "none"] | tuple[Imperfection, ...] = setting(
+        "imperfections that the compliant prediction knows; drawn ones are not given",
         "given",
         "told",
     )
@@ -283,21 +283,10 @@ class Settings:
             value = getattr(self, key)
             value = accept(value, declared.kind, declared.allowed, where, key)
             object.__setattr__(self, key, value)
-        if isinstance(self.known, tuple):
-            for name in self.known:
-                if name not in IMPERFECTIONS:
-                    what = f"known names {name!r}, which is no imperfection"
-                    raise UsageError(what, where, did_you_mean(name, IMPERFECTIONS))
-        if self.steer == "compliant" and self.replan:
+        once = "steer" if self.steer == "compliant" else "optimise"
+        if self.replan and (once == "steer" or self.optimise != "none"):
             raise UsageError(
-                "steer = 'compliant' aims the whole plan at once, but replan plans it "
-                "piece by piece",
-                where,
-                "leave one of them out",
-            )
-        if self.optimise != "none" and self.replan:
-            raise UsageError(
-                f"optimise = {self.optimise!r} plans the whole path at once, but "
+                f"{once} = {getattr(self, once)!r} plans the whole path at once, but "
                 "replan plans it piece by piece",
                 where,
                 "leave one of them out",
