@@ -2,6 +2,7 @@
 
 from sim.scenarios.file import load_scenario
 from sim.scenarios.predictions import (
+    COMPLIANT,
     IDEAL,
     IDENTIFIED,
     PREDICTIONS,
@@ -18,9 +19,12 @@ def test_a_prediction_ignores_what_the_scenario_sets_and_it_knows_nothing_of():
     scenario = load_scenario("line", WRONG)
     assert QUASI_STATIC.ignored(scenario) == "payload, slope, foot_friction"
     assert IDENTIFIED.ignored(scenario) == "payload, slope"  # its margin does
+    assert COMPLIANT.ignored(scenario) == ""
+    drawn = load_scenario("line", {"zero_offset": 0.01, "bumps": 0.001})
+    assert COMPLIANT.ignored(drawn) == "zero_offset, bumps"
     assert IDEAL.ignored(load_scenario("line")) == ""
     assert all(
-        name in SETTINGS for each in PREDICTIONS.values() for name in each.ignores
+        n in SETTINGS for each in PREDICTIONS.values() for n in each.ignores or ()
     )
 
 
@@ -31,5 +35,6 @@ def test_predictions_that_ignore_the_same_are_named_together():
 
 
 def test_a_walk_is_judged_by_the_best_prediction_that_could_be_made():
+    assert best(["ideal", "compliant", "quasi_static"]) == "compliant"
     assert best(["ideal", "identified", "quasi_static"]) == "quasi_static"
     assert best(["identified", "ideal"]) == "ideal"
