@@ -14,7 +14,7 @@ import numpy as np
 from models.description import actuator_of
 from planner import Array
 from sim.drive.drive import Drive
-from sim.drive.feed_forward import Rehearsal
+from sim.drive.rehearsal import rehearsal_of
 from sim.export.servo_commands import taken
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
@@ -48,7 +48,7 @@ class ServedWalk:
         self._actuators = np.array([actuator_of(setup.model, j) for j in self.joints])
         self._drive = Drive(setup)
         self._drive.require_gentleness()
-        self._rehearsal = Rehearsal(setup) if self._drive.rehearsed else None
+        self._rehearsal = rehearsal_of(setup)
         self._legs, self._steps, self._given = setup.at_rest, 0, 0
         self._last = np.zeros(len(self.joints))
         self._began, self._meant = 0.0, np.zeros(3)

@@ -37,7 +37,7 @@ from sim.motion.poses import rotate, wrap
 from sim.runs.arrays import archive, reading
 from sim.scenarios import body_path, obstacles
 from sim.scenarios.file import anchor, scenario_from
-from sim.scenarios.predictions import PREDICTIONS
+from sim.scenarios.predictions import PREDICTIONS, best
 from sim.scenarios.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ class Run:
     @property
     def best(self) -> str:
         """Key of the prediction that the walk is measured by."""
-        return "quasi_static" if "quasi_static" in self.predicted else "ideal"
+        return best(self.predicted)
 
     def error(self, name: str) -> Array:
         """Achieved less predicted pose, yaw wrapped, (T, 3)."""
