@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from planner.support import did_you_mean
+from sim.errors import UsageError
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.declaration import Effect, Setting
 from sim.scenarios.obstacles import Obstacle
@@ -42,6 +44,14 @@ class Scenario(Settings):
         default=(), metadata={"affects": frozenset({"plan", "world"})}
     )
     path: NominalPath = field(metadata={"affects": frozenset({"plan"})})
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in self.known if isinstance(self.known, tuple) else ():
+            if name not in IMPERFECTIONS:
+                what = f"known names {name!r}, which is no imperfection"
+                where = f"scenario {self.name!r}"
+                raise UsageError(what, where, did_you_mean(name, IMPERFECTIONS))
 
     @property
     def steered_on(self) -> str:
@@ -123,5 +133,4 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     if scenario.known != "given":
         return found
     kept = (n for n in scenario.told if getattr(found, n) == getattr(scenario, n))
-    known: dict[str, Any] = {"known": tuple(kept) or "none"}
-    return replace(found, **known)
+    return replace(found, known=tuple(kept) or "none")

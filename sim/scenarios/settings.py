@@ -22,10 +22,6 @@ Coordinate = Annotated[float, Range(-10, 10)]
 Slope = Annotated[float, Range(0, 1)]
 Direction = Annotated[float, Range(-7, 7)]
 Predicted = Literal["ideal", "quasi_static", "identified", "compliant"]
-Imperfection = Literal[
-    "command_delay", "dead_band", "zero_offset", "backlash", "payload", "slope",
-    "floor_stiffness", "foot_friction",
-]  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,10 +226,8 @@ class Settings:
     predictions: tuple[Predicted, ...] | None = setting(
         "predictions to make beside the ideal one; all if not given", None, "rows"
     )
-    known: Literal["given", "all", "none"] | tuple[Imperfection, ...] = setting(
-        "imperfections that the compliant prediction knows; drawn ones are not given",
-        "given",
-        "told",
+    known: Literal["given", "all", "none"] | tuple[str, ...] = setting(
+        "imperfections that the compliant prediction is told", "given", "told"
     )
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the random draw of zeros, feet and floor", 0, ("world", "drive")
