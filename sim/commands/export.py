@@ -7,12 +7,14 @@ import json
 import os
 from collections.abc import Mapping
 from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands.judging import TOLERANCE, judged
 from sim.commands.options import (
     NAMED,
+    elsewhere,
     notice,
     option,
     real,
@@ -20,6 +22,7 @@ from sim.commands.options import (
     scenario_of,
     scenario_options,
 )
+from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -79,7 +82,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
 
     folder = Path(options.scenario)
     blame = blamed_on(folder) if folder.is_dir() else nullcontext()
-    with bar(quiet=options.json) as progress, blame:
+    with bar(quiet=options.json) as progress, blame, keeping(partial(_kept, out)):
         source = _source(options, progress)
         commands, read = _written(options, source, out)
         played = _played(options, source, read, progress)
@@ -120,6 +123,15 @@ def _played(
         for name, way in ways.items()
         if options.play
     }
+
+
+def _kept(out: Path) -> str:
+    """What is kept of an export that ends early, and the command that goes on."""
+    if not out.exists():
+        return f"nothing is written, start again: {again()}"
+    return (
+        f"{out} is written and not played, start again: {again(*elsewhere(str(out)))}"
+    )
 
 
 def _require_sense(options: argparse.Namespace, out: Path) -> None:

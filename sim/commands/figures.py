@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+from functools import partial
 
-from sim.commands.options import folder_of, option
+from sim.commands.options import folder_of, kept_in, option
+from sim.endings import keeping
 from sim.figures import NAMES
 
 HELP = "draw the paper's Figs. 1 to 9 again, on its kinematics and beside physics"
@@ -22,8 +24,9 @@ def execute(options: argparse.Namespace) -> None:
     from sim.progress import bar
 
     folder = claim(folder_of(options), "figures")
+    kept = partial(kept_in, folder.path, options.out)
     try:
-        with bar(quiet=options.json) as progress:
+        with bar(quiet=options.json) as progress, keeping(kept):
             facts = {}
             for sheet in draw(folder, options.only, progress=progress):
                 facts[sheet.name] = sheet.caption

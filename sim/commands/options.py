@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 from collections.abc import Callable
 from functools import wraps
+from itertools import count
 from operator import methodcaller
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
+from sim.endings import again
 from sim.errors import ExitCode, UsageError
 from sim.scenarios.settings import SETTINGS
 
@@ -158,6 +161,28 @@ def run_of(options: argparse.Namespace) -> Path:
     run = max(ended, key=lambda file: file.stat().st_mtime).parent
     notice(f"the newest run, {run}")
     return run
+
+
+def kept_in(folder: Path, out: str | None) -> str:
+    """What a folder keeps of work that ends early, and the command that does it anew.
+
+    `out` is the name that `--out` gave it; the empty folder itself will be removed.
+    """
+    there = sorted(path.name for path in folder.glob("[!.]*"))
+    if not there:
+        return f"nothing is kept, start again: {again()}"
+    on = again(*elsewhere(out))
+    return f"{folder} keeps {', '.join(there)}, start again: {on}"
+
+
+def elsewhere(out: str | None) -> list[str]:
+    """Words that name another place than the one that `--out` named, which is taken."""
+    if not out:
+        return []
+    taken = Path(out)
+    names = (f"{taken.stem}-{number}{taken.suffix}" for number in count(2))
+    free = (path for path in map(taken.with_name, names) if not os.path.lexists(path))
+    return ["--out", str(next(free))]
 
 
 def whole(least: int) -> Callable[[str], int]:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from dataclasses import asdict, replace
 from functools import partial
-from itertools import count
 from typing import TYPE_CHECKING
 
 from sim.commands.judging import TOLERANCE, judged, judged_tries
 from sim.commands.options import (
     LOOK,
     OF_RUN,
+    elsewhere,
     folder_of,
+    kept_in,
     notice,
     option,
     robot_of,
@@ -111,7 +111,7 @@ def _walk_tries(
         table = folder.path / TABLE
         done = table.read_text().count("\n") - 1 if table.is_file() else 0
         rest = "--draw", f"{draws[done]}", "--tries", f"{len(draws) - done}"
-        on = again(*rest, *_elsewhere(folder, options.out))
+        on = again(*rest, *elsewhere(options.out))
         return f"{done} of {len(draws)} draws are kept in {table}, go on: {on}"
 
     with bar(quiet=options.json) as progress, keeping(kept):
@@ -126,20 +126,10 @@ def _walk_tries(
 
 def _kept(folder: RunFolder, look: str | None, out: str | None) -> str:
     """What is kept of a walk that ends early, and the command that goes on."""
-    there = sorted(path.name for path in folder.path.glob("[!.]*"))
-    if "summary.json" in there:
+    if (folder.path / "summary.json").exists():
         on = "show" if look is None else "film"
         return f"the walk is complete, go on: stratawalk {on} {folder.path}"
-    if not there:
-        return f"nothing is kept, start again: {again()}"
-    on = again(*_elsewhere(folder, out))
-    return f"{folder.path} keeps {', '.join(there)}, start again: {on}"
-
-
-def _elsewhere(folder: RunFolder, out: str | None) -> list[str]:
-    """The option for another folder, where one was named, which exists now."""
-    names = (f"{folder.path}-{number}" for number in count(2))
-    return ["--out", next(n for n in names if not os.path.lexists(n))] if out else []
+    return kept_in(folder.path, out)
 
 
 def _can_film(wanted: bool | None) -> bool:

@@ -46,7 +46,7 @@ def read_table(path: Path) -> tuple[dict[str, list[object]], dict[str, Any]]:
         size = sum(group.total_byte_size for group in groups)
         if size > UNPACKED or declared.num_rows * declared.num_columns > MOST_VALUES:
             count = f"{declared.num_rows} rows of {declared.num_columns} columns"
-            raise ValueError(f"{count} are too many, or their {size / 1e9:.2g} GB")
+            raise ValueError(f"{count} with {size / 1e9:.2g} GB are too many")
         texts = [f.name for f in parquet.read_schema(path) if f.type == pa.string()]
         table = parquet.read_table(path, read_dictionary=texts)
         about = json.loads(table.schema.metadata[ABOUT.encode()])
