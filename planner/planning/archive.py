@@ -23,7 +23,7 @@ from planner.systems.strata import StratifiedSystem
 
 Table = Mapping[str, Any]
 
-MOST_BYTES = 10**9
+MOST_BYTES = 5 * 10**7  # of a plan, in memory twenty times as many
 FORMAT = "stratified plan, version 2"
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterable
+from math import isfinite
 from typing import NamedTuple
 
 
@@ -45,7 +46,7 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
     lines = [line for line in csv.reader(text.splitlines()) if line]
     if len({len(line) for line in lines}) != 1:
         raise ValueError("flows.csv is incomplete")
-    return tuple(
+    phases = tuple(
         WalkedPhase(
             segment=int(row["segment"]),
             start=float(row["start"]),
@@ -60,3 +61,7 @@ def read(text: str) -> tuple[WalkedPhase, ...]:
         )
         for row in (dict(zip(lines[0], line, strict=True)) for line in lines[1:])
     )
+    numbers = [number for p in phases for number in (p.start, p.end, p.amount, p.slip)]
+    if not all(map(isfinite, numbers)):
+        raise ValueError("flows.csv has a number that is not finite")
+    return phases

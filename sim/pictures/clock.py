@@ -10,8 +10,10 @@ from math import inf
 import numpy as np
 
 from planner import Array
+from sim.errors import UsageError
 
 FRAME_RATE = 25  # [1/s]
+MOST_PICTURES = 100_000  # an hour
 FILM_LENGTH = 40.0  # [s] at most, unless a scenario sets the playback speed itself
 TAIL = 1.5  # [s] that the last picture stays
 
@@ -49,7 +51,10 @@ def clock(
     if playback is None:
         fast = (p for p in _round_speeds() if duration / p <= FILM_LENGTH - TAIL)
         playback = next(fast)
-    moving = int(duration / playback * FRAME_RATE)
+    if (moving := int(duration / playback * FRAME_RATE)) > MOST_PICTURES:
+        what, remedy = f"a film of {moving} pictures", "set playback higher"
+        where = f"playback = {playback:g} of the run"
+        raise UsageError(what, where, remedy)
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
     tail = np.full(round(TAIL * FRAME_RATE), last)
     return Clock(playback, np.concatenate([np.searchsorted(time, moments), tail]))

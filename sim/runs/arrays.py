@@ -25,6 +25,10 @@ UNREADABLE = (
 UNPACKED = 5 * 10**8  # of the arrays of a file, packed or not
 MOST_ARRAYS = 100
 LARGEST = 1e9  # number; what is drawn from larger ones overflows
+HEADERS = {
+    1: np.lib.format.read_array_header_1_0,
+    2: np.lib.format.read_array_header_2_0,
+}
 NUMBERS = "biuf"  # kinds of arrays: whether, whole and real numbers
 
 
@@ -45,26 +49,21 @@ class Arrays(Mapping[str, Array]):
     def __len__(self) -> int:
         return len(self._names)
 
-    def check(self) -> None:
-        """Read every array once, which refuses what is wrong with it."""
-        for name in self._names:
-            self._load(name)
 
-
-def archive(folder: Path, name: str, apart: Collection[str] = ()) -> Arrays:
+def archive(folder: Path, name: str, apart: Collection[str], check: bool) -> Arrays:
     """The arrays of one of a folder's files, a row a moment but for those `apart`.
 
     What the file declares is compared with what it holds, and with what may be read,
-    before any of it is. Arrays that are read have finite numbers.
+    before any of it is. Arrays have finite numbers; all are read once for a `check`.
     """
 
     def load(key: str) -> Array:
         with reading(folder), open_file(folder / name) as file:
             array = np.load(file, allow_pickle=False)[key]
             if not (np.abs(array) < LARGEST).all():
-                row = int(np.argwhere(~(np.abs(array) < LARGEST))[0, 0])
-                what = f"{key} of {name} is not finite, or beyond {LARGEST:g}"
-                raise ValueError(f"{what}, in row {row}")
+                raise ValueError(
+                    f"{key} of {name} is not finite, or beyond {LARGEST:g}"
+                )
         return array
 
     with open_file(folder / name) as file:
@@ -75,6 +74,8 @@ def archive(folder: Path, name: str, apart: Collection[str] = ()) -> Arrays:
     rows = {shape[:1] for key, shape in shapes.items() if key not in apart}
     if len(rows) > 1 or () in rows or (0,) in rows:
         raise ValueError(f"the arrays of {name} have not as many rows as each other")
+    for key in shapes if check else ():
+        load(key)
     return Arrays(shapes, load)
 
 
@@ -94,10 +95,8 @@ def _declared(
         if member.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
             raise ValueError(f"{key} of {name} is packed in an unknown way")
         with archive.open(member) as file:
-            old = np.lib.format.read_magic(file) == (1, 0)
-            form = np.lib.format
-            read = form.read_array_header_1_0 if old else form.read_array_header_2_0
-            shape, _, dtype = read(file)
+            version, _ = np.lib.format.read_magic(file)
+            shape, _, dtype = HEADERS[version](file)
             size = file.tell() + prod(shape) * dtype.itemsize
         if dtype.kind not in NUMBERS or size != member.file_size:
             raise ValueError(

@@ -14,7 +14,6 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field
-from math import isfinite
 from pathlib import Path
 
 from planner.support import open_file
@@ -24,7 +23,7 @@ OK = "ok"
 SEAL = b'{"seal": "%b", '
 LENGTH = len(SEAL % bytes(16))
 LONGEST_LINE = 10**6  # bytes of a line
-INT64 = 2**63  # whole number that a table takes
+INT64 = 2**63  # beyond the numbers that a table takes
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +36,10 @@ class Outcome:
     software: Mapping[str, str] = field(default_factory=dict)  # that they come from
 
     def __post_init__(self) -> None:
-        words = [self.digest, self.status, *self.software.values(), *self.numbers]
-        if not all(map(_is_text, words)):
-            raise TypeError("digest, status and software are texts")
-        if not all(map(_is_plain, self.numbers.values())):
-            raise TypeError("numbers are finite, or texts")
+        words = self.digest, self.status, *self.software.values(), *self.numbers
+        numbers = self.numbers.values()
+        if not (all(map(_is_text, words)) and all(map(_is_plain, numbers))):
+            raise TypeError("its texts or numbers are none")
 
     @property
     def line(self) -> bytes:
@@ -123,9 +121,7 @@ def _sealed(content: bytes) -> bytes:
 
 def _is_plain(value: object) -> bool:
     """Whether a table has room for a value: a number, a text, yes or no, or nothing."""
-    if isinstance(value, float):
-        return isfinite(value)
-    if isinstance(value, int):
+    if isinstance(value, int | float):
         return abs(value) < INT64
     return value is None or _is_text(value)
 

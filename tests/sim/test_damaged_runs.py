@@ -184,6 +184,16 @@ DAMAGES = {
     ),
     "a summary cut": ("summary.json", cut, "show export compare"),
     "phases cut": ("flows.csv", cut, f"{VIEWS} show compare"),
+    "a phase without end": (
+        "flows.csv",
+        words(lambda text: re.sub(r"^0,0,[^,]*", "0,0,nan", text, flags=re.MULTILINE)),
+        ALL,
+    ),
+    "a film without end": (
+        "scenario.toml",
+        words(lambda text: text.replace("playback = 60.0", "playback = 1e-9")),
+        "film replay",
+    ),
     "a phase of great length": (
         "flows.csv",
         words(lambda text: text + "1" * 200_000 + "\n"),
