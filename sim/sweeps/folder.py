@@ -197,7 +197,8 @@ def sole_owner(path: Path) -> Iterator[str | None]:
         raise FilesError(reason, str(path.parent), "choose another folder") from error
     try:
         gone = _owner_in(owner)
-        owner.write_text(json.dumps({"pid": os.getpid(), "host": socket.gethostname()}))
+        me = {"pid": os.getpid(), "host": socket.gethostname()}
+        RunFolder(owner.parent).write_json(owner.name, me)
         yield gone
         owner.unlink(missing_ok=True)
     finally:
@@ -207,7 +208,7 @@ def sole_owner(path: Path) -> Iterator[str | None]:
 def _owner_in(file: Path) -> str | None:
     """Who stands in the file, in words."""
     try:
-        found = json.loads(file.read_text())
+        found = json.loads(read_file(file))
         return f"process {found['pid']} on {found['host']}"
     except (OSError, ValueError, KeyError, TypeError):
         return None

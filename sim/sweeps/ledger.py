@@ -81,7 +81,8 @@ class Ledger:
 def opened(path: Path) -> Iterator[Ledger]:
     """A ledger to add to; a line that was torn is cut off first."""
     try:
-        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o666)
+        flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW
+        handle = os.open(path, flags, 0o666)
         os.ftruncate(handle, path.read_bytes().rfind(b"\n") + 1)
     except OSError as error:
         reason = f"cannot be opened, {error.strerror}"

@@ -35,14 +35,15 @@ def kill_a_worker(process, chance):
         return
 
 
-def killed(words, ledger, chance, more):
-    """Run the command, kill one of its workers on the way, and then the command.
+def killed(words, ledger, chance, more, number):
+    """Run the command, kill one of its workers on the way, and then end the command.
 
     Args:
         words: Of the command.
         ledger: Of its sweep, which tells how far it is.
         chance: Where random moments come from.
-        more: Points that it may add at most before it is killed.
+        more: Points that it may add at most before it is ended.
+        number: Signal that ends it.
 
     Returns:
         Its exit code.
@@ -55,19 +56,21 @@ def killed(words, ledger, chance, more):
     wait_for(process, ledger, before + first, chance.uniform(0.0, 1.0))
     kill_a_worker(process, chance)
     wait_for(process, ledger, before + second, chance.uniform(0.0, 1.0))
-    process.kill()
+    process.send_signal(number)
     return process.wait(60)
 
 
 @pytest.mark.parametrize(
-    ("points", "times"),
+    ("points", "times", "number"),
     [
-        pytest.param(4, 1, id="few"),
-        pytest.param(100, 20, id="hundred", marks=pytest.mark.full),
-        pytest.param(1000, 20, id="thousand", marks=pytest.mark.full),
+        pytest.param(4, 1, signal.SIGKILL, id="few"),
+        pytest.param(100, 20, signal.SIGKILL, id="hundred", marks=pytest.mark.full),
+        pytest.param(100, 20, signal.SIGHUP, id="hung up", marks=pytest.mark.full),
+        pytest.param(100, 20, signal.SIGTERM, id="ended", marks=pytest.mark.full),
+        pytest.param(1000, 20, signal.SIGKILL, id="thousand", marks=pytest.mark.full),
     ],
 )
-def test_a_sweep_survives_being_killed(tmp_path, points, times):
+def test_a_sweep_survives_being_killed(tmp_path, points, times, number):
     chance = random.Random(SEED)
     varies = f"[grid]\nfriction = {{ from = 0.2, to = 1.2, count = {points} }}\n"
     file = write_sweep(tmp_path, varies)
@@ -75,11 +78,12 @@ def test_a_sweep_survives_being_killed(tmp_path, points, times):
     words = ("sweep", file, "--out", out, "--workers", 2, "--resume")
     done, codes = [0], []
     for _ in range(times):
-        codes.append(killed(words, ledger, chance, points // times))
+        codes.append(killed(words, ledger, chance, points // times, number))
         done.append(lines(ledger))
     assert done == sorted(done)
-    assert -signal.SIGKILL in codes
-    assert set(codes) <= {0, -signal.SIGKILL}
+    ended = {signal.SIGHUP: 129, signal.SIGTERM: 143}.get(number, -number)
+    assert ended in codes
+    assert set(codes) <= {0, ended}
     last = stratawalk(*words, timeout=7200)
     assert last.returncode == 0, last.stderr
     once = walked_here("sweep", file, "--out", tmp_path / "plain")

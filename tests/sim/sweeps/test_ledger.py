@@ -84,6 +84,21 @@ def test_a_seal_alone_makes_no_outcome(tmp_path, content):
         read_ledger(path)
 
 
+def test_nothing_is_written_through_the_links_of_a_stranger(tmp_path):
+    mine = tmp_path / "mine"
+    mine.write_text("mine")
+    (tmp_path / "x.owner").symlink_to(mine)
+    with sole_owner(tmp_path / "x.lock"):
+        assert mine.read_text() == "mine"
+    (tmp_path / "ledger").symlink_to(tmp_path / "new")
+    with (
+        pytest.raises(FilesError, match="cannot be opened"),
+        opened(tmp_path / "ledger"),
+    ):
+        pass
+    assert not (tmp_path / "new").exists()
+
+
 def test_a_missing_ledger_knows_no_points(tmp_path):
     assert read_ledger(tmp_path / "ledger") == {}
 
