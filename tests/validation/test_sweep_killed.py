@@ -83,7 +83,7 @@ def test_a_sweep_survives_being_killed(tmp_path, points, times, number):
     assert done == sorted(done)
     ended = {signal.SIGHUP: 129, signal.SIGTERM: 143}.get(number, -number)
     assert ended in codes
-    assert set(codes) <= {0, ended}
+    assert set(codes) <= {0, ended, -number}  # Python itself may yet be starting
     last = stratawalk(*words, timeout=7200)
     assert last.returncode == 0, last.stderr
     once = walked_here("sweep", file, "--out", tmp_path / "plain")
