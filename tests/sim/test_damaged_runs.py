@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from sim.cli import main
+from sim.errors import UsageError
+from sim.runs.run import read_run
 from tests.commands import refusal, run
 
 COMMANDS = {
@@ -117,11 +119,6 @@ DAMAGES = {
         "trajectory.npz",
         member("qpos.npy", declaring((-25, -5))),
         ALL,
-    ),
-    "states that inflate to a gigabyte": (
-        "trajectory.npz",
-        member("qpos.npy", lambda array: bytes(10**9)),
-        "show",
     ),
     "states packed in a way of their own": (
         "trajectory.npz",
@@ -230,6 +227,20 @@ def test_a_damaged_run_is_refused_in_one_line(
     assert line.startswith("stratawalk: error: ")
     assert "run" in line
     assert "a bug of ours" not in line
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(
+    ("save", "said"),
+    [(np.savez, "larger than 0.01 GB"), (np.savez_compressed, "arrays of 0.0")],
+)
+def test_no_more_is_unpacked_than_may_be_read(folder, monkeypatch, save, said):
+    monkeypatch.setattr("sim.runs.arrays.UNPACKED", 10**7)
+    run = read_run(folder)
+    more = {"more": np.zeros((len(run.time), 2000))}
+    save(folder / "trajectory.npz", **run.arrays, **more)
+    with pytest.raises(UsageError, match=f"trajectory.npz .*{said}"):
+        read_run(folder)
 
 
 BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'
