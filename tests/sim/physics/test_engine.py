@@ -109,6 +109,16 @@ def test_after_a_divergence_the_steps_are_those_that_were_made(hexapod, scenario
     assert f"t = {(made - 1) * 0.01:.4f} s" in str(stop.value)
 
 
+def test_a_divergence_is_laid_to_the_joint_that_was_too_fast_first(model):
+    engine, qvel = Engine(model), np.zeros((4, model.nv))
+    assert engine._runaway(qvel) == ""
+    qvel[1:, 0] = 1e12  # of the root, which is thrown
+    qvel[2, model.joint("swing_5").dofadr] = -150.0
+    qvel[2, model.joint("lift_2").dofadr] = 120.0
+    qvel[3, model.joint("lift_1").dofadr] = 1e9
+    assert engine._runaway(qvel) == " at joint 'swing_5'"
+
+
 def test_a_command_that_is_not_finite_is_stopped_before_the_engine(model):
     ctrl = np.zeros((10, model.nu))
     ctrl[4, 3] = np.nan
