@@ -4,6 +4,7 @@ The same command goes on, or begins anew, and writes what it would have written.
 """
 
 import json
+import shlex
 import shutil
 import signal
 import subprocess
@@ -79,15 +80,21 @@ friction = [0.5, 1.0]
 """
 
 
-def started(words, folder):
-    return subprocess.Popen(
-        [*COMMAND, *words.split()],
-        cwd=folder,
-        env=OUTSIDE,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+def ended(words, folder, moment=None, number=None):
+    """How a command ends, perhaps by a signal at a moment: its code, and what it says.
+
+    Without a moment it must come to its own end.
+    """
+    command, quiet = [*COMMAND, *shlex.split(words)], subprocess.DEVNULL
+    given = {"cwd": folder, "env": OUTSIDE, "stdout": quiet, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, **given, text=True) as process:
+        try:
+            _, said = process.communicate(timeout=moment)
+        except subprocess.TimeoutExpired:
+            process.send_signal(number)
+            _, said = process.communicate(timeout=60)
+    assert moment or process.returncode == 0, said
+    return process.returncode, said
 
 
 def is_whole(path):
@@ -96,7 +103,8 @@ def is_whole(path):
         with np.load(path) as file:
             return all(file[name].size for name in file.files)
     if path.suffix in (".json", ".jsonl"):
-        lines = [path.read_text()] if path.suffix == ".json" else path.open()
+        text = path.read_text()
+        lines = [text] if path.suffix == ".json" else text.splitlines()
         return all(json.loads(line) for line in lines)
     if path.suffix == ".toml":
         return bool(tomllib.loads(path.read_text()))
@@ -123,39 +131,32 @@ def written(folder):
 @pytest.mark.parametrize("words", COMMANDS.values(), ids=COMMANDS)
 def test_a_command_that_is_ended_leaves_whole_files_and_goes_on(place, words, number):
     first, began = place(), time.monotonic()
-    process = started(words, first)
-    assert process.wait() == 0, process.communicate()[1]
+    ended(words, first)
     lasts, wanted = time.monotonic() - began, written(first)
     for i in range(MOMENTS):
         folder, moment = place(), 0.1 + lasts * i / MOMENTS
-        process = started(words, folder)
-        try:
-            _, said = process.communicate(timeout=moment)
-        except subprocess.TimeoutExpired:
-            process.send_signal(number)
-            _, said = process.communicate(timeout=60)
+        code, said = ended(words, folder, moment, number)
         if moment > AWAKE:
-            assert process.returncode in (0, CODES[number])
-            assert len(told(said)) == (process.returncode > 0)
+            assert code in (0, CODES[number])
+            assert len(told(said)) == (code > 0)
         left = [path for path in folder.rglob("*") if path.is_file()]
         parts = [path for path in left if path.name.startswith(".")]
         assert not parts or number == signal.SIGKILL
         assert all(is_whole(path) for path in left if path not in parts)
         for path in parts:
             path.unlink()
-        if process.returncode and written(folder) != wanted:
-            go_on(folder, said, words)
+        if code and written(folder) != wanted:
+            go_on(folder, told(said), words)
         assert written(folder) == wanted
 
 
-def go_on(folder, said, words):
+def go_on(folder, told, words):
     """Do what the message says, or where there is none begin anew."""
-    if said:
-        words = said.strip().rpartition(": stratawalk ")[2]
+    if told:
+        words = told[-1].rpartition(": stratawalk ")[2]
     elif "--out new" in words and "film" not in words:
         shutil.rmtree(folder / "new", ignore_errors=True)
-    process = started(words, folder)
-    assert process.wait() == 0, process.communicate()[1]
+    ended(words, folder)
     if (folder / "new-2").exists():
         shutil.rmtree(folder / "new")
         (folder / "new-2").rename(folder / "new")
