@@ -40,7 +40,8 @@ COMMANDS = {
     "figures": "figures --only mechanism --out new",
     "merge": "merge swept --out new",
 }
-DRAWN_ANEW = ("video.mp4", "replay.html", "summary.json")  # with times or names of now
+DRAWN_ANEW = ("video.mp4", "replay.html", "report.html", "summary.json")
+"""With times, or names of folders, of now."""
 
 
 @pytest.fixture
