@@ -72,6 +72,28 @@ def watch() -> None:
 
 
 @contextmanager
+def processor_time(seconds: float, error: Exception) -> Iterator[None]:
+    """Raise an error in a block in which this process has computed for so long.
+
+    Only the main thread may handle signals; in another one nothing is limited.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(number: int, frame: FrameType | None) -> NoReturn:
+        raise error
+
+    before = signal.signal(signal.SIGPROF, stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds, 1.0)  # again if a library hides it
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before or signal.SIG_DFL)
+
+
+@contextmanager
 def deaf() -> Iterator[None]:
     """Start processes that leave it to this one to answer signals, and to end them."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)

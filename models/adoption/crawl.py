@@ -25,7 +25,6 @@ from planner.execution import reposition_legs
 FEWEST, MOST = 4, 6  # legs of robots for which crawls are searched for
 PLACES = 9  # of the feet, along each axis
 SHARES = (1.0, 0.75, 0.5, 0.35, 0.25, 0.15)  # of the longest stroke
-SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 SHORTEST = 0.04  # [rad] to either side, of a stroke
 SKEWED = 0.7  # worth of a stroke from a posture that is not the same left and right
 SPINS = (0.0, -0.4, 0.4, -0.8, 0.8)  # [rad] by which all legs are turned alike
@@ -118,13 +117,6 @@ def find_crawl(pose: Pose, limbs: Sequence[Limb], ranges: Array, source: str) ->
             f"are drafted for {FEWEST} to {MOST} legs"
         )
     body = _Body.of(pose, limbs)
-    arms = np.linalg.norm(body.arms, axis=1)
-    if arms.min() < SHORT * max(float(arms.max()), 1.0e-9):
-        raise ModelError(
-            f"foot {limbs[int(arms.argmin())].foot!r} is right below the joint that "
-            f"swings it: {source}; a leg pushes with a foot beside its hip, bend it at "
-            "the start"
-        )
     tries = [
         replace(crawl, stroke=share * crawl.stroke)
         for crawl in _postures(body, ranges)

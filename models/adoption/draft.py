@@ -35,6 +35,7 @@ from models.motion.mobility import Mobility, mobility_of
 from models.motion.robot_equations import equations
 from planner import Array, PlannerError
 
+SHORT = 0.05  # of the longest leg as seen from above: shorter ones push nothing
 SOFT_SHARE = 0.05  # of the stiffness with which a servo sags little
 
 
@@ -121,6 +122,13 @@ def _gait(
     pose: Pose, limbs: Sequence[Limb], source: str
 ) -> tuple[Stand, Stand] | Crawl:
     """Two groups that stand in turn; a crawl where there are none."""
+    arms = np.linalg.norm([limb.toe[:2] - limb.hip for limb in limbs], axis=1)
+    if arms.min() < SHORT * max(float(arms.max()), 1.0e-9):
+        raise ModelError(
+            f"foot {limbs[int(arms.argmin())].foot!r} is right below the joint that "
+            f"swings it: {source}; a leg pushes with a foot beside its hip, bend it at "
+            "the start"
+        )
     weight = pose.center_of_mass[:2]
     room = np.array([_room(pose, limb) for limb in limbs])
     try:

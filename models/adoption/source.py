@@ -12,11 +12,13 @@ import mujoco
 
 from models.adoption.skeleton import with_rods
 from models.description.compiled import named, one_line, read_spec
-from models.description.inspection import inspect_model
+from models.description.inspection import ROBOT, inspect_model
 from models.errors import ModelError, UnknownRobotError
+from planner.support import read_file
 
 FREE = re.compile(r"<freejoint|type=\"free\"")
 PACKAGE = r'package://([^/"]+)/([^"]+)'
+LIMITS = ROBOT._replace(seconds=10)  # much is to be tried with it afterwards
 PARENTS = 4  # folders above a URDF in which its packages are looked for
 ROOT = "adopted_world"  # link that a URDF's base floats in
 FLOATING = f"""
@@ -82,19 +84,19 @@ def source_of(name: str, allow_external: bool = False) -> Source:
             f"no such robot: {path}; give an MJCF or URDF file, or a folder with one"
         )
     if path.suffix.lower() != ".urdf":
-        inspect_model(path, (), allow_external)
+        inspect_model(path, (), allow_external, LIMITS)
         return Source(path, path, None)
-    given = path.read_text(encoding="utf-8", errors="replace")
+    given = read_file(path).decode(errors="replace")
     found = re.sub(PACKAGE, lambda name: _in_package(path.parent, name), given)
     drawn = with_rods(path, given, found)
     if drawn.text == given:
-        inspect_model(path, (), allow_external)
+        inspect_model(path, (), allow_external, LIMITS)
     else:
         with NamedTemporaryFile("w", suffix=".urdf", dir=path.parent) as file:
             file.write(drawn.text)
             file.flush()
             try:
-                inspect_model(Path(file.name), (), allow_external)
+                inspect_model(Path(file.name), (), allow_external, LIMITS)
             except ModelError as error:
                 raise ModelError(str(error).replace(file.name, str(path))) from error
     notes = (drawn.note,) if drawn.missing else ()

@@ -4,6 +4,7 @@ from .compiled import (
     actuator_of as actuator_of,
     compile_model as compile_model,
     is_position_servo as is_position_servo,
+    one_line as one_line,
     read_spec as read_spec,
     root_body as root_body,
     silence_the_engine as silence_the_engine,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from sim.preparation.setup import Setup
 
 HELP = "draft the card of a robot in MJCF or URDF: legs, groups, posture, servos"
+LONGEST = 30.0  # [s] of the processor
 OPTIONS = robot_options(
     "an MJCF or URDF file, or a model folder of MuJoCo Menagerie", "FILE"
 )
@@ -22,14 +24,29 @@ OPTIONS = robot_options(
 
 def execute(options: argparse.Namespace) -> None:
     """Draft the card, try whether the robot stands, and write it beside the file."""
+    from models import ModelError
+    from sim.interruption import processor_time
+
+    too_long = ModelError(
+        f"no card was found within {LONGEST:g} s of the processor: {options.robot}; "
+        "leave parts out, or write its card by hand as docs/robots.md has it"
+    )
+    with processor_time(LONGEST, too_long):
+        adopted = _adopted(options)
+    _report(*adopted, as_json=options.json)
+
+
+def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
+    """What was found and what was written, which is nothing where it does not stand."""
     from models import draft_card, load, source_of
+    from sim.folder import whole
     from sim.progress import bar, stage
 
     source = source_of(options.robot, options.allow_external)
     card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
     model = [] if source.text is None else [source.path]
     for path in (card, picture, *model):
-        if path.exists():
+        if os.path.lexists(path):  # a link may lead anywhere
             raise UsageError(
                 "already exists", str(path), "move it away: adopt overwrites no file"
             )
@@ -40,22 +57,23 @@ def execute(options: argparse.Namespace) -> None:
     from sim.scenarios.file import load_scenario
 
     try:
-        if source.text is not None:
-            source.path.write_text(source.text)
-        card.write_text(draft.card)
+        for path, text in ((source.path, source.text), (card, draft.card)):
+            if text is not None:
+                with whole(path) as part:
+                    part.write_text(text)
         with bar(quiet=options.json) as progress:
             with stage(progress, "trying to stand"):
                 robot = load(str(source.path), allow_external=options.allow_external)
                 setup = prepare(
                     load_scenario("line", {"robot": str(source.path)}), robot
                 )
-            with stage(progress, "drawing it from above"):
-                draw(setup, draft.gait.pivots, picture)
+            with stage(progress, "drawing it from above"), whole(picture) as part:
+                draw(setup, draft.gait.pivots, part)
     except BaseException:
         for path in (card, picture, *model):
             path.unlink(missing_ok=True)
         raise
-    _report(source, draft, setup, [*model, card, picture], as_json=options.json)
+    return source, draft, setup, [*model, card, picture]
 
 
 def _report(

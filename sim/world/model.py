@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from models import Kinematics, Robot
-from models.description import ON_JOINT, compile_model
+from models.description import ON_JOINT, compile_model, one_line
 from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
@@ -74,7 +74,8 @@ def build(robot: Robot, scenario: Scenario) -> World:
 
 def load(world: World) -> mujoco.MjModel:
     """Compile the text of a world."""
-    spec = mujoco.MjSpec.from_string(world.text, assets=dict(world.assets))
+    with one_line(f"the engine does not read what it wrote: {MODEL}"):
+        spec = mujoco.MjSpec.from_string(world.text, assets=dict(world.assets))
     return compile_model(spec, MODEL)
 
 

@@ -1,14 +1,20 @@
 """`stratawalk adopt`: writes a card and a picture beside a file, and nothing else."""
 
 import json
+import os
+import re
+import signal
+from time import process_time
 
 import pytest
 
 from models.library import load
-from scripts.adoptees import ADOPTEES
+from scripts.adoptees import ADOPTEES, Adoptee, radial
 from sim.cli import main
+from sim.commands import adopt
 
 SPIDER, BOX = ADOPTEES[0], ADOPTEES[-1]
+FOUR = Adoptee("four", radial(4), drive="motor")
 
 
 def names(folder):
@@ -68,3 +74,81 @@ def test_refused_robot_leaves_no_file(tmp_path, capsys):
 def test_missing_file_is_refused(tmp_path, capsys):
     assert main(["adopt", str(tmp_path / "gone.xml")]) == 2
     assert "no such robot" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["spider.toml", "spider.png", "box.xml"])
+def test_nothing_is_written_through_a_link(tmp_path, capsys, name):
+    """Not even through one that leads nowhere, and would make a file there."""
+    own, out = tmp_path / "own", tmp_path / "out"
+    own.mkdir()
+    out.mkdir()
+    path = (BOX if name.startswith("box") else SPIDER).write(own)
+    (own / name).symlink_to(out / "made")
+    assert main(["adopt", str(path)]) == 2
+    assert "already exists" in capsys.readouterr().err
+    assert names(out) == []
+    assert (own / name).is_symlink()
+
+
+def test_a_robot_that_takes_too_long_is_refused_in_time(tmp_path, capsys, monkeypatch):
+    """Its processor time is limited, whatever it is spent on."""
+    from models.adoption import draft
+
+    def for_ever(*_):
+        while True:
+            sum(range(1000))
+
+    monkeypatch.setattr(adopt, "LONGEST", 0.5)
+    monkeypatch.setattr(draft, "find_limbs", for_ever)
+    path, began = SPIDER.write(tmp_path), process_time()
+    assert main(["adopt", str(path)]) == 3
+    assert process_time() - began < 5
+    *_, line = capsys.readouterr().err.splitlines()
+    assert "no card was found within 0.5 s of the processor" in line
+    assert names(tmp_path) == ["spider.xml"]
+    assert signal.getitimer(signal.ITIMER_PROF) == (0.0, 0.0)
+
+
+STRANGE = {
+    "no axes": (re.compile(r' axis="[^"]*"'), ""),
+    "a leg of a million kilometres": (
+        re.compile(r'fromto="0 0 0 [^"]*"'), 'fromto="0 0 0 1e9 0 0"'
+    ),
+    "legs of no length": (re.compile(r'fromto="[^"]*"'), 'fromto="0 0 0 0 0 -0.1"'),
+    "a hexadecimal size": (re.compile(r' size="[^"]*"'), ' size="0x10"'),
+    "a turn of 1e300": (re.compile(r'quat="\S+ '), 'quat="1e300 '),
+    "joints upside down": (re.compile(r'axis="0 0 1"'), 'axis="0 0 -1e-300"'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new"), STRANGE.values(), ids=STRANGE)
+@pytest.mark.parametrize(
+    ("adoptee", "count"),
+    [(FOUR, 0), *(pytest.param(a, 1, marks=pytest.mark.full) for a in (FOUR, SPIDER))],
+    ids=["four, all", "four, one", "six, one"],
+)
+def test_a_strange_robot_is_adopted_or_refused_within_its_budget(
+    adoptee, old, new, count, tmp_path, capsys
+):
+    """One of its parts is strange, or all of them."""
+    path, began = adoptee.write(tmp_path), sum(os.times()[:4])
+    path.write_text(old.sub(new, path.read_text(), count=count))
+    code = main(["adopt", str(path)])
+    assert code in (0, 3)
+    assert sum(os.times()[:4]) - began < 30
+    if code:
+        assert capsys.readouterr().err.splitlines()[-1].startswith("stratawalk: error")
+        assert names(tmp_path) == [path.name]
+
+
+@pytest.mark.full
+def test_a_search_without_end_ends(tmp_path, capsys):
+    """Six legs far off the weight: millions of postures are tried for a crawl."""
+    path, began = SPIDER.write(tmp_path), process_time()
+    text = path.read_text()
+    trunk = re.search(r"<geom [^>]*contype=\"0\"[^>]*/>", text)[0]
+    far = '<geom name="far" type="sphere" size="0.01" mass="99" pos="9 9 0"/>'
+    path.write_text(text.replace(trunk, trunk + far, 1))
+    assert main(["adopt", str(path)]) == 3
+    assert process_time() - began < 40
+    assert names(tmp_path) == ["spider.xml"]

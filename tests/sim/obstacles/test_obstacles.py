@@ -184,3 +184,55 @@ def test_a_robot_that_starts_in_an_obstacle_is_told_which(scenario):
     inside = scenario(obstacles=shapes.decode([WALL, box]))
     with pytest.raises(UsageError, match=r"\w+_1 \d+\.\d mm deep in obstacle 2: obst"):
         prepare(inside)
+
+
+@pytest.mark.parametrize("thickness", [shapes.SMALLEST_SIZE, 0.05, shapes.FARTHEST])
+def test_every_piece_of_a_wall_is_longer_by_its_thickness(thickness):
+    across, along = decoded(WALL | {"thickness": thickness}).pieces
+    assert across.half == pytest.approx(((0.8 + thickness) / 2, thickness / 2))
+    assert along.half == pytest.approx(((0.5 + thickness) / 2, thickness / 2))
+    assert (across.center, along.center) == ((0.4, -0.1), (0.65, 0.3))
+    assert (across.yaw, along.yaw) == (pytest.approx(np.pi / 2), 0.0)
+
+
+def test_a_wall_is_as_thick_and_as_high_as_documented():
+    plain = decoded(WALL)
+    assert plain.pieces[0].half[1] == pytest.approx(0.01)
+    assert plain.height == 0.12
+    assert decoded(WALL | {"height": 0.2}).height == 0.2
+
+
+LEAST, MOST = 1e-4, 1e3  # [m], as docs/scenarios.md has them
+
+
+@pytest.mark.parametrize("key", ["thickness", "height"])
+@pytest.mark.parametrize("length", [0.99 * LEAST, 1.001 * MOST, 0.0, -1.0])
+def test_lengths_that_no_obstacle_has_are_refused(key, length):
+    with pytest.raises(UsageError, match=r"give a length from 0.0001 to 1000 m"):
+        decoded(WALL | {key: length})
+    for taken in (LEAST, MOST):
+        assert decoded(WALL | {key: taken}).kind == "wall"
+
+
+@pytest.mark.parametrize("apart", [0.99 * LEAST, 0.0])
+def test_points_closer_than_any_length_are_refused(apart):
+    with pytest.raises(UsageError, match="points that differ"):
+        decoded({"kind": "wall", "points": [[0.5, 0], [0.5, apart]]})
+    assert decoded({"kind": "wall", "points": [[0.5, 0], [0.5, LEAST]]}).pieces
+
+
+@pytest.mark.parametrize(("kind", "least"), [("wall", 2), ("polygon", 3)])
+def test_the_fewest_points_are_enough(kind, least):
+    points = [[0.5, 0.0], [0.8, 0.0], [0.6, 0.4]][:least]
+    assert decoded({"kind": kind, "points": points}).pieces
+    with pytest.raises(UsageError, match=f"at least {least} points"):
+        decoded({"kind": kind, "points": points[:-1]})
+
+
+@pytest.mark.parametrize("size", [[LEAST, MOST], [MOST, LEAST]])
+def test_a_box_is_as_long_as_it_says(size):
+    (piece,) = decoded({"kind": "box", "center": [0.0, 0.0], "size": size}).pieces
+    assert piece.half == (size[0] / 2, size[1] / 2)
+    for spoilt in ([0.9 * LEAST, 1.0], [1.0, 1.1 * MOST]):
+        with pytest.raises(UsageError, match="two lengths above 0"):
+            decoded({"kind": "box", "center": [0.0, 0.0], "size": spoilt})

@@ -6,6 +6,8 @@ import shutil
 import pytest
 
 from sim.cli import main
+from sim.reports.comparison import compare
+from sim.runs.run import read_run
 from tests.browser import ask
 
 SEEN = """
@@ -69,3 +71,18 @@ def test_what_cannot_be_compared_is_refused(runs, tmp_path, capsys):
     for words in ([runs[0]], [runs[0], tmp_path], [*runs, "--out", "page.pdf"]):
         assert main(["compare", *map(str, words)]) == 2
     assert capsys.readouterr().err.count("\n") == 3
+
+
+def test_what_differs_by_little_has_a_digit_more(walked):
+    """Errors of several runs are told apart; what they share has its usual digits."""
+    run = read_run(walked)
+    table = {row[0]: row[1] for row in compare([run, run]).results.rows}
+    digits = {label: len(cell.partition(".")[2]) for label, cell in table.items()}
+    finer = {"off the goal [mm]": 3, "off the goal in yaw [mrad]": 3}
+    for name in ("ideal", "quasi-static"):
+        finer |= {f"off {name}, at the end [mm]": 3, f"off {name}, at most [mm]": 3}
+    usual = {"least margin [mm]": 1, "slip [mm]": 1, "simulated time [s]": 2}
+    wanted = finer | usual | {"bounces": 0, "length of the path [m]": 4}
+    assert {label: digits[label] for label in wanted} == wanted
+    position = 1e3 * run.summary.error["goal"]["position"]
+    assert table["off the goal [mm]"] == f"{position:.3f}"

@@ -11,7 +11,7 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.scenarios.declaration import Effect, read
 from sim.scenarios.file import announce, load_scenario
-from sim.scenarios.settings import FORMER, SETTINGS
+from sim.scenarios.settings import FORMER, IMPERFECTIONS, SETTINGS
 
 
 @pytest.mark.parametrize(("old", "new"), FORMER.items())
@@ -55,3 +55,17 @@ def test_the_table_of_settings_in_the_documentation_is_the_declaration():
 def test_help_of_set_names_every_setting(command, capsys):
     main([command, "--help"])
     assert {*SETTINGS} <= set(re.findall(r"\w+", capsys.readouterr().out))
+
+
+def test_defaults_are_those_that_people_count_on():
+    """Left out, a setting changes nothing: one walk, perfect servos, a level floor."""
+    defaults = {name: item.default for name, item in SETTINGS.items()}
+    kept = {
+        "robot": "hexapod", "fields": "lifted", "segments": 20, "words": "printed",
+        "steer": "ideal", "optimise": "none", "correct": 1, "friction": 1.0,
+        "timestep": 0.001, "draw": 0, "swing_speed": 0.5, "swing_acceleration": 5.0,
+        "hold": 0.5, "plan_time": 300.0, "min_clearance": 0.002, "sample_every": 10,
+        "seed": 0,
+    }  # fmt: skip
+    assert {name: defaults[name] for name in kept} == kept
+    assert not any(defaults[name] for name in IMPERFECTIONS)  # None, 0 or False

@@ -1,0 +1,59 @@
+"""Walks along a gait: which strata are entered before each flow, and how few."""
+
+import pytest
+
+from planner import Gait, StratifiedSystem, StratumError
+from planner.systems.flows import Flow
+from planner.systems.gait import gait_steps, gait_walk, walk_switches
+
+FIELDS = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
+GAIT = ("12", "1", "12", "2", "12")
+
+
+@pytest.fixture(scope="module")
+def walker():
+    return StratifiedSystem("x y z", FIELDS, "12")
+
+
+def flows(*strata):
+    fields = {"1": "f", "2": "g"}
+    return [Flow(stratum, fields[stratum], 1.0) for stratum in strata]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "ends", "steps"),
+    [
+        ("12", ("12", "12"), [("1",), ("12", "2"), ("12",)]),
+        ("21", ("12", "12"), [("2",), ("12", "1"), ("12",)]),  # begun in its middle
+        ("11", ("12", "12"), [("1",), (), ("12",)]),  # where it is, it stays
+        ("1", ("1", "12"), [(), ("12",)]),
+        ("1", ("1", "1"), [(), ()]),
+        ("12", ("12", "1"), [("1",), ("12", "2"), ("12", "1")]),  # past its end
+        ("", ("12", "2"), [("2",)]),
+        ("", ("12", "12"), [()]),
+    ],
+)
+def test_strata_are_entered_in_the_order_of_the_gait(walker, wanted, ends, steps):
+    found = gait_steps(walker, flows(*wanted), GAIT, ends)
+    assert list(found) == steps
+    walk = gait_walk(walker, flows(*wanted), GAIT, ends)
+    assert list(walk) == [ends[0], *(name for step in steps for name in step)]
+    changes = sum(1 for step in steps for _ in step)
+    assert walk_switches(walker, walk) == changes  # a foot each
+
+
+def test_feet_are_counted_where_a_step_skips_the_bottom(walker):
+    assert walk_switches(walker, ("1", "12", "2")) == 2
+    assert walk_switches(walker, ("1", "1")) == 0
+
+
+def test_a_gait_goes_once_around():
+    walker = StratifiedSystem("x y z", FIELDS, "12")
+    assert Gait(walker, GAIT).once_around == GAIT[:-1]
+    assert Gait(walker, ("12",)).once_around == ("12",)
+
+
+@pytest.mark.parametrize("ends", [("12", "2"), ("2", "12")])
+def test_a_stratum_that_the_gait_does_not_visit_is_named(walker, ends):
+    with pytest.raises(StratumError, match=r"gait 12 1 does not visit S2, .* add it"):
+        gait_steps(walker, flows("1"), ("12", "1", "12"), ends)
