@@ -35,17 +35,22 @@ def check_parts(robot: Robot) -> None:
             f"it starts {farthest:.3g} m or rad away: {robot.path}; correct keyframe "
             "'start', or where its body is"
         )
+    check_places(model, str(robot.path))
+    for number, leg in robot.card.legs.items():
+        for problem in _part_problems(model, leg):
+            raise ModelError(f"leg {number}: {robot.path}; {problem}")
+
+
+def check_places(model: mujoco.MjModel, source: str) -> None:
+    """Refuse a model with a part so far away that its place has no millimetres."""
     for kind, places in (("body", model.body_pos), ("geom", model.geom_pos)):
         away = np.abs(places).max(axis=1)
         if away.max() > FARTHEST:
             name = getattr(model, kind)(int(away.argmax())).name
             raise ModelError(
-                f"{kind} {name!r} is {away.max():.3g} m away from its frame: "
-                f"{robot.path}; correct its pos"
+                f"{kind} {name!r} is {away.max():.3g} m away from its frame: {source}; "
+                "correct its pos"
             )
-    for number, leg in robot.card.legs.items():
-        for problem in _part_problems(model, leg):
-            raise ModelError(f"leg {number}: {robot.path}; {problem}")
 
 
 def _check_names(robot: Robot) -> None:

@@ -29,6 +29,7 @@ SHORTEST = 0.04  # [rad] to either side, of a stroke
 SKEWED = 0.7  # worth of a stroke from a posture that is not the same left and right
 SPINS = (0.0, -0.4, 0.4, -0.8, 0.8)  # [rad] by which all legs are turned alike
 PUSHED = 0.3  # of the way that the fastest foot would push the body without slip
+TINY = 1e-12  # in the place of a zero to divide by
 IDLE = 0.05  # of the fastest leg's swing: legs slower than that are left out
 
 
@@ -94,7 +95,7 @@ class _Body:
         swings = []
         for way in (back, around):
             rate = (sweeps * way).sum(axis=1) / (sweeps**2).sum(axis=1)
-            gains = rate / np.abs(rate).max()
+            gains = rate / max(float(np.abs(rate).max()), TINY)
             swings.append(np.where(np.abs(gains) < IDLE, 0.0, gains))
         return swings[0], swings[1]
 
@@ -150,7 +151,7 @@ def _postures(body: _Body, ranges: Array) -> Iterator[Crawl]:
             continue
         forward, turning = body.patterns(turns)
         used = np.maximum(np.abs(forward), np.abs(turning))
-        stroke = float((np.minimum(room, MOST_SWING) / used).min())
+        stroke = float((np.minimum(room, MOST_SWING) / np.maximum(used, TINY)).min())
         yield Crawl(turns, forward, turning, stroke, skewed=bool(y or spin))
 
 
@@ -163,7 +164,7 @@ def _pushes(body: _Body, crawl: Crawl) -> bool:
     for gains, unit in ((crawl.forward, (1, 0, 0)), (crawl.turning, (0, 0, arm))):
         rates = sweeps * gains[:, None]
         twist = least_dissipation_twist(feet[None], rates[None], loads)[0]
-        if twist @ unit < PUSHED * np.linalg.norm(rates, axis=1).max():
+        if twist @ unit <= PUSHED * np.linalg.norm(rates, axis=1).max():
             return False
     return True
 

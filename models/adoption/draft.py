@@ -26,6 +26,7 @@ from models.adoption.standing import (
     standing_angles,
     stands,
 )
+from models.checks import check_places
 from models.description.card import Servo
 from models.description.card_file import parse_card
 from models.description.compiled import compile_model, named, root_body
@@ -80,6 +81,7 @@ def draft_card(source: Source) -> Draft:
     spec, name = source.spec(), str(source.given)
     named(spec)
     model = compile_model(spec, name)
+    check_places(model, name)
     key = start_key(model)
     start = model.qpos0 if key is None else model.key_qpos[key]
     pose = Pose.at(model, root_body(model, source.given), start)

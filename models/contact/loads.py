@@ -120,5 +120,6 @@ def least_load(feet: Array, center: Array) -> Array:
     spokes = feet - center[..., None, :]
     after = np.roll(spokes, -1, axis=-2)
     areas = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
-    opposite = np.roll(areas, -1, axis=-1)
-    return (opposite / areas.sum(axis=-1, keepdims=True)).min(axis=-1)
+    opposite, whole = np.roll(areas, -1, axis=-1), areas.sum(axis=-1, keepdims=True)
+    on_a_line = np.zeros_like(areas)
+    return np.divide(opposite, whole, out=on_a_line, where=whole != 0).min(axis=-1)

@@ -15,6 +15,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from sim.viewing.access import Access, OwnSocket
+from tests.browser import chromium, watch
+from tests.sim.viewing.test_browser import shows_a_robot
 from tests.sim.viewing.test_netimgui import pasted, pointing, version
 
 SOCKETS = ("/state", "/ui", "/drop")
@@ -184,6 +186,13 @@ def test_a_tunnel_leads_to_it_by_a_port_of_its_own(served, tunnel):
     for named in ("127.0.0.1", "[::1]", "LOCALHOST"):
         at = f"{named}:{tunnel}"
         assert served.get("/", port=tunnel, Host=at, **given)[0] == 200
+
+
+@pytest.mark.full
+def test_chromium_shows_the_walk_through_a_tunnel(served, tunnel, tmp_path):
+    chromium()
+    page = f"http://localhost:{tunnel}/?{served.token}"
+    watch(page, tmp_path, shows_a_robot)
 
 
 def test_nothing_is_loaded_that_is_dropped(served, cookie):
