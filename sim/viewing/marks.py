@@ -19,7 +19,9 @@ from sim.runs.run import Run
 
 KIND = mujoco.mjtGeom
 PATH_POINTS = 120  # of a path
-PRINTS = 240  # footprints, the latest ones; the viewer draws 1024 geoms in all
+PRINTS = 120  # footprints, the latest ones; the viewer draws 1024 geoms in all
+BEND = 0.2  # of a path's width: the same line in fewer rods, each of them costs time
+COVERED = 0.4  # of a footprint's radius: one print hides an earlier one so near
 INSIDE = 0.93  # size of the ghost, which the robot hides where it is as predicted
 # In units of the robot's reach.
 HIGH, THICK = 0.008, 0.006  # above the floor, width of paths
@@ -38,14 +40,26 @@ class Marks:
         self._body = np.flatnonzero(moving & (model.geom_rgba[:, 3] > 0)).tolist()
         self._torso = np.flatnonzero(model.geom_bodyid == root)
         self._still = [*self._paths(), self._goal()]
-        self._prints = landings(walk)
+        self._prints = _uncovered(walk, *landings(walk))
+        self._shown: tuple[int, list[mujoco.MjvGeom]] = -1, []
 
     def at(self, row: int) -> list[mujoco.MjvGeom]:
         """All marks of a row, as MuJoCo draws them."""
-        come = thinned(self._walk.achieved[: row + 1, :2])
-        achieved = self._line(come, palette.ACHIEVED.colour, THICK, level=3)
-        support, shadow = self._support(row), self._shadow(row)
-        return [*self._still, *self._footprints(row), *achieved, *support, *shadow]
+        if row != self._shown[0]:
+            come = self._bent(self._walk.achieved[: row + 1])
+            achieved = self._line(come, palette.ACHIEVED.colour, THICK, level=3)
+            still = (*self._still, *self._footprints(row))
+            moving = (*achieved, *self._support(row), *self._shadow(row))
+            self._shown = row, [*still, *moving]
+        return self._shown[1]
+
+    def _bent(self, poses: Array) -> Array:
+        """A path in as few points as it looks the same with."""
+        points = thinned(poses[:, :2])
+        if len(points) < 3:
+            return points
+        apart = BEND * THICK * self._walk.reach
+        return shapely.get_coordinates(shapely.LineString(points).simplify(apart))
 
     def _paths(self) -> Iterator[mujoco.MjvGeom]:
         walk = self._walk
@@ -53,7 +67,7 @@ class Marks:
         yield from self._line(nominal, NOMINAL.colour, THICK, level=0, step=2)
         for level, (name, poses) in enumerate(walk.drawn.items(), start=1):
             colour = palette.PREDICTED[name].colour
-            yield from self._line(thinned(poses[:, :2]), colour, THICK, level)
+            yield from self._line(self._bent(poses), colour, THICK, level)
 
         for outline in walk.thought:
             yield from self._line(outline, palette.THOUGHT.colour, THICK / 2, level=3)
@@ -67,13 +81,14 @@ class Marks:
     def _line(
         self, points: Array, colour: Colour, width: float, level: int, step: int = 1
     ) -> Iterator[mujoco.MjvGeom]:
-        """Thin rods from point to point, a little above the floor."""
+        """Thin bars from point to point, a little above the floor; rods take longer."""
         reach = self._walk.reach
         places = np.insert(points, 2, HIGH * reach * (1 + 0.3 * level), axis=1)
         for start, end in islice(pairwise(places), 0, None, step):
-            geom = _geom(KIND.mjGEOM_CAPSULE, np.ones(3), start, colour.rgba())
+            geom = _geom(KIND.mjGEOM_CYLINDER, np.ones(3), start, colour.rgba())
             radius = width * reach / 2
-            mujoco.mjv_connector(geom, KIND.mjGEOM_CAPSULE, radius, start, end)
+            mujoco.mjv_connector(geom, KIND.mjGEOM_CYLINDER, radius, start, end)
+            geom.type = KIND.mjGEOM_BOX  # of the same place and size
             yield geom
 
     def _footprints(self, row: int) -> Iterator[mujoco.MjvGeom]:
@@ -138,6 +153,18 @@ def landings(walk: Run) -> tuple[Array, Array]:
     """Rows in which a foot comes down, ascending, and which foot it is."""
     rows, feet = np.nonzero(np.diff(walk.contact.astype(int), axis=0, prepend=0) > 0)
     return rows, feet
+
+
+def _uncovered(run: Run, rows: Array, feet: Array) -> tuple[Array, Array]:
+    """The landings whose prints are not hidden by an earlier one of the same foot."""
+    near, kept = COVERED * FOOTPRINT * run.reach, []
+    last: dict[int, list[Array]] = {}
+    for i, (row, foot) in enumerate(zip(rows, feet, strict=True)):
+        place, seen = run.contact_point[row, foot], last.setdefault(int(foot), [])
+        if not seen or np.hypot(*(np.array(seen) - place).T).min() > near:
+            seen.append(place)
+            kept.append(i)
+    return rows[kept], feet[kept]
 
 
 def middle_and_extent(walk: Run) -> tuple[Array, float]:
