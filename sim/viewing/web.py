@@ -128,7 +128,9 @@ def _bound(host: str, port: int) -> socket.socket:
     from mujoco.studio.web import web_server
 
     try:
-        return web_server.bind_public_socket(host, port)
+        bound = web_server.bind_public_socket(host, port)
+        bound.listen()  # a browser may come before the server's thread does
+        return bound
     except (OSError, RuntimeError) as error:
         remedy = "give another --port, or 0 for a free one"
         raise UsageError("cannot listen", f"{host}:{port}", remedy) from error
