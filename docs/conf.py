@@ -126,8 +126,19 @@ def displayed_formula(writer: Any, node: Any) -> None:
     _write(writer, node, "block")
 
 
+STRETCHING = {  # brackets as high as the matrix between them
+    r"\begin{pmatrix}": r"\left(\begin{matrix}",
+    r"\end{pmatrix}": r"\end{matrix}\right)",
+    r"\begin{bmatrix}": r"\left[\begin{matrix}",
+    r"\end{bmatrix}": r"\end{matrix}\right]",
+}
+
+
 def _write(writer: Any, node: Any, display: str) -> None:
-    writer.body.append(convert(node.astext(), display=display))
+    formula = node.astext()
+    for plain, stretching in STRETCHING.items():
+        formula = formula.replace(plain, stretching)
+    writer.body.append(convert(formula, display=display))
     raise nodes.SkipNode
 
 

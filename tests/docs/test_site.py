@@ -45,6 +45,8 @@ def test_pages_become_a_site_without_a_warning(tmp_path):
     assert 'id="sim.simulate"' in pages["sim.html"]
     assert "<math" in pages["method.html"]
     assert "$$" not in pages["method.html"]
+    stretching = '<mo stretchy="true" fence="true" form="prefix">('
+    assert stretching in pages["method.html"].replace("&#x00028;", "(")
 
 
 @pytest.mark.full
