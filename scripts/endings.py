@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-CODES = {0, 2, 3, 4, 6, 8}  # that an input alone may lead to
+CODES = {0, 2, 3, 4, 6, 7, 8}  # that an input alone may lead to
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 

@@ -35,7 +35,6 @@ HELP = "write a walk for the servos of a robot, read it back and play it in MuJo
 FORMATS = ("csv", "header", "ros2", "dynamixel")
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
 WORTH_TELLING = 0.005  # of the path, which an export costs
-ROUNDED = 1e-4  # [rad], of angles on whole counts; others keep nine digits
 COARSE = (
     "this walk was planned for servos that take a command every physics step; plan it "
     "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
@@ -84,7 +83,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     blame = blamed_on(folder) if folder.is_dir() else nullcontext()
     with bar(quiet=options.json) as progress, blame, keeping(partial(_kept, out)):
         source = _source(options, progress)
-        commands, read = _written(options, source, out)
+        commands, read, coarse = _written(options, source, out)
         played = _played(options, source, read, progress)
     summary = source.run.summary
     if not source.servo.rate:
@@ -103,7 +102,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
         }
         print(json.dumps(facts))
     else:
-        print(_report(options, source, (commands, read), played))
+        print(_report(options, source, read, played, coarse))
     weighed = {f"the walk as {name}": one.weighed for name, one in played.items()}
     remedy = f"{options.out} is written; correct the walk before servos carry it out"
     return judged(summary, options.tolerance, remedy, weighed)
@@ -184,8 +183,11 @@ def _require_as_walked(options: argparse.Namespace) -> None:
 
 def _written(
     options: argparse.Namespace, source: Source, out: Path
-) -> tuple[ServoCommands, ServoCommands]:
-    """The commands, written; and what the file says, read back."""
+) -> tuple[ServoCommands, ServoCommands, float]:
+    """The commands, written; what the file says, read back; and its counts [rad].
+
+    Angles that are written as such have no counts, which is 0.
+    """
     from sim.export.files import read, servos, write
     from sim.export.ros_table import read_ros_table
 
@@ -195,40 +197,41 @@ def _written(
     table = servos(source, kind, given, microseconds=pulses, rate=rate)
     commands = source.commands(rate)
     write(out, kind, source, commands, table)
-    return commands, read(out, kind, table)
+    finest = max(channel.counts_per_radian for channel in table.channels)
+    coarse = 1 / finest if kind in ("header", "dynamixel") else 0.0
+    return commands, read(out, kind, table), coarse
 
 
 def _report(
     options: argparse.Namespace,
     source: Source,
-    commands: tuple[ServoCommands, ServoCommands],
+    commands: ServoCommands,
     played: Mapping[str, Played],
+    coarse: float,
 ) -> str:
     from sim.evaluation.comparison import describe_export
 
-    summary, (asked, _) = source.run.summary, commands
+    summary = source.run.summary
     lines = [
-        f"{summary.scenario}: {summary.robot}, {len(asked.angles)} commands "
-        f"of {len(asked.joints)} servos, {asked.rate:g} a second"
+        f"{summary.scenario}: {summary.robot}, {len(commands.angles)} commands "
+        f"of {len(commands.joints)} servos, {commands.rate:g} a second"
     ]
     for name, one in played.items():
         how = "held" if name == "exported" else name
         facts = [f"{one.bounces} bounces, each command {how}"]
         if one.changed > WORTH_TELLING:
-            facts.append(_what_changed(one, *commands))
+            facts.append(_what_changed(one, commands.rate, coarse))
         lines += [f"{'played':13}{'; '.join(facts)}"]
         lines += ["", describe_export(summary, one, name), ""]
     return "\n".join([*lines, *([] if played else [""]), f"{'file':13}{options.out}"])
 
 
-def _what_changed(played: Played, asked: ServoCommands, read: ServoCommands) -> str:
+def _what_changed(played: Played, rate: float, coarse: float) -> str:
     """What reading and rounding cost, and how the walk is planned for it."""
-    order = [read.joints.index(joint) for joint in asked.joints]
-    rounded = float(abs(read.angles[:, order] - asked.angles).max())
     cost = f"it ends {100 * played.changed:.2g} % of its path from the walk itself"
-    if rounded > ROUNDED:
+    if coarse:
         return (
-            f"{cost}, since angles are rounded by up to {1e3 * rounded:.2g} mrad: plan "
-            f"on whole counts with --set resolution={2 * rounded:.2g}"
+            f"{cost}, since angles are rounded to counts of {1e3 * coarse:.3g} mrad: "
+            f"plan on whole ones with --set resolution={coarse:.6g}"
         )
-    return f"{cost}: plan at this rate with --set command_rate={read.rate:g}"
+    return f"{cost}: plan at this rate with --set command_rate={rate:g}"

@@ -20,7 +20,7 @@ DEFAULT = 0.25
 
 
 def _share(text: str) -> float:
-    return math.inf if text == "none" else real("a share or none", DEFAULT)(text)
+    return math.inf if text == "none" else real("a share", 0.05)(text)
 
 
 TOLERANCE = option(

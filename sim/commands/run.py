@@ -72,15 +72,15 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
     folder = claim(folder_of(options), scenario.name)
-    if options.tries is not None:
-        return _walk_tries(scenario, robot, folder, options)
     as_drawn = drawn(scenario, robot)
-    if robot.opened.files:
-        for change in changes(robot, as_drawn):
-            notice(f"{change}: {robot.path}")
     ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
     if words := who_ignores(ignored):
         notice(f"predictions will ignore {words}")
+    if options.tries is not None:
+        return _walk_tries(scenario, robot, folder, options)
+    if robot.opened.files:
+        for change in changes(robot, as_drawn):
+            notice(f"{change}: {robot.path}")
     kept = partial(_kept, folder, look, options.out)
     try:
         with bar(quiet=options.json) as progress, keeping(kept):

@@ -22,6 +22,7 @@ from sim.evaluation.deviations import (
     off,
     per_metre,
 )
+from sim.evaluation.holding import left_out
 from sim.evaluation.motions import (
     Achieved,
     achieved_motion,
@@ -161,6 +162,9 @@ def evaluate(
     judged = walking & walk.recording.marks.inspected  # whichever rows are written
     poses = {name: found.pose[judged] for name, found in predicted.items()}
     poses["achieved"] = achieved.pose[judged]
+    unlike = left_out(walk.setup, poses)
+    unpredicted |= unlike
+    predicted = {key: p for key, p in predicted.items() if key not in unlike}
     creep = None
     if "creep_floor" not in without:
         stand = partial(creep_floor, walk.setup, walk.duration)

@@ -26,6 +26,7 @@ CARRIED = 0.05  # of the time that a foot is to stand; less is as good as nothin
 USED_UP = 0.5  # of the friction there is; beyond, feet that slide carry the body along
 FULL = 0.01  # of all steps in which a servo may give all it has
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
+RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
 LIST = "what is left is listed by phase in the report (error_sources)"
 
 
@@ -144,7 +145,7 @@ def _at_limits(evidence: Evidence) -> str:
 
 
 def _bouncing(evidence: Evidence) -> str:
-    """Feet that bounced more often than they were put down."""
+    """Feet that bounced far more often than they were put down."""
     walk, legs = evidence.walk, evidence.walk.setup.robot.legs
     landings = sum(
         np.isin(walk.setup.robot.group_of_leg, phase.moving).sum()
@@ -152,7 +153,7 @@ def _bouncing(evidence: Evidence) -> str:
         if phase.kind == "land"
     )
     bounces = walk.recording.bounces_of
-    if bounces.sum() <= landings:
+    if bounces.sum() <= RATTLED * landings:
         return ""
     model, joints = walk.setup.model, evidence.joints(legs[int(bounces.argmax())])
     names = " and ".join(map(repr, joints))

@@ -28,6 +28,7 @@ FAILURES = ("fell", "collided")
 TILTED = np.deg2rad(30)  # of a body that has fallen
 LOW = 0.5  # of its height at the start, below which it has
 TOLERATED = 0.05  # of the path: distance from the goal, and from the prediction
+ASTRAY = 0.25  # of the path: off the prediction on a way that ended well
 SLIPPED = 0.1  # of the predicted slip: more of it; good walks slip 1 to 24 % less
 
 Word = Literal["fell", "collided", "missed", "drifted", "slipped", "arrived"]
@@ -114,7 +115,9 @@ def _missed(weighed: Weighed) -> Found:
 
 
 def _drifted(weighed: Weighed, achieved: Array, predicted: Array) -> Found:
-    if weighed.farthest <= TOLERATED:
+    """Whether it was off its prediction; where it ended well, the way counts less."""
+    ended_well = max(weighed.goal, weighed.ended) <= NEAR
+    if weighed.farthest <= (ASTRAY if ended_well else TOLERATED):
         return None
     apart = achieved - predicted
     off = Departure(

@@ -131,7 +131,8 @@ RADIUS = 0.1962  # [m], mean distance of the hexapod's feet from its middle
     [
         ((0.0, 0.00035, 0.0), slice(None), "arrived"),
         ((0.0, 0.0007, 0.0), slice(None), "missed"),
-        ((0.0, 0.0007, 0.0), MIDDLE, "drifted"),
+        ((0.0, 0.0007, 0.0), MIDDLE, "arrived"),  # as with commands that come late
+        ((0.0, 0.0027, 0.0), MIDDLE, "drifted"),
         ((0.0, 0.00015, np.deg2rad(0.95)), slice(None), "arrived"),
         ((0.0, 0.00015, np.deg2rad(1.05)), slice(None), "missed"),
         ((0.0, 0.00035, 0.9 * 0.00036 / RADIUS), slice(None), "arrived"),
@@ -201,7 +202,7 @@ def test_what_is_beyond_the_tolerance_ends_with_seven(tmp_path, capsys):
 def test_tolerance_that_is_no_share_is_refused(tmp_path, capsys):
     for bad in ("-1", "nan", "many"):
         assert run("hexapod", tmp_path / "run", "--tolerance", bad) == 2
-        assert f"{bad} is not a share or none" in capsys.readouterr().err
+        assert f"{bad} is not a share; give a number" in capsys.readouterr().err
 
 
 def test_walk_within_the_tolerance_given_ends_with_zero(tmp_path, capsys):

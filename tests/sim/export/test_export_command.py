@@ -86,8 +86,8 @@ def test_what_whole_counts_cost_is_told(classroom, tmp_path, capsys):
     words = ("--format", "dynamixel", "--out", str(tmp_path / "ticks.csv"))
     assert main(["export", str(classroom[0]), *words]) == 0
     said = capsys.readouterr().out
-    assert "of its path from the walk itself, since angles are rounded by up" in said
-    assert "0.77 mrad: plan on whole counts with --set resolution=0.0015" in said
+    assert "since angles are rounded to counts of 1.53 mrad: plan on whole" in said
+    assert "--set resolution=0.00153398" in said  # a turn over 4096
 
 
 def test_a_walk_that_did_not_arrive_is_exported_with_a_warning(
