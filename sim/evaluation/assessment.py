@@ -21,6 +21,7 @@ from sim.evaluation.deviations import (
     error_sources,
     off,
     per_metre,
+    sensed,
 )
 from sim.evaluation.holding import left_out
 from sim.evaluation.motions import (
@@ -42,7 +43,6 @@ from sim.evaluation.summary import (
     Accomplished,
     Departure,
     Predicted,
-    Sensed,
     Summary,
     Weighed,
 )
@@ -183,26 +183,6 @@ def evaluate(
     )
 
 
-def _sensed(walk: Walk) -> Sensed | None:
-    """What feedback thinks; None if nothing was told, or all of it was exact."""
-    followed = walk.followed
-    if followed is None or followed.feedback.sensing.is_exact:
-        return None
-    last = followed.stops[-1]
-    wrong = departure(np.array(last.expected), np.array(last.true))
-    (claimed, claimed_yaw), (least, least_yaw) = followed.claimed, followed.bound
-    return Sensed(
-        thought=list(last.expected),
-        wrong=wrong.position,
-        wrong_yaw=wrong.yaw,
-        claimed=claimed,
-        claimed_yaw=claimed_yaw,
-        bound=least,
-        bound_yaw=least_yaw,
-        sees_position=followed.feedback.sensing.sees_position,
-    )
-
-
 def summarise(
     evaluation: Evaluation,
     timing: Mapping[str, float] | None = None,
@@ -291,7 +271,7 @@ def summarise(
         servo=setup.servo.table(setup.world.servo),
         weighed=evaluation.weighed,
         deviation=evaluation.deviation,
-        feedback=_sensed(walk),
+        feedback=sensed(walk),
         per_metre=per_metre(length, moving_time(walk), strokes),
         simulated_time=recording.steps * dt,
         timestep=dt,

@@ -14,7 +14,14 @@ from functools import partial
 import numpy as np
 
 from planner import Array, Path
-from sim.evaluation.summary import DEGREE, Departure, PerMetre, PredictionError, Weighed
+from sim.evaluation.summary import (
+    DEGREE,
+    Departure,
+    PerMetre,
+    PredictionError,
+    Sensed,
+    Weighed,
+)
 from sim.motion.path_deviation import path_deviation
 from sim.motion.poses import compose, relative, wrap
 from sim.motion.prediction import Prediction
@@ -58,6 +65,26 @@ def deviations(
         "quasi_static": farthest(QUASI_STATIC.key),
         "achieved": farthest("achieved"),
     }
+
+
+def sensed(walk: Walk) -> Sensed | None:
+    """What feedback thinks; None if nothing was told, or all of it was exact."""
+    followed = walk.followed
+    if followed is None or followed.feedback.sensing.is_exact:
+        return None
+    last = followed.stops[-1]
+    wrong = departure(np.array(last.expected), np.array(last.true))
+    (claimed, claimed_yaw), (least, least_yaw) = followed.claimed, followed.bound
+    return Sensed(
+        thought=list(last.expected),
+        wrong=wrong.position,
+        wrong_yaw=wrong.yaw,
+        claimed=claimed,
+        claimed_yaw=claimed_yaw,
+        bound=least,
+        bound_yaw=least_yaw,
+        sees_position=followed.feedback.sensing.sees_position,
+    )
 
 
 def per_metre(length: float, seconds: float, strokes: float) -> PerMetre:
