@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from sim.preparation.setup import Setup
 
 HELP = "draft the card of a robot in MJCF or URDF: legs, groups, posture, servos"
-LONGEST = 30.0  # [s] of the processor
+BUDGET = 30.0  # [s] of the processor
 OPTIONS = robot_options(
     "an MJCF or URDF file, or a model folder of MuJoCo Menagerie", "FILE"
 )
@@ -28,10 +28,10 @@ def execute(options: argparse.Namespace) -> None:
     from sim.interruption import processor_time
 
     too_long = ModelError(
-        f"no card was found within {LONGEST:g} s of the processor: {options.robot}; "
+        f"no card was found within {BUDGET:g} s of the processor: {options.robot}; "
         "leave parts out, or write its card by hand as docs/robots.md has it"
     )
-    with processor_time(LONGEST, too_long):
+    with processor_time(BUDGET, too_long):
         adopted = _adopted(options)
     _report(*adopted, as_json=options.json)
 
