@@ -22,6 +22,7 @@ eq. (6)    h_i           backward, forward                    lie/coordinates
 eq. (7)    S' = S B v    coordinate_rates                     lie/adjoint
 eq. (8)    Ad            adjoint_action                       lie/adjoint
 eq. (9)    h' = A(h) v   backward_matrix, integrate           lie/coordinates
+Sec. 2.1   step length   critical_step                        planning/critical_steps
 Def. 1     Phi_i         LevelSet                             systems/level_sets
 Def. 1     S_I           StratifiedSystem                     systems/strata
 eq. (10)   g_{I,j}       StratifiedSystem.strata              systems/strata

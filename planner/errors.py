@@ -87,6 +87,10 @@ class ResolutionError(PlannerError):
         super().__init__(message)
 
 
+ADD = "add fields or brackets, or keep the path away from there"
+DEEPER = "brackets to degree {0} suffice: name them, or choose with max_degree={0}"
+
+
 class RankError(PlannerError):
     """Elements that do not span the tangent space of the bottom stratum (Def. 3).
 
@@ -98,14 +102,19 @@ class RankError(PlannerError):
     """
 
     def __init__(
-        self, configuration: Iterable[float], needed: int, missing: Sequence[str]
+        self,
+        configuration: Iterable[float],
+        needed: int,
+        missing: Sequence[str],
+        enough: int | None = None,
     ) -> None:
+        """Take the degree of brackets that would be enough, if there is one."""
         self.rank, self.needed = needed - len(missing), needed
         self.missing = tuple(missing)
         super().__init__(
             f"the extended system has rank {self.rank} of {needed} at "
             f"{point(configuration)} (Def. 3), nothing along {', '.join(missing)}; "
-            "add fields or brackets, or keep the path away from there"
+            + (DEEPER.format(enough) if enough else ADD)
         )
 
 

@@ -26,7 +26,7 @@ from planner.numerics.subspaces import (
     rank,
 )
 from planner.systems.closure import LieClosure, exact_rank, involutive_closure
-from planner.systems.fields import VectorField
+from planner.systems.fields import NumericField, VectorField
 from planner.systems.gait import Gait
 from planner.systems.level_sets import LevelSet
 from planner.systems.strata import StratifiedSystem
@@ -231,7 +231,7 @@ def _unjudged(
     """Advice on what the closure cannot decide; none if Assumption 2 holds."""
     home, *others = dict.fromkeys(strata)
     advice = []
-    if nearly_dependent(union.columns):
+    if nearly_dependent(union.columns) or _depends_on_units(union):
         advice.append(f"make fields differ by more than {SPANNED:.0e} of themselves")
     for stratum in others:
         held = _tangent_fields(system, [stratum], home)
@@ -246,6 +246,15 @@ def _unjudged(
             for lift, name in coupled(system, raised, held | raised)
         ]
     return tuple(advice)
+
+
+def _depends_on_units(union: LieClosure) -> bool:
+    """Whether the rank is larger in units in which all coordinates move alike."""
+    if any(isinstance(field, NumericField) for field in union.fields):
+        return False  # rates that should be zero are differences' errors
+    sizes = np.abs(union.columns).max(axis=1, keepdims=True, initial=0.0)
+    even = union.columns / np.where(sizes > 0.0, sizes, 1.0)
+    return rank(even) > rank(union.columns)
 
 
 def _advice(

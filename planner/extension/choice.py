@@ -6,7 +6,7 @@ degree comes first, then few contact switches, then distance from linear depende
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
@@ -18,9 +18,9 @@ from planner.errors import PlannerError, RankError, SingularConfigurationError
 from planner.extension.bracket_fields import hall_fields
 from planner.extension.fields_on_bottom import on_bottom
 from planner.numerics.arrays import Array
-from planner.numerics.subspaces import column_space, in_words
+from planner.numerics.subspaces import column_space, in_words, rank
 from planner.support.stopping import tick
-from planner.systems.closure import involutive_closure
+from planner.systems.closure import LieClosure, involutive_closure
 from planner.systems.elements import Tree, leaves, parse_names
 from planner.systems.fields import VectorField
 from planner.systems.rounding import WeighedValues
@@ -114,10 +114,24 @@ def choose_elements(
         ranks = [Q.shape[1] for Q in _spans(chosen, x)]
         if min(ranks) == system.bottom_dimension:
             return _explained(system, chosen, x)
+    plain = [c.measured(1.0 / system.weights) for c in chosen]
+    spans = _spans(plain, x)  # each configuration for itself
+    ranks = [Q.shape[1] for Q in spans]
     worst = int(np.argmin(ranks))
-    plain = [candidate.measured(np.ones(x.shape[1])) for candidate in chosen]
-    missing = system.missing(_spans(plain, x)[worst], x[worst])
-    raise RankError(x[worst], system.bottom_dimension, missing)
+    if ranks[worst] == system.bottom_dimension:
+        return _explained(system, chosen, x)
+    reached = column_space(spans[worst] / system.weights[:, None])
+    missing = system.missing(reached, x[worst])
+    more = involutive_closure(
+        usable, system.state, x[worst], 2 * max_degree, _spans_bottom(system)
+    )
+    enough = more.depth if _spans_bottom(system)(more) else None
+    raise RankError(x[worst], system.bottom_dimension, missing, enough)
+
+
+def _spans_bottom(system: StratifiedSystem) -> Callable[[LieClosure], bool]:
+    """Whether fields span the tangent space of the bottom stratum."""
+    return lambda algebra: rank(algebra.columns) == system.bottom_dimension
 
 
 def _usable_fields(system: StratifiedSystem) -> dict[str, VectorField]:

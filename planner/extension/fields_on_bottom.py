@@ -68,10 +68,11 @@ def lifts(system: StratifiedSystem, stratum: str, bottom: str = "") -> tuple[str
 def _moves_heights_alone(field: VectorField, level_set: LevelSet) -> bool:
     """Whether all that a field moves are coordinates that level sets rise with."""
     if isinstance(field, NumericField):
-        return False
+        moved = np.flatnonzero(np.any([field(x) for x in level_set.points], axis=0))
+    else:
+        moved = np.flatnonzero([rate != 0 for rate in field])
     slopes = level_set.differential
-    moved = [i for i, rate in enumerate(field) if rate != 0]
-    steady = [slopes.col(i) for i in moved]
+    steady = [slopes.col(i) for i in moved.tolist()]
     return all(c.is_zero_matrix is False and not c.free_symbols for c in steady)
 
 

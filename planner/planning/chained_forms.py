@@ -24,7 +24,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from planner.errors import PlannerError, point
+from planner.errors import PlannerError, RankError, point
 from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan
@@ -98,7 +98,13 @@ class ChainedForm:
         """
         ends = line(start, goal)
         straight = line(self.at(ends(0.0)), self.at(ends(1.0)))
-        planned = plan(self.model, straight, segments)
+        try:
+            planned = plan(self.model, straight, segments)
+        except RankError:
+            raise PlannerError(
+                f"the chained form is nearly singular between {point(ends(0.0))} and "
+                f"{point(ends(1.0))}; plan with elements"
+            ) from None
         nominal = [ends(0.0)]
         for flows in planned.segments():
             nominal.append(play(self.system, flows, nominal[-1])[-1])

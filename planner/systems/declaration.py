@@ -178,7 +178,7 @@ def checked_level_sets(
 def checked_metric(
     metric: Mapping[str | sp.Symbol, float], state: Symbols
 ) -> dict[str, float]:
-    """Lengths that units of coordinates count as, by name; positive and finite."""
+    """Lengths that units of coordinates count as, by name, but for those of 1."""
     names = list(map(str, state))
     for name, weight in metric.items():
         if str(name) not in names:
@@ -188,7 +188,7 @@ def checked_metric(
                 f"metric has {name} = {weight}; give the length that a unit of it "
                 "counts as"
             )
-    return {str(name): float(weight) for name, weight in metric.items()}
+    return {str(name): float(w) for name, w in metric.items() if w != 1}
 
 
 def checked_lifts(

@@ -266,3 +266,25 @@ def test_python_file_that_makes_no_problem_is_refused(read, text, message):
 def test_python_file_has_no_parameters(read):
     with pytest.raises(ProblemError, match="no parameters to set"):
         read(PYTHON, "wheel.py", {"radius": 1})
+
+
+def test_a_file_may_declare_its_metric_and_its_lifts_and_be_named_by_a_text(tmp_path):
+    path = tmp_path / "foot.toml"
+    path.write_text(
+        """
+        state = ["x", "a", "h"]
+        goal = { x = 1 }
+        bottom = "1"
+        metric = { a = 0.2 }
+        lifts = { 0 = ["lift"] }
+        level_sets = { 1 = ["h"] }
+        [strata.1]
+        turn = { a = 1 }
+        [strata.0]
+        swing = { x = 1, h = 1 }
+        lift = { a = 1, h = 2 }
+        """
+    )
+    system = load_system(str(path)).system
+    assert system.weights.tolist() == [1, 0.2, 1]
+    assert system.lifts == {"0": ("lift",)}

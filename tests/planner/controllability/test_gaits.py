@@ -269,3 +269,12 @@ def test_closure_that_is_cut_short_tells_the_last_degree_it_has_in_full(
 def test_depth_below_one_is_refused():
     with pytest.raises(ValueError, match="depth is 0; at least 1"):
         involutive_closure(heisenberg().fields, heisenberg().state, [0, 0, 0], 0)
+
+
+def test_a_coupling_below_the_tolerance_of_the_rank_is_no_final_answer():
+    fields = {"drive": ["cos(a)", "1e-12*sin(a)", 0], "turn": [0, 0, 1]}
+    found = gait_controllability(
+        StratifiedSystem("x y a", {"0": fields}, "0"), ("0",), (0, 0, 0.5)
+    )
+    assert (found.controllable, found.conclusive) == (False, False)
+    assert "has not been shown to be controllable" in str(found)

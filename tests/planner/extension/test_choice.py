@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from models.systems.catalogue import shipped_system
 from planner.errors import RankError
 from planner.extension.choice import choose_elements
 from planner.extension.extended import extend
@@ -111,3 +112,24 @@ def test_misshapen_configurations_are_refused():
 def test_degree_below_one_is_refused():
     with pytest.raises(ValueError, match="max_degree is 0; fields themselves have"):
         choose_elements(hexapod(), [0, 0, 0, 0, 0], max_degree=0)
+
+
+def test_rank_is_refused_where_it_is_lost_and_not_where_units_hide_it():
+    # a satellite in Euler angles, singular at theta = pi/2 and nowhere before
+    roll = [1, 0, 0]
+    pitch = ["sin(phi)*tan(theta)", "cos(phi)", "sin(phi)/cos(theta)"]
+    satellite = StratifiedSystem(
+        "phi theta psi", {"0": {"roll": roll, "pitch": pitch}}, "0"
+    )
+    way = line((0, 0, 0), (0.1, np.pi / 2, 0.3))
+    for elements in (None, ["roll", "pitch", "[roll,pitch]"]):
+        with pytest.raises(RankError, match=r"of 3 at \(0.1, 1.5708, 0.3\)"):
+            plan(satellite, way, 1, elements)
+
+
+def test_too_low_a_degree_is_told_from_too_few_fields():
+    trailers = shipped_system("car-trailers", {"trailers": 3})
+    with pytest.raises(RankError, match="brackets to degree 6 suffice: name them, or"):
+        choose_elements(trailers.system, trailers.states[0])
+    found = choose_elements(trailers.system, trailers.states[0], max_degree=6)
+    assert len(found.elements) == 7

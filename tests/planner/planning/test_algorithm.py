@@ -225,3 +225,16 @@ def test_printed_plan_tells_strata_fields_and_durations(paper):
     assert text.startswith("2 segments, ")
     assert "S12 " in text
     assert " g12_1" in text
+
+
+def test_a_plan_that_misses_all_of_its_way_is_refused():
+    drive = ["cos(a)", "sin(a)", "tan(b)", 0]
+    car = StratifiedSystem("x y a b", {"0": {"d": drive, "s": [0, 0, 0, 1]}}, "0")
+    elements = ["d", "s", "[d,s]", "[d,[d,s]]"]
+
+    def parked(steering):
+        return plan(car, line((0, 0, 0, steering), (0, 0.1, 0, steering)), 4, elements)
+
+    with pytest.raises(PlannerError, match=r"misses 100 % .* at \(0, 0, 0, 1.5707\)"):
+        parked(np.pi / 2 - 1e-4)
+    assert parked(1.0).flows
