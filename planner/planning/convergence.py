@@ -23,6 +23,7 @@ import numpy as np
 from planner.execution.execution import CHOICES, Coordinates
 from planner.extension.bracket_fields import HallFields, hall_fields
 from planner.extension.extended import ExtendedSystem
+from planner.extension.input_units import weights
 from planner.extension.steering import Wording
 from planner.lie.coordinates import exponential, logarithm
 from planner.lie.free_lie import lie_algebra
@@ -136,6 +137,7 @@ def _misses(
     steering, k = extended.steering, extended.steering.degree
     algebra = lie_algebra(longer.elements)
     beyond = [j for j, degree in enumerate(algebra.degrees) if degree == k + 1]
+    tops = [longer.elements[j] for j in beyond]
     fields = compile_fields(
         [longer.fields[j] for j in beyond],
         extended.system.state,
@@ -150,8 +152,11 @@ def _misses(
         for name, duration in zip(word.fields, word.durations, strict=True):
             flowed = exponential(longer.elements, duration * unit[name], flowed)
         missed = logarithm(longer.elements, flowed)[beyond]  # eq. (3)
-        columns = fields(x)
-        sizes = np.abs(columns) @ np.abs(missed)
-        if (np.abs(columns @ missed) > ROUNDED_OFF * sizes).any():
+        columns = fields(x) * extended.system.weights[:, None]
+        if steering.rectangles:  # units that hide no term behind another's rounding
+            units = weights(tops, steering.rectangles.units.at(x))
+            columns, missed = columns * units, missed / units
+        scale = np.abs(columns).max() * np.abs(missed).max()
+        if np.abs(columns @ missed).max() > ROUNDED_OFF * scale:
             return True
     return False
