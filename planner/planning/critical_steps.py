@@ -118,7 +118,7 @@ def least_critical_step(
         >>> fields = {"drive": ["cos(a)", "sin(a)", 0], "turn": [0, 0, 1]}
         >>> car = StratifiedSystem("x y a", {"0": fields}, "0")
         >>> round(least_critical_step(car, at=(0, 0, 0)), 2)
-        1.0
+        0.71
     """
     steps = _Steps(system, at, execution)
     weights = steps.system.weights
