@@ -9,7 +9,7 @@ from itertools import chain, groupby, pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from planner.errors import PlannerError, RangeError, ResolutionError, point, unknown
+from planner.errors import RangeError, ResolutionError, unknown
 from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
@@ -21,6 +21,7 @@ from planner.planning.nominal import (
     fictitious_inputs_along,
     require_regular,
     require_segments,
+    require_use,
     sample,
 )
 from planner.planning.paths import Path, as_path
@@ -29,15 +30,12 @@ from planner.systems.elements import parse
 from planner.systems.flows import (
     Flow,
     contact_switches,
-    flow_map,
     require_flows,
     visits,
 )
 from planner.systems.gait import gait_walk, walk_switches
 from planner.systems.strata import StratifiedSystem
 
-NEARLY_SINGULAR = 1e-6  # least singular value over the largest; plans are played
-USELESS = 0.9  # part of the way that is missed by a plan of no use
 MOST_TRIED = 10_000  # segments, where a plan needs more of them to keep its limits
 
 
@@ -212,7 +210,7 @@ def plan(
     execution = Execution() if execution is None else execution
     try:
         planned = follow_path(extended, nominal, segments, execution, nodes)
-        require_use(extended, planned)
+        require_use(extended, planned.nominal, planned.flows)
         return planned
     except RangeError as error:
         raise with_remedy(error, extended, nominal, segments, execution) from None
@@ -235,29 +233,6 @@ def follow_path(
     hall_coordinates = extended.steering.hall_coordinates(inputs)
     nominal = np.concatenate([samples[:, 0], samples[-1:, -1]])
     return assemble(extended, inputs, hall_coordinates, nominal, execution)
-
-
-def require_use(extended: ExtendedSystem, planned: Plan) -> None:
-    """Refuse a plan on nearly singular elements that ends no nearer to its goal."""
-    system, at = extended.system, planned.nominal
-    way = float(system.length(planned.goal - planned.start))
-    units = extended.steering.element_units(at[0])
-    matrix = extended.columns.values(at) * system.weights[:, None]
-    scaled = matrix if units is None else matrix * units
-    singular = np.linalg.svd(scaled, compute_uv=False)
-    least = singular[:, system.bottom_dimension - 1] / singular[:, 0]
-    if not way or not least.min() < NEARLY_SINGULAR:
-        return
-    end = planned.start
-    for flow in planned.flows:
-        end = flow_map(system, flow.field, end, flow.duration)
-    missed = float(system.length(planned.goal - end) / way)
-    if missed > USELESS:
-        raise PlannerError(
-            f"the plan misses {100 * missed:.3g} % of its way: the elements are nearly "
-            f"singular at {point(at[least.argmin()])}; keep the path away from "
-            "there, or plan far more segments"
-        )
 
 
 def assemble(

@@ -33,7 +33,7 @@ from planner.systems.flows import Word
 from planner.systems.strata import StratifiedSystem
 
 CONTRACTED = 0.5  # part of a step that a plan may leave
-SHORTEST, LONGEST = 1e-9, 1e4  # steps that are tried, in the metric
+SHORTEST, LONGEST = 1e-9, 1e3  # steps that are tried, in the metric
 COARSE, FINE = 2.0, 1.02  # ratios of successive steps
 NOTABLE = 0.05  # part left, from which on steps are tried closely
 NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tried

@@ -8,7 +8,7 @@ nodes do not show it; `require_regular` looks between them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from numbers import Integral
 from typing import Protocol
 
@@ -22,12 +22,15 @@ from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import ROUNDING, Array
 from planner.numerics.collocation import collocation
 from planner.planning.paths import Path, grid
+from planner.systems.flows import Flow, flow_map
 from planner.systems.strata import StratifiedSystem
 
 CHOICE_NODES = 7  # configurations of a path at which chosen elements must span
 MOST_SEGMENTS = 100_000  # of one plan; so many take a minute and a gigabyte
 OFF_BOTTOM = 1e-6  # by which a path may miss the level sets, in their unit
 TAIL = 1e-3  # part of inputs in the last terms of their series that needs a check
+NEARLY_SINGULAR = 1e-6  # least singular value over the largest; plans are played
+USELESS = 0.9  # part of the way that is missed by a plan of no use
 MISSED = 0.2  # relative part of a velocity; resolved inputs miss a hundredth
 
 
@@ -169,6 +172,32 @@ def require_regular(extended: ExtendedSystem, samples: Array, inputs: Array) -> 
             at = int((sizes[1:] + sizes[:-1]).argmax())
             lost = moving[rough][~(missed <= MISSED)]
             raise ResolutionError(_refusal(samples[rough][worst], at), lost.tolist())
+
+
+def require_use(
+    extended: ExtendedSystem, nominal: Array, flows: Sequence[Flow]
+) -> None:
+    """Refuse flows on nearly singular elements that end no nearer to their goal."""
+    system = extended.system
+    way = float(system.length(nominal[-1] - nominal[0]))
+    units = extended.steering.element_units(nominal[0])
+    matrix = extended.columns.values(nominal) * system.weights[:, None]
+    scaled = matrix if units is None else matrix * units
+    singular = np.linalg.svd(scaled, compute_uv=False)
+    least = singular[:, system.bottom_dimension - 1]
+    if not way or (least >= NEARLY_SINGULAR * singular[:, 0]).all():
+        return
+    end = nominal[0]
+    for flow in flows:
+        end = flow_map(system, flow.field, end, flow.duration)
+    missed = float(system.length(nominal[-1] - end) / way)
+    if missed > USELESS:
+        worst = nominal[(least / singular[:, 0]).argmin()]
+        raise PlannerError(
+            f"the plan misses {100 * missed:.3g} % of its way: the elements are nearly "
+            f"singular at {point(worst)}; keep the path away from there, or plan far "
+            "more segments"
+        )
 
 
 def _missed(extended: ExtendedSystem, samples: Array, inputs: Array) -> Array:
