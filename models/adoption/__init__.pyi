@@ -1,2 +1,5 @@
 from .draft import propose as propose
-from .standing import servo_for as servo_for
+from .standing import (
+    fitting_rotor as fitting_rotor,
+    servo_for as servo_for,
+)

@@ -18,6 +18,7 @@ from models import Ground, Robot
 from models.contact import find_sole
 from models.description import actuator_of
 from planner import Array
+from sim.world.dead_bands import BAND, BRAKE
 from sim.world.imperfections import BACKLASH
 
 ABSENT = -1e3  # [m]; radius of a point that never touches
@@ -122,21 +123,40 @@ def servos_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Servos:
         model.joint(j).name for j in model.actuator_trnid[anatomy.actuator.flat, 0]
     ]
     shape, real = anatomy.start.shape, anatomy.axis.any(axis=-1)
-    loose = [n if (n := BACKLASH + name) in _joints(model) else None for name in names]
-    slack = [np.ptp(model.joint(n).range) if n else 0.0 for n in loose]
-    rub = [model.joint(n).damping[0] if n else 1.0 for n in loose]
+    slack, rub, braking = np.array([_slack(model, name) for name in names]).T
     at = anatomy.actuator
     dofs = model.jnt_dofadr[model.actuator_trnid[at, 0]]
     limited = model.actuator_forcelimited[at].astype(bool)
     return Servos(
         stiffness=np.where(real, model.actuator_gainprm[at, 0], 1.0),
         damping=np.where(
-            real, -model.actuator_biasprm[at, 2] + model.dof_damping[dofs], 0.0
+            real,
+            -model.actuator_biasprm[at, 2]
+            + model.dof_damping[dofs]
+            + np.reshape(braking, shape),
+            0.0,
         ),
         torque=np.where(real & limited, model.actuator_forcerange[at, 1], FREE),
         slack=np.where(real, np.reshape(slack, shape), 0.0),
         rub=np.reshape(rub, shape),
     )
+
+
+def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
+    """How far a leg joint is loose [rad], what damps it then, and its brake's damping.
+
+    Behind a servo with a dead band the motor brakes all the while.
+    """
+    joints, brake = _joints(model), 0.0
+    width, rub = 0.0, 1.0
+    if (band := BAND + joint) in joints:
+        width += float(np.ptp(model.joint(band).range))
+        brake = float(model.tendon(BRAKE + joint).damping[0])
+        rub = brake + float(model.joint(joint).damping[0])
+    if (loose := BACKLASH + joint) in joints:
+        width += float(np.ptp(model.joint(loose).range))
+        rub = float(model.joint(loose).damping[0])
+    return width, rub, brake
 
 
 def footing_of(

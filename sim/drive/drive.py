@@ -12,6 +12,7 @@ from math import ceil
 import numpy as np
 
 from planner import Array
+from sim.drive.dead_bands import DeadBands
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
 from sim.errors import SimulationError, UsageError
@@ -19,6 +20,7 @@ from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 
+Torques = tuple[FeedForward | None, FeedForward | None]  # rehearsed, and of a trial
 LEAST_FRICTION = 0.1  # below, feet slide whatever the servos do
 
 
@@ -28,7 +30,7 @@ class Drive:
     def __init__(self, setup: Setup) -> None:
         self._setup, self._servo = setup, setup.servo
         self._joints = leg_actuators(setup)
-        model = setup.model
+        model = setup.as_planned.model  # where a band has not taken servos to pieces
         self._stiffness = model.actuator_gainprm[self._joints, 0]
         self._damping = -model.actuator_biasprm[self._joints, 2]
         self._offset = _zero_offsets(setup, len(self._joints))
@@ -39,18 +41,25 @@ class Drive:
         joints, lifts = setup.robot.card.joints, setup.robot.lift_joints
         self._lifts = [joints.index(joint) for joint in lifts]  # legs ascending
         self._lift_counts = LiftCounts(setup.as_planned, self.feeds_forward)
+        self._bands = DeadBands(setup)
 
     @property
     def plain(self) -> bool:
         """Whether the commands are the intended angles and nothing else."""
         servo, delay = self._servo, self._delay
         changed = servo.rate or servo.resolution or self._offset.any() or delay
+        changed = changed or self.allows_for_bands
         return not (changed or self.feeds_forward)
 
     @property
     def feeds_forward(self) -> bool:
         """Whether commands make up for the angles by which loads bend the servos."""
         return self._servo.feeds_forward(float(self._stiffness.min()))
+
+    @property
+    def allows_for_bands(self) -> bool:
+        """Whether commands make up for dead bands, for which a trial walk is needed."""
+        return bool(self._bands.half.any())
 
     @property
     def rehearsed(self) -> bool:
@@ -127,7 +136,7 @@ class Drive:
             return
         model, joints = self._setup.model, self._joints
         rows = np.arange(len(torques.torque)) * torques.spacing
-        ctrl = self._ctrl(schedule, torques, rows)[:, joints]
+        ctrl = self._ctrl(schedule, (torques, None), rows)[:, joints]
         low, high = model.actuator_ctrlrange[joints].T
         limited = model.actuator_ctrllimited[joints].astype(bool)
         beyond = np.where(limited, np.maximum(low - ctrl, ctrl - high), -np.inf)
@@ -144,16 +153,23 @@ class Drive:
         )
 
     def commands(
-        self, schedule: Schedule, torques: FeedForward | None, steps: int | None = None
+        self,
+        schedule: Schedule,
+        torques: FeedForward | None,
+        steps: int | None = None,
+        borne: FeedForward | None = None,
     ) -> Iterator[Array]:
-        """Rows of ctrl of a stretch, or of its first steps, (n, nu), n to `STRETCH`."""
+        """Rows of ctrl of a stretch, or of its first steps, (n, nu), n to `STRETCH`.
+
+        What servos without bands bear, on a trial walk, says which way theirs are left.
+        """
         if self.plain:
             yield from self._setup.commands(schedule, steps)
             return
         count = schedule.stop - schedule.start if steps is None else steps
         for begin in range(0, count, STRETCH):
             rows = np.arange(begin, min(begin + STRETCH, count))
-            given = self._held_commands(schedule, torques, rows)
+            given = self._held_commands(schedule, (torques, borne), rows)
             if self._late is None:  # the first one is there from the start
                 self._late = np.repeat(given[:1], self._delay, axis=0)
             both = np.concatenate([self._late, given])
@@ -161,7 +177,7 @@ class Drive:
             yield both[: len(given)]
 
     def _held_commands(
-        self, schedule: Schedule, torques: FeedForward | None, rows: Array
+        self, schedule: Schedule, torques: Torques, rows: Array
     ) -> Array:
         """Each command in force from the step at which it is given to the next one."""
         given = schedule.start + rows  # step of the command in force in each step
@@ -178,16 +194,17 @@ class Drive:
         self._held = ctrl[-1].copy()
         return np.ascontiguousarray(ctrl[row])
 
-    def _ctrl(
-        self, schedule: Schedule, torques: FeedForward | None, rows: Array
-    ) -> Array:
+    def _ctrl(self, schedule: Schedule, torques: Torques, rows: Array) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
+        rehearsed, borne = torques
         channels, joints = self._setup.channels, self._joints
         swing, lift = schedule.angles(rows)
         ctrl, lag = channels.ctrl(swing, lift), np.zeros((len(rows), len(joints)))
-        if torques is not None:
+        if rehearsed is not None:
             lag = self._damping * self._speed(schedule, rows) / self._stiffness
-            ctrl[:, joints] += torques.at(rows)[:, joints] / self._stiffness + lag
+            ctrl[:, joints] += rehearsed.at(rows)[:, joints] / self._stiffness + lag
+        if borne is not None:
+            ctrl[:, joints] += self._bands.shifts(borne.at(rows)[:, joints])
         if resolution := self._servo.resolution:
             counts = np.round(ctrl[:, joints] / resolution)
             counts[:, self._lifts] = self._lift_counts.at(lift, lag[:, self._lifts])

@@ -21,10 +21,12 @@ from sim.evaluation.summary import Weighed
 from sim.motion.prediction import Prediction
 from sim.scenarios.predictions import IDEAL, PREDICTIONS, prediction_key
 from sim.walking.finished import Walk
+from sim.world.motors import inertia_share
 
 CARRIED = 0.05  # of the time that a foot is to stand; less is as good as nothing
 USED_UP = 0.5  # of the friction there is; beyond, feet that slide carry the body along
 FULL = 0.01  # of all steps in which a servo may give all it has
+LIGHT = 0.2  # of a motor's inertia; joints with less chatter
 BENT = 0.03  # [rad] on average, by which a servo lags behind its command
 RATTLED = 5  # bounces a touchdown; zeros and backlash of a few degrees make up to 3
 LIST = "what is left is listed by phase in the report (error_sources)"
@@ -158,11 +160,10 @@ def _bouncing(evidence: Evidence) -> str:
     model, joints = walk.setup.model, evidence.joints(legs[int(bounces.argmax())])
     names = " and ".join(map(repr, joints))
     often = f"feet bounced {bounces.sum()} times, most often the one on joints {names}"
-    places = [int(model.joint(joint).dofadr[0]) for joint in joints]
-    if not model.dof_armature[places].all():
+    if (share := inertia_share(walk.setup.robot, model, joints)) < LIGHT:
         return (
-            f"{often}, which have no armature: give them the inertia of their servos' "
-            "rotors (armature), as stratawalk adopt does"
+            f"{often}, which have {100 * share:.0f} % of the inertia of a motor that "
+            "could carry the robot: give them that of their rotors (armature)"
         )
     drives = [actuator_of(model, joint) for joint in joints]
     stiffness = float(model.actuator_gainprm[drives, 0].max())

@@ -14,7 +14,7 @@ import numpy as np
 from models.description import actuator_of
 from planner import Array
 from sim.drive.drive import Drive
-from sim.drive.rehearsal import rehearsal_of
+from sim.drive.trial import Beforehand
 from sim.export.servo_commands import taken
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler
@@ -48,7 +48,7 @@ class ServedWalk:
         self._actuators = np.array([actuator_of(setup.model, j) for j in self.joints])
         self._drive = Drive(setup)
         self._drive.require_gentleness()
-        self._rehearsal = rehearsal_of(setup)
+        self._beforehand = Beforehand(setup, self._drive)
         self._legs, self._steps, self._given = setup.at_rest, 0, 0
         self._last = np.zeros(len(self.joints))
         self._began, self._meant = 0.0, np.zeros(3)
@@ -106,13 +106,11 @@ class ServedWalk:
         return round(command / (self.rate * self.setup.limits.timestep))
 
     def _rows(self, schedule: Schedule) -> Iterator[Row]:
-        torques = None
-        if self._rehearsal is not None:
-            rehearsed = self._rehearsal.torques(schedule)
-            self._drive.require_strength(schedule, rehearsed)
-            torques = rehearsed if self._drive.feeds_forward else None
+        torques, borne = self._beforehand.torques(schedule)
         self._legs, self._steps = schedule.end, schedule.stop
-        ctrl = np.concatenate(list(self._drive.commands(schedule, torques)))
+        ctrl = np.concatenate(
+            list(self._drive.commands(schedule, torques, borne=borne))
+        )
         given = taken(
             ctrl, self.joints, self._actuators, self.rate, self.setup.limits.timestep
         )

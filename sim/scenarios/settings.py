@@ -18,6 +18,7 @@ from sim.scenarios.declaration import LEAST, Range, Setting, Text, accept, setti
 
 imperfection = partial(setting, imperfection=True)
 Mass = Annotated[float, Range(0, 1e3)]
+Width = Annotated[float, Range(0, 0.2)]  # of a dead band
 Coordinate = Annotated[float, Range(-10, 10)]
 Slope = Annotated[float, Range(0, 1)]
 Direction = Annotated[float, Range(-7, 7)]
@@ -189,8 +190,20 @@ class Settings:
     command_delay: Annotated[float, Range(0, 0.5)] = imperfection(
         "delay from a command to the servo's motion", 0.0, "drive", "s"
     )
-    dead_band: Annotated[float, Range(0, 0.2)] = imperfection(
-        "range of error in which a servo gives no torque", 0.0, "world", "rad"
+    dead_band: Width | tuple[Width, ...] = imperfection(
+        "width of the error in which a servo gives no torque, or that of each servo",
+        0.0,
+        "world",
+        "rad",
+    )
+    dead_band_spread: Annotated[float, Range(0, 1)] = imperfection(
+        "share by which dead bands differ from it, drawn servo by servo", 0.0, "world"
+    )
+    assumed_dead_band: Width | tuple[Width, ...] | None = setting(
+        "dead band that commands allow for; dead_band if not given",
+        None,
+        "drive",
+        "rad",
     )
     zero_offset: (
         Annotated[float, Range(0, 0.2)] | tuple[Annotated[float, Range(-0.2, 0.2)], ...]

@@ -22,6 +22,7 @@ class Stretch:
     schedule: Schedule
     pose: Array  # in the start frame, (3,)
     torques: FeedForward | None = None  # that the commands make up for
+    borne: FeedForward | None = None  # of a trial, where bands are allowed for
 
 
 @dataclass(frozen=True)
@@ -84,4 +85,4 @@ def laid_commands(
     for stretch in stretches:
         schedule = stretch.schedule
         done = min(schedule.stop, steps) - schedule.start
-        yield from drive.commands(schedule, stretch.torques, done)
+        yield from drive.commands(schedule, stretch.torques, done, stretch.borne)

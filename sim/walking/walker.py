@@ -10,7 +10,7 @@ import numpy as np
 from planner import Array, Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
-from sim.drive.rehearsal import rehearsal_of
+from sim.drive.trial import Beforehand
 from sim.feedback.stops import Followed
 from sim.motion.poses import seen_from
 from sim.motion.prediction import inspections
@@ -42,7 +42,7 @@ class Walker:
         self._recorder = Recorder(engine, sensors, setup.scenario.sample_every)
         self._drive = Drive(setup)
         self._drive.require_gentleness()
-        self._rehearsal = rehearsal_of(setup)
+        self._beforehand = Beforehand(setup, self._drive)
         self._progress = progress
         self._stretches: list[Stretch] = []
         self._shape = setup.at_rest
@@ -126,25 +126,24 @@ class Walker:
             return
         check_effort(self.setup, schedule.stop)
         began, length = time.perf_counter(), schedule.stop - schedule.start
-        torques = None  # to make up for, if servos have them
-        if self._rehearsal is not None:
-            rehearsed = self._rehearsal.torques(schedule)
-            self._drive.require_strength(schedule, rehearsed)
-            torques = rehearsed if self._drive.feeds_forward else None
-            self._drive.require_reach(schedule, torques)
-        self._stretches.append(Stretch(schedule, self.pose, torques))
+        torques, borne = self._beforehand.torques(schedule)
+        self._drive.require_reach(schedule, torques)
+        self._stretches.append(Stretch(schedule, self.pose, torques, borne))
         self._shape = schedule.end
-        pieces = self._commands(schedule, torques)
+        pieces = self._commands(schedule, torques, borne)
         for steps in self._recorder.play(pieces, inspections(schedule)):
             done = (steps - schedule.start) / length
             self._progress("walking", share[0] + (share[1] - share[0]) * done)
         self.seconds["simulate"] += time.perf_counter() - began
 
     def _commands(
-        self, schedule: Schedule, torques: FeedForward | None
+        self,
+        schedule: Schedule,
+        torques: FeedForward | None,
+        borne: FeedForward | None,
     ) -> Iterable[Array]:
         """Commands of a stretch, which walks with the same schedule have in common."""
-        pieces = self._drive.commands(schedule, torques)
+        pieces = self._drive.commands(schedule, torques, borne=borne)
         if self._cache is no_cache or not self._drive.plain:
             return pieces
         return self._cache(f"commands from step {schedule.start}", lambda: list(pieces))

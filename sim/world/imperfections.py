@@ -1,8 +1,7 @@
 """Imperfections of robot and floor: payload, slope, soft floor, friction, backlash.
 
 The predictions know nothing of them; the comparison with the physics shows their
-effect. A servo with a dead band is a spring behind backlash as wide: neither gives a
-torque within it, and beyond it both give the stiffness times the rest of the error.
+effect. Dead bands of servos are added by `dead_bands`.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ def add_imperfections(
         stiffness, geom = scenario.floor_stiffness, spec.geom(floor)
         before, damping = geom.solref
         geom.solref = [-stiffness, damping * min(stiffness / -before, 1.0)]
-    if slack := scenario.backlash + scenario.dead_band:
+    if slack := scenario.backlash:
         rigid = _mobility(spec, robot)
         _loosen(spec, robot, slack)
         _stiffen(spec.geom(floor), _mobility(spec, robot) / rigid)
@@ -68,6 +67,8 @@ def _require_counts(robot: Robot, scenario: Scenario) -> None:
     joints, legs = len(robot.card.joints), len(robot.legs)
     for name, count, what, order in (
         ("zero_offset", joints, "joints", "joint, leg by leg, swing before lift"),
+        ("dead_band", joints, "joints", "joint, leg by leg, swing before lift"),
+        ("assumed_dead_band", joints, "joints", "joint, leg by leg, swing before lift"),
         ("foot_friction", legs, "feet", "leg, in the order of their numbers"),
     ):
         given = getattr(scenario, name)

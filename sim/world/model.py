@@ -17,6 +17,7 @@ from models import Kinematics, Robot
 from models.description import ON_JOINT, compile_model, one_line
 from sim.scenarios.scenario import Scenario
 from sim.world.assets import gather
+from sim.world.dead_bands import BAND, ensure_dead_bands
 from sim.world.floor import Floor, add_bumps, ensure_floor, scene
 from sim.world.imperfections import BACKLASH, add_imperfections
 from sim.world.integrator import suitable_integrator
@@ -59,7 +60,9 @@ def build(robot: Robot, scenario: Scenario) -> World:
     servos = servo_settings(scenario, robot.card)
     ensure_servos(spec, robot, servos)
     ensure_motors(spec, robot, servos)
+    plain = compile_model(spec.copy(), str(robot.path)) if scenario.dead_band else None
     add_imperfections(spec, robot, floor.name, scenario)
+    ensure_dead_bands(spec, robot, scenario)
     ensure_sensors(spec, robot, floor.name, uneven=scenario.bumps > 0)
     let_down = ensure_start(spec, robot, floor)
     if scenario.bumps:
@@ -68,7 +71,7 @@ def build(robot: Robot, scenario: Scenario) -> World:
     assets = gather(spec, robot)
     model = compile_model(spec, str(robot.path))
     spec.option.integrator = suitable_integrator(model)
-    servo = common_servo(model, robot)
+    servo = common_servo(plain or model, robot)
     return World(str(spec.to_xml()), assets, servo, let_down, floor.name)
 
 
@@ -105,7 +108,7 @@ def ensure_start(spec: mujoco.MjSpec, robot: Robot, floor: Floor) -> float:
     qpos = kinematics.level_qpos
     qpos[robot.root_address + 2] -= down
     for joint in spec.joints:
-        if joint.name.startswith(BACKLASH):
+        if joint.name.startswith((BACKLASH, BAND)):
             qpos = np.insert(qpos, place, 0.0)
         place += SIZES.get(joint.type, 1)
     spec.add_key(name=START, qpos=qpos, ctrl=_ctrl(spec, robot))

@@ -10,13 +10,13 @@ damping are critically damped.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
 
 from models import Robot
-from models.adoption import servo_for
+from models.adoption import fitting_rotor, servo_for
 from models.description import ON_JOINT
 from sim.world.servo_settings import ServoSettings
 
@@ -36,6 +36,12 @@ def added_rotors(robot: Robot, asked: ServoSettings) -> Mapping[str, float]:
         return {}
     rotor = servo_for(robot).armature if asked.armature is None else asked.armature
     return dict.fromkeys(joints, rotor) if rotor else {}
+
+
+def inertia_share(robot: Robot, model: mujoco.MjModel, joints: Sequence[str]) -> float:
+    """Least inertia of some joints in a world, as a share of a fitting motor's."""
+    dofs = [int(model.joint(joint).dofadr[0]) for joint in joints]
+    return float(model.dof_M0[dofs].min()) / fitting_rotor(robot)
 
 
 def undamped_joints(robot: Robot, asked: ServoSettings) -> tuple[str, ...]:
