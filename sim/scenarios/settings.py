@@ -191,19 +191,13 @@ class Settings:
         "delay from a command to the servo's motion", 0.0, "drive", "s"
     )
     dead_band: Width | tuple[Width, ...] = imperfection(
-        "width of the error in which a servo gives no torque, or that of each servo",
-        0.0,
-        "world",
-        "rad",
+        "width of the error without torque, or that of each servo", 0.0, "world", "rad"
     )
     dead_band_spread: Annotated[float, Range(0, 1)] = imperfection(
         "share by which dead bands differ from it, drawn servo by servo", 0.0, "world"
     )
     assumed_dead_band: Width | tuple[Width, ...] | None = setting(
-        "dead band that commands allow for; dead_band if not given",
-        None,
-        "drive",
-        "rad",
+        "dead band to allow for; dead_band if not given", None, "drive", "rad"
     )
     zero_offset: (
         Annotated[float, Range(0, 0.2)] | tuple[Annotated[float, Range(-0.2, 0.2)], ...]
