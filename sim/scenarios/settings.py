@@ -169,15 +169,10 @@ class Settings:
         ("plan", "world", "drive"),  # strokes may end on whole counts
     )
     servo_data: Mapping[str, float] | None = setting(
-        "numbers of the servos' data sheet that are not those of the make, by name",
-        None,
-        ("plan", "world", "drive"),
+        "numbers of its data sheet, by name", None, ("plan", "world", "drive")
     )
     command_rate: Annotated[float, Range(0, 1e5)] | None = setting(
-        "commands a second; 0 gives one at every physics step",
-        None,
-        ("world", "drive"),
-        "1/s",
+        "commands a second; 0 for one a step", None, ("world", "drive"), "1/s"
     )
     resolution: Annotated[float, Range(0, 0.2)] | None = setting(
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
@@ -194,7 +189,7 @@ class Settings:
         "width of the error without torque, or that of each servo", 0.0, "world", "rad"
     )
     dead_band_spread: Annotated[float, Range(0, 1)] = imperfection(
-        "share by which dead bands differ from it, drawn servo by servo", 0.0, "world"
+        "share by which dead bands differ, drawn", 0.0, "world"
     )
     assumed_dead_band: Width | tuple[Width, ...] | None = setting(
         "dead band to allow for; dead_band if not given", None, "drive", "rad"
@@ -202,10 +197,7 @@ class Settings:
     zero_offset: (
         Annotated[float, Range(0, 0.2)] | tuple[Annotated[float, Range(-0.2, 0.2)], ...]
     ) = imperfection(
-        "largest error of the servos' zeros, drawn at random, or that of each",
-        0.0,
-        "drive",
-        "rad",
+        "largest error of servos' zeros, drawn, or that of each", 0.0, "drive", "rad"
     )
     backlash: Annotated[float, Range(0, 0.2)] = imperfection(
         "backlash in the gears of every leg joint", 0.0, "world", "rad", formerly="play"
