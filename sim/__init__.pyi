@@ -14,6 +14,8 @@ from .feedback.filter import Feedback as Feedback
 from .feedback.sensing import Sensing as Sensing
 from .optimisation.judging import (
     Judge as Judge,
+)
+from .optimisation.lower_bound import (
     least_time as least_time,
 )
 from .preparation.setup import prepare as prepare

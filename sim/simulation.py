@@ -40,6 +40,7 @@ class Prepared:
     plan: Plan | None  # of the whole path; None if segments are planned on the way
     steps: int  # of the physics; an estimate if it plans on the way
     fallback: str | None  # why a plan is stratified where a shorter one was asked for
+    least_time: float | None = None  # [s] of any plan within the same tolerances
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +79,8 @@ class Simulation:
     @cached_property
     def summary(self) -> Summary:
         """The numbers of summary.json."""
-        fallback = self.prepared.fallback
-        return summarise(self.evaluation, self.timing, fallback, self.missed)
+        planned = self.prepared.fallback, self.prepared.least_time
+        return summarise(self.evaluation, self.timing, *planned, missed=self.missed)
 
     def __str__(self) -> str:
         return describe(self.summary)
@@ -169,7 +170,8 @@ def _prepared(problem: ScenarioProblem) -> Prepared:
         plan, fallback = solution.plan, solution.fallback
     steps = expected_steps(problem.setup, plan)
     check_effort(problem.setup, steps)
-    return Prepared(problem.scenario, problem.setup, plan, steps, fallback)
+    least = problem.least_time
+    return Prepared(problem.scenario, problem.setup, plan, steps, fallback, least)
 
 
 def _further(setup: Setup, reached: Array) -> GoalOffset:

@@ -65,7 +65,7 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
         following.append(speed * sp.sin(before - heading) / length)
         speed *= sp.cos(before - heading)
     forward = [sp.cos(headings[0]), sp.sin(headings[0]), sp.tan(phi) / length]
-    towed, last = headings[1:], headings[-1]
+    towed = headings[1:]
     return smooth(
         name="car-trailers",
         description="a car with trailers, parked sideways; one degree more for each",
@@ -79,8 +79,6 @@ def car_with_trailers(trailers: int = 1, length: float = 1) -> Problem:
         flat=FlatOutputs(
             along=x - length * sp.Add(*map(sp.cos, towed)),
             across=y - length * sp.Add(*map(sp.sin, towed)),
-            rate=speed * sp.cos(last),
-            slope=sp.tan(last),
         ),
     )
 

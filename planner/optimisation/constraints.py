@@ -13,7 +13,7 @@ from planner.optimisation.solver import Expression, solver
 from planner.optimisation.stages import Stage
 from planner.optimisation.task import Task
 
-CHECKED_SHARE = 0.98  # of the tolerances, allowed where they are checked
+CHECKED_SHARE = 0.999  # of the tolerances, allowed where they are checked
 
 
 @dataclass(frozen=True, eq=False)

@@ -91,12 +91,19 @@ def curve_function(path: Path, moved: list[int]) -> Callable[[Expression], Expre
     ca = solver()
     grid = np.linspace(0.0, 1.0, SPLINE_KNOTS)
     values = path.at(grid)[:, moved]
-    begin, way = values[0], values[-1] - values[0]
-    off = np.abs(values - begin - grid[:, None] * way).max()
-    if off <= STRAIGHT * (1.0 + np.abs(values).max()):
+    if is_straight(path, moved):
+        begin, way = values[0], values[-1] - values[0]
         return lambda s: ca.DM(begin) + ca.DM(way) * s
     spline = ca.interpolant("path", "bspline", [grid], values.ravel())
     return lambda s: spline(s)
+
+
+def is_straight(path: Path, moved: list[int]) -> bool:
+    """Whether some coordinates of a path are linear in s."""
+    grid = np.linspace(0.0, 1.0, SPLINE_KNOTS)
+    values = path.at(grid)[:, moved]
+    off = values - values[0] - grid[:, None] * (values[-1] - values[0])
+    return bool(np.abs(off).max() <= STRAIGHT * (1.0 + np.abs(values).max()))
 
 
 def _stroke(

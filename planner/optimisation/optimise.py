@@ -56,6 +56,7 @@ class Optimiser:
     The search takes place once; plans for nearby goals start from its solutions. The
     plan names elements and basis of the extended system, and has a number of segments
     of the path to which flows are assigned. Coarse stratified plans give first guesses;
+    from the best plan the search hops to others, so many times in every window;
     `report` is called with the share of the work that is done, from 0 to 1.
     """
 
@@ -69,10 +70,11 @@ class Optimiser:
         *,
         coarse: Coarse | None = None,
         report: Report = lambda done: None,
+        hops: int = 0,
     ) -> None:
         self.task, self.criterion, self.extended = task, criterion, extended
         self.path, self.segments = path, segments
-        self._search = Search(task, path, self.score, coarse, report)
+        self._search = Search(task, path, self.score, coarse, report, hops)
         self._refinement = Refinement(task, path)
 
     @cached_property
@@ -123,7 +125,7 @@ class Optimiser:
             basis=basis,
             flows=tuple(chain(*joined)),
             segment_ends=tuple(np.cumsum([len(part) for part in joined]).tolist()),
-            inputs=np.zeros((self.segments, 0, len(elements))),
+            inputs=np.zeros((self.segments, 1, len(elements))),
             hall_coordinates=np.zeros((self.segments, len(basis))),
             nominal=nominal,
             depart=self.task.system.bottom,

@@ -16,8 +16,13 @@ import numpy as np
 
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Constraints, Margins
-from planner.optimisation.dynamics import STAGE_STEPS, path_distance, stage_function
-from planner.optimisation.solver import WARM, Expression, Ipopt, solver
+from planner.optimisation.dynamics import (
+    STAGE_STEPS,
+    is_straight,
+    path_distance,
+    stage_function,
+)
+from planner.optimisation.solver import WARM, Expression, Ipopt, Options, solver
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.unknowns import Unknowns
 from planner.planning.paths import Path
@@ -42,7 +47,9 @@ class Program:
         self._width_cost = WIDTH_COST * dearest
         self._constraints = Constraints()
         self._program = self._built()
-        self._solver = Ipopt(self._program)
+        # scalar operations take less than half of the time, but know no splines
+        self._options: Options = {"expand": is_straight(path, task.moved)}
+        self._solver = Ipopt(self._program, self._options)
 
     def guess(
         self, strokes: Array, start: Array, places: tuple[float, float]
@@ -92,7 +99,7 @@ class Program:
 
     @cached_property
     def _warm_solver(self) -> Ipopt:
-        return Ipopt(self._program, WARM)
+        return Ipopt(self._program, WARM | self._options)
 
     def _built(self) -> dict[str, Expression]:
         """Unknowns x, cost f and constraints g."""

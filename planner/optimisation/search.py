@@ -7,13 +7,21 @@ length of the path.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from planner.errors import BoundError
+from planner.errors import BoundError, BudgetError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Margins
 from planner.optimisation.task import Solution
-from planner.optimisation.windows import KEPT_WIDTH, Window, WindowSearch
+from planner.optimisation.windows import (
+    KEPT_WIDTH,
+    Programs,
+    Window,
+    WindowSearch,
+    programs_of,
+)
 from planner.support.stopping import unlimited
 
 FEWEST, MANY = 3, 32  # stages that the search begins with, at least and at most
@@ -31,8 +39,18 @@ class Search(WindowSearch):
 
         Ctrl-C, or the end of the time to plan in, ends the search for better plans;
         before a plan is found it is passed on. A `BoundError` says which tolerances
-        would be kept if those given are not.
+        would be kept if those given are not. The search is made for the next rounded
+        tolerance, and its best plans are then solved for the one that is asked for.
         """
+        given = self.path, self.score, self.coarse, self.report, self.hops
+        try:
+            rungs = [programs_of(task, self.path) for task in self.task.rungs]
+            return Search(self.task.rounded, *given)._along(rungs)
+        except BoundError:
+            return self._along([])
+
+    def _along(self, rungs: Sequence[Programs]) -> list[Solution]:
+        """Window after window, solved at last for tolerances up to the task's own."""
         here, place, first = self.path(0.0), 0.0, 0
         points = self.path.at(np.linspace(0.0, 1.0, 201))[:, self.task.moved]
         steps = np.abs(np.diff(points, axis=0)) / self.task.sizes(here)
@@ -52,12 +70,20 @@ class Search(WindowSearch):
                     raise self._refusal(window, found)
                 count = _first_count(width * length)
                 continue
+            found = self._fitted(window, rungs) or found
             count = len(found.strokes)
             done.append(found if last else found.until(float(np.mean(ends))))
             here, place = done[-1].states[-1], 1.0 if last else done[-1].places[-1]
             first = done[-1].first + len(done[-1].strokes)
             self.report(place)
         return done
+
+    def _fitted(self, window: Window, rungs: Sequence[Programs]) -> Solution | None:
+        """The window's plan for the exact task; the one that is found if time is up."""
+        try:
+            return self.fitted(window, rungs)
+        except BudgetError:
+            return None
 
     def again(
         self, solution: Solution, goal: Array, margins: Margins

@@ -15,6 +15,10 @@ from planner.optimisation.stages import Stage, swept
 from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
+PER_DECADE = 16  # tolerances that a search is made for
+FINER = 16  # times as many, for which its plans are solved again
+ROUNDING = 1e-9  # of their logarithms
+
 
 @dataclass(frozen=True)
 class Inequality:
@@ -67,6 +71,31 @@ class Task:
         strict = tuple(i for i in self.inequalities if not i.relaxed)
         same = strict == self.inequalities
         return self if same else replace(self, inequalities=strict)
+
+    @cached_property
+    def rounded(self) -> Task:
+        """The task with the tolerance of the position rounded down, to 16 a decade.
+
+        A search that is made for the rounded tolerance finds the same stages for all
+        that are rounded to it, so that a larger one does not give a longer plan.
+        """
+        return self._rounded_to(PER_DECADE)[0]
+
+    @cached_property
+    def rungs(self) -> tuple[Task, ...]:
+        """The task with finer rounded tolerances, from beyond `rounded` to its own."""
+        return tuple(self._rounded_to(PER_DECADE * FINER)[1:])
+
+    def _rounded_to(self, count: int) -> list[Task]:
+        """The task with tolerances rounded to so many a decade, from `rounded` on."""
+        position, *others = self.tolerances
+        if not np.isfinite(position.most):
+            return [self]
+        own = np.log10(position.most) + ROUNDING
+        first = np.floor(own * PER_DECADE) * (count // PER_DECADE)
+        steps = np.arange(first, np.floor(own * count) + 1) / count
+        least = [Tolerance(position.coordinates, float(10.0**step)) for step in steps]
+        return [replace(self, tolerances=(most, *others)) for most in least]
 
     @property
     def most_recoveries(self) -> int:
@@ -125,6 +154,22 @@ class Solution:
             places=np.concatenate([begin.places, *(part.places[1:] for part in rest)]),
             cost=sum(part.cost for part in parts),
             width=max(part.width for part in parts),
+        )
+
+    def rearranged(self, order: Sequence[int], strokes: Array) -> Solution:
+        """A guess with some of the stages in another order and with other strokes.
+
+        Stages that are repeated in the order recover nothing the second time.
+        """
+        index = np.array(order, dtype=int)
+        ends = np.append(0, index + 1)
+        repeated = np.array([k in order[:i] for i, k in enumerate(order)])
+        return replace(
+            self,
+            strokes=strokes,
+            recoveries=np.where(repeated[:, None], 0.0, self.recoveries[index]),
+            states=self.states[ends],
+            places=np.maximum.accumulate(self.places[ends]),
         )
 
     def until(self, place: float) -> Solution:

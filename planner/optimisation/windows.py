@@ -7,11 +7,14 @@ plan from there upward. Soft constraints, such as clearances, make a solution se
 times as expensive, and most programs with them fail from a poor first guess, so they
 are left out at first. A second search with them begins with the smallest number of
 stages that the first has found, and from its solutions.
+
+Without soft constraints the search then hops from one local optimum to the next, a
+given number of times. The draws are seeded: plans do not depend on the machine.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from itertools import islice
@@ -21,6 +24,7 @@ import numpy as np
 from planner.errors import BudgetError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE
+from planner.optimisation.hops import changed
 from planner.optimisation.program import Program
 from planner.optimisation.stages import Coarse, guesses
 from planner.optimisation.task import Solution, Task
@@ -37,10 +41,15 @@ PATIENT_FOR = 2  # numbers of stages without progress, after which the search en
 PROGRESS = 0.999  # of the least score so far, which counts as progress
 KEPT_WIDTH = 1.0 + 1e-6  # of the corridor, in tolerances, that counts as keeping them
 STEEPNESS = 0.8  # relative growth of the stages per tolerance of excess width
+WARMTH = 1.004  # of the score from which a hop started, that it may end with
+FINALISTS = 4  # plans of different scores that are solved again at the end
+DISTINCT = 1 + 1e-5  # ratio of their scores
+SEARCHED = 0.3  # share of a window's work that precedes the hops, as reported
 WORKED = 0.97  # share of a window's work that remains after each solution, as reported
 
 Score = Callable[[Solution], float]
 Report = Callable[[float], None]
+Programs = Callable[[int, int], Program]
 Trial = tuple[int, int, int]  # number of stages, the first of them, and of the guess
 
 
@@ -59,7 +68,7 @@ class Window:
         return self.ends[0] == 0.0
 
 
-def _programs(task: Task, path: Path) -> Callable[[int, int], Program]:
+def programs_of(task: Task, path: Path) -> Programs:
     """Programs for a number of stages and the first of them, each built once."""
     built = cache(partial(Program, task, path))
     return lambda count, first: built(count, first % len(task.stages))
@@ -79,16 +88,18 @@ class WindowSearch:
     score: Score
     coarse: Coarse | None = None
     report: Report = lambda done: None
+    hops: int = 0  # from the best plan of each window
     hurried: bool = False  # whether the first solution is accepted, as after Ctrl-C
     without_soft: bool = False  # whether soft constraints are left out at present
     _best: Solution | None = None
     _guesses: dict[Trial, Solution | None] = field(default_factory=dict)
     _tried: set[Trial] = field(default_factory=set)
+    _kept_plans: list[Solution] = field(default_factory=list)
     _left: float = 1.0
 
     def __post_init__(self) -> None:
-        self.programs = _programs(self.task, self.path)
-        without = _programs(self.task.relaxed, self.path)
+        self.programs = programs_of(self.task, self.path)
+        without = programs_of(self.task.relaxed, self.path)
         self._relaxed = without if self._relaxes else self.programs
 
     def solve(self, window: Window, count: int) -> Solution | None:
@@ -99,6 +110,7 @@ class WindowSearch:
         """
         self._left = 1.0
         self._guesses.clear()
+        self._kept_plans.clear()
         self._best, self.without_soft = None, self._relaxes
         try:
             self._explore(window, count)
@@ -127,6 +139,8 @@ class WindowSearch:
             count = self._fewest(window, count - 1, count)
         if self._kept:
             self._improve(window, count)
+        if self._kept and not self._relaxes:
+            self._hop(window)
 
     def _fewest(self, window: Window, few: int, count: int) -> int:
         """The fewest stages, more than `few`, that keep the tolerances, if any do."""
@@ -157,6 +171,54 @@ class WindowSearch:
             worse = 0 if self._least() < PROGRESS * before else worse + 1
             count = max(count + 1, round(count * STRIDE))
 
+    def _hop(self, window: Window) -> None:
+        """Solve again and again from a plan that is changed at random."""
+        rng, here = np.random.default_rng(0), self._best
+        for number in range(self.hops):
+            if here is None or self.hurried:
+                return
+            guess = changed(self.task, here, rng)
+            if len(guess.strokes) > MOST_STAGES:
+                continue
+            tick()
+            program = self.programs(len(guess.strokes), guess.first)
+            found = program.solve(guess, window.ends, window.goal)
+            self._keep(found)
+            kept = found is not None and found.width <= KEPT_WIDTH
+            if found and kept and self.score(found) < WARMTH * self.score(here):
+                here = found
+            self._report(window, SEARCHED + (1 - SEARCHED) * (number + 1) / self.hops)
+
+    def fitted(self, window: Window, rungs: Sequence[Programs]) -> Solution | None:
+        """The best of the plans found, solved again for larger and larger tolerances.
+
+        What was found for a smaller one stands for all larger ones.
+        """
+        best = self._best
+        for programs in rungs:
+            for plan in (*self._finalists(), *([best] if best else [])):
+                program = programs(len(plan.strokes), plan.first)
+                for near in (True, False):
+                    tick()
+                    found = program.solve(plan, window.ends, window.goal, near=near)
+                    if found and found.width <= KEPT_WIDTH:
+                        best = min(best or found, found, key=self.score)
+                        break
+        return best
+
+    def _finalists(self) -> list[Solution]:
+        """The best plans found, of different scores."""
+        found = list[Solution]()
+        for plan in sorted(self._kept_plans, key=self.score):
+            if not found or self.score(plan) > DISTINCT * self.score(found[-1]):
+                found.append(plan)
+        return found[:FINALISTS]
+
+    def _report(self, window: Window, done: float) -> None:
+        """Report the share of a window's work that is done."""
+        begin, end = window.ends
+        self.report(begin + (end - begin) * done / (1 if end == 1.0 else 2))
+
     def _width(self, window: Window, count: int, attempts: int) -> float:
         """Least width found for a number of stages; the best solution is kept."""
         again = self._relaxes and not self.without_soft
@@ -175,8 +237,8 @@ class WindowSearch:
                 here = self._solved(window, trial, strokes)
                 self._keep(here)
                 self._left *= WORKED  # the amount of work is not known beforehand
-                begin, end = window.ends
-                self.report(begin + (end - begin) / 2 * (1.0 - self._left))
+                before = SEARCHED if self.hops and not self._relaxes else 1.0
+                self._report(window, before * (1.0 - self._left))
                 least = min(least, here.width if here else np.inf)
                 if least <= KEPT_WIDTH and self.hurried:
                     return least
@@ -211,7 +273,11 @@ class WindowSearch:
             self._best = min(best, found, key=lambda solution: solution.width)
         elif found.width <= KEPT_WIDTH:
             self._best = min(best, found, key=self.score)
-        if found is None or found is not self._best or found.width > KEPT_WIDTH:
+        if found is None or found.width > KEPT_WIDTH:
+            return
+        if not self.without_soft:
+            self._kept_plans.append(found)
+        if found is not self._best:
             return
         if not self.without_soft:
             stages, begin = len(found.strokes), float(found.places[0])

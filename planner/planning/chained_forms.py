@@ -8,35 +8,43 @@ beyond one degree vanish. In suitable coordinates z these are the chained form
 
 and words of that degree are exact. The coordinates follow from two functions of the
 configuration, the flat outputs: z1 moves along one field only, and every other z is the
-slope of the next against z1.
+slope of the next against z1. A vehicle in the plane has such a form for every direction
+that z1 may be measured in, and passes from one to the next where it turns far.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import permutations
+from itertools import chain, permutations
 from typing import cast
 
 import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
+from sympy.simplify.fu import fu
 
-from planner.errors import PlannerError, RankError, point
+from planner.errors import PlannerError
 from planner.extension.extended import ExtendedSystem, extend
 from planner.numerics.arrays import Array
 from planner.planning.algorithm import Plan, plan
 from planner.planning.paths import line
+from planner.planning.plane import Plane
+from planner.planning.rates import declared_or_derived, rate_along, vanishes
 from planner.planning.rollouts import play
-from planner.systems.fields import NumericField, Symbols, sample_configurations
+from planner.systems.fields import NumericField
+from planner.systems.flows import Flow
 from planner.systems.strata import StratifiedSystem
 
 AHEAD, TURN = "ahead", "turn"  # the combined fields
-NEARBY = 0.3  # of the random configurations at which forms are checked
-MET = 1e-6  # distance from the goal to which flows of a chained form are followed
-VANISHED = 1e-8  # relative, of what must vanish there
+MET = 1e-9  # distance from the goal to which flows of a chained form are followed
+CORRECTED = 1e-11  # distance above which they are corrected
+CORRECTABLE = 1e-2  # likewise, below which it is tried
+CORRECTIONS = 3
+CHART = 1.0  # [rad] to either side of its direction, for which a chart serves
 
 
 @dataclass(frozen=True)
@@ -44,7 +52,7 @@ class FlatOutputs:
     """Two functions of the configuration from which a chained form follows.
 
     The rate of `along` per unit of the field that moves it, and the slope of `across`
-    against `along`, are derived if None. A shorter expression saves time.
+    against `along`, are derived and simplified if None.
     """
 
     along: sp.Expr  # z1, which one of the two fields leaves alone
@@ -59,6 +67,7 @@ class ChainedForm:
 
     system: StratifiedSystem  # of the combined fields `ahead` and `turn`, g1 and g2
     coordinates: tuple[sp.Expr, ...]  # z1, ..., zn as expressions in the state
+    plane: Plane | None = None  # motions of the plane, if they change nothing
 
     @cached_property
     def model(self) -> ExtendedSystem:
@@ -69,8 +78,8 @@ class ChainedForm:
         while len(elements) < len(z) - 1:
             elements.append(f"[{AHEAD},{elements[-1]}]")
         bottom = self.system.bottom
-        chain = StratifiedSystem(z, {bottom: fields}, bottom)
-        return extend(chain, [AHEAD, *elements])
+        model = StratifiedSystem(z, {bottom: fields}, bottom)
+        return extend(model, [AHEAD, *elements])
 
     @cached_property
     def _value(self) -> Callable[..., list[float]]:
@@ -86,7 +95,8 @@ class ChainedForm:
             z = np.array(self._value(*state), dtype=float)
         if not np.isfinite(z).all():
             raise PlannerError(
-                f"the chained form is singular at {point(state)}; plan with elements"
+                f"the chained form is singular at {self._named(state)}; plan with "
+                "elements"
             )
         return z
 
@@ -94,29 +104,123 @@ class ChainedForm:
         """Flows of the combined fields from one configuration (n,) exactly to another.
 
         The segments divide the straight line between them in z, on which the form must
-        not be singular.
+        not be singular. A vehicle in the plane that turns farther than one chart serves
+        passes through several, with as many segments in each.
         """
         ends = line(start, goal)
-        straight = line(self.at(ends(0.0)), self.at(ends(1.0)))
+        start, goal = ends(0.0), ends(1.0)
+        if self.plane is None or self._holds(start) and self._holds(goal):
+            found = self._planned(start, goal, segments)
+        else:
+            found = self._turning(self.plane, start, goal, segments)
+        return replace(found, nominal=np.array([*found.nominal[:-1], goal]))
+
+    def _holds(self, x: Array) -> bool:
+        """Whether the chart itself serves at a configuration of a vehicle."""
+        plane = self.plane
+        return plane is None or (
+            not plane.way_in(x)[0] and abs(plane.direction(x)) <= CHART
+        )
+
+    def _planned(self, start: Array, goal: Array, segments: int = 1) -> Plan:
+        """The plan in this chart; what integration misses is made up for."""
+        parts = [self._straight(start, goal, segments)]
+        missed = [_apart(parts[-1], goal)]
+        while CORRECTED < missed[-1] < CORRECTABLE and len(missed) <= CORRECTIONS:
+            parts.append(self._straight(parts[-1].nominal[-1], goal))
+            missed.append(_apart(parts[-1], goal))
+            if missed[-1] >= missed[-2]:
+                parts.pop()
+                break
+        if not _apart(parts[-1], goal) <= MET:
+            raise self._separated(start, goal)
+        if not parts[1:]:
+            return parts[0]
+        return _plan_of(
+            self.system, [p for part in parts for p in part.segments()], start
+        )
+
+    def _turning(self, plane: Plane, start: Array, goal: Array, segments: int) -> Plan:
+        """The plan of a vehicle through charts that turn along with it."""
+        leave, begin = plane.way_in(start)
+        enter, end = plane.way_in(goal)
+        first, last = plane.direction(begin), plane.direction(end)
+        count = max(1, math.ceil(abs(last - first) / CHART))
+        shares = np.linspace(0.0, 1.0, count + 1)
+        heading = first + (last - first) * shares
+        places = line(plane.at(begin), plane.at(end)).at(shares)
+        fields = dict(plane.system.fields)
+        parts, here = [leave] if leave else [], begin
+        for k in range(count):
+            angle = float(heading[k : k + 2].mean())
+            chart = ChainedForm(*plane.chart(self.system, self.coordinates, angle))
+            there = end
+            if k < count - 1:
+                there = plane.aligned(places[k + 1], float(heading[k + 1]))
+            found = chart._planned(here, there, segments)
+            here = found.nominal[-1]
+            numbered = {name: f"{name}_{k + 1}" for name in chart.system.fields}
+            fields |= {numbered[name]: f for name, f in chart.system.fields.items()}
+            for part in found.segments():
+                parts.append([f._replace(field=numbered[f.field]) for f in part])
+        if enter:
+            parts.append([f._replace(duration=-f.duration) for f in reversed(enter)])
+        system = replace(self.system, strata={self.system.bottom: fields})
+        whole = _plan_of(system, parts, start)
+        if not _apart(whole, goal) <= MET:
+            raise self._separated(start, goal)
+        return whole
+
+    def _straight(self, start: Array, goal: Array, segments: int = 1) -> Plan:
+        """The plan along the straight line in z; it ends near its goal."""
+        way, nominal = line(self.at(start), self.at(goal)), [start]
         try:
-            planned = plan(self.model, straight, segments)
-        except RankError:
-            raise PlannerError(
-                f"the chained form is nearly singular between {point(ends(0.0))} and "
-                f"{point(ends(1.0))}; plan with elements"
-            ) from None
-        nominal = [ends(0.0)]
-        for flows in planned.segments():
-            nominal.append(play(self.system, flows, nominal[-1])[-1])
-        missed = float(np.abs(nominal.pop() - ends(1.0)).max())
-        if not missed <= MET:
-            raise PlannerError(
-                f"flows of the chained form end {missed:.3g} from "
-                f"{point(ends(1.0))}: its singularities separate the goal from the "
-                "start; plan with elements"
-            )
-        at = np.array([*nominal, ends(1.0)])
-        return replace(planned, system=self.system, nominal=at)
+            planned = plan(self.model, way, segments)
+            for flows in planned.segments():
+                nominal.append(play(self.system, flows, nominal[-1])[-1])
+        except PlannerError as error:  # which speaks of z
+            raise self._separated(start, goal) from error
+        return replace(planned, system=self.system, nominal=np.array(nominal))
+
+    def _separated(self, start: Array, goal: Array) -> PlannerError:
+        return PlannerError(
+            f"flows of the chained form do not lead from {self._named(start)} to "
+            f"{self._named(goal)}: its singularities separate the goal from the start; "
+            "plan with elements"
+        )
+
+    def _named(self, x: Array) -> str:
+        """A configuration by the names of its coordinates."""
+        values = zip(self.system.state, x.tolist(), strict=True)
+        return ", ".join(f"{name} = {value:.6g}" for name, value in values)
+
+
+def _apart(plan: Plan, goal: Array) -> float:
+    """Distance of a plan's end from its goal."""
+    return float(np.abs(plan.nominal[-1] - goal).max())
+
+
+def _plan_of(
+    system: StratifiedSystem, parts: Sequence[Sequence[Flow]], start: Array
+) -> Plan:
+    """A plan of given flows in segments."""
+    flows = tuple(chain(*parts))
+    names = tuple(dict.fromkeys(flow.field for flow in flows))
+    nominal = [start]
+    for part in parts:
+        nominal.append(play(system, part, nominal[-1])[-1])
+    return Plan(
+        system=system,
+        elements=names,
+        basis=(),
+        flows=flows,
+        segment_ends=tuple(np.cumsum([len(part) for part in parts]).tolist()),
+        inputs=np.zeros((len(parts), 1, len(names))),
+        hall_coordinates=np.zeros((len(parts), 0)),
+        nominal=np.array(nominal),
+        depart=system.bottom,
+        arrive=system.bottom,
+    )
 
 
 def chained_form(
@@ -147,97 +251,34 @@ def _formed(
     system: StratifiedSystem, columns: list[sp.Matrix], outputs: FlatOutputs
 ) -> ChainedForm:
     state = system.state
-    rates = [_rate(outputs.along, column, state) for column in columns]
-    still = [_vanishes(rate, state) for rate in rates]
+    rates = [rate_along(outputs.along, column, state) for column in columns]
+    still = [vanishes(rate, state) for rate in rates]
     if sorted(still) != [False, True]:
         raise PlannerError(
             f"{outputs.along} is moved by {2 - sum(still)} of two fields; the first "
             "flat output is moved by one only"
         )
     drive, turn = columns[still.index(False)], columns[still.index(True)]
-    rate = _equal(rates[still.index(False)], outputs.rate, state)
+    rate = declared_or_derived(fu(rates[still.index(False)]), outputs.rate, state)
     ahead = drive / rate
-    slope = _equal(_rate(outputs.across, ahead, state), outputs.slope, state)
+    slope = fu(rate_along(outputs.across, drive, state)) / rate
+    slope = declared_or_derived(slope, outputs.slope, state)
     both = f"{outputs.along} and {outputs.across}"
     refusal = f"{both} are not flat outputs of a chained form"
-    chain = [outputs.across, slope]
-    while len(chain) < len(state) - 1:
-        if not _vanishes(_rate(chain[-1], turn, state), state):
+    slopes = [outputs.across, slope]
+    while len(slopes) < len(state) - 1:
+        if not vanishes(rate_along(slopes[-1], turn, state), state):
             raise PlannerError(f"{refusal}: a slope is turned too early")
-        chain.append(_rate(chain[-1], ahead, state))
-    turned = _rate(chain[-1], turn, state)
-    if _vanishes(turned, state):
+        slopes.append(rate_along(slopes[-1], ahead, state))
+    turned = rate_along(slopes[-1], turn, state)
+    if vanishes(turned, state):
         raise PlannerError(f"{refusal}: the last slope is never turned")
     fields = {
-        AHEAD: ahead - turn * (_rate(chain[-1], ahead, state) / turned),
+        AHEAD: ahead - turn * (rate_along(slopes[-1], ahead, state) / turned),
         TURN: turn / turned,
     }
-    stratum = {system.bottom: fields}
-    level_sets = {system.bottom: system.level_set(system.bottom).functions}
-    bottom = StratifiedSystem(state, stratum, system.bottom, level_sets)
-    return ChainedForm(bottom, (outputs.along, *reversed(chain)))
-
-
-def _rate(function: sp.Expr, field: sp.Matrix, state: Symbols) -> sp.Expr:
-    """Rate of a function along a field.
-
-    Parts that occur several times are differentiated once: slopes of slopes are huge
-    when written out, and sympy's own derivative goes through them again at every level.
-    """
-    known: dict[sp.Basic, sp.Expr] = dict(zip(state, field, strict=True))
-
-    def rate(part: sp.Expr) -> sp.Expr:
-        if part not in known:
-            known[part] = _inner_rate(part, rate)
-        return known[part]
-
-    return rate(function)
-
-
-def _inner_rate(part: sp.Expr, rate: Callable[[sp.Expr], sp.Expr]) -> sp.Expr:
-    """Rate of an expression from the rates of its arguments, by the chain rule."""
-    rates = [rate(inner) for inner in part.args]
-    moving = [i for i, speed in enumerate(rates) if speed != 0]
-    if not moving:
-        return sp.S.Zero
-    if part.is_Add:
-        return sp.Add(*rates)
-    if part.is_Mul:
-        rests = (part.args[:i] + part.args[i + 1 :] for i in moving)
-        return sp.Add(
-            *(sp.Mul(rates[i], *rest) for i, rest in zip(moving, rests, strict=True))
-        )
-    if part.is_Pow and moving == [0]:
-        base, power = part.args
-        return power * base ** (power - 1) * rates[0]
-    stand_ins = [sp.Dummy(real=inner.is_real) for inner in part.args]
-    outer = part.func(*stand_ins)
-    back = dict(zip(stand_ins, part.args, strict=True))
-    return sp.Add(*(outer.diff(stand_ins[i]).xreplace(back) * rates[i] for i in moving))
-
-
-def _values(expression: sp.Expr, state: Symbols) -> Array:
-    """Values of an expression near zero, where they are finite."""
-    points = NEARBY * sample_configurations(len(state))
-    function = sp.lambdify(state, expression, modules="numpy", cse=True)
-    with np.errstate(all="ignore"):
-        values = np.array([function(*x) for x in points], dtype=float)
-    return values[np.isfinite(values)]
-
-
-def _vanishes(expression: sp.Expr, state: Symbols, size: float = 1.0) -> bool:
-    values = _values(expression, state)
-    return bool(np.abs(values).max(initial=0.0) <= VANISHED * size)
-
-
-def _equal(derived: sp.Expr, declared: sp.Expr | None, state: Symbols) -> sp.Expr:
-    """The declared expression if it equals the derived one, or else an error."""
-    if declared is None:
-        return derived
-    size = float(np.abs(_values(derived, state)).max(initial=1.0))
-    if not _vanishes(derived - declared, state, size):
-        raise PlannerError(
-            f"{declared} is declared for a flat output but is not the rate that "
-            "the fields give; correct it or leave it out"
-        )
-    return declared
+    names = list(system.fields)
+    order = names[still.index(False)], names[still.index(True)]
+    plane = Plane.of(system, (outputs.along, outputs.across), *order)
+    combined = replace(system, strata={system.bottom: fields})
+    return ChainedForm(combined, (outputs.along, *reversed(slopes)), plane)

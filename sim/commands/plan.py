@@ -45,11 +45,12 @@ FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
     "goal": "set a scenario's path.goal",
     "elements": "set a scenario's fields",
+    "free": "set a scenario's path_tolerance or yaw_tolerance",
     "save": "leave it out, run keeps what it walks",
 }
 BY_ELEMENTS = ("elements", "degree", "words", "replan")  # not in chained form
 SETTLED = dict.fromkeys(
-    ("start", "goal", *BY_ELEMENTS, "segments", "set", "gait", "optimise"),
+    ("start", "goal", *BY_ELEMENTS, "segments", "set", "gait", "optimise", "free"),
     "leave it out",
 )
 
@@ -64,6 +65,12 @@ def _for_systems(parser: argparse.ArgumentParser) -> None:
         metavar="ELEMENT",
         nargs="+",
         help="fields and brackets to steer with, as in g1 g2 [g1,g2]",
+    )
+    group.add_argument(
+        "--free",
+        metavar="NAME",
+        nargs="+",
+        help="coordinates that an optimised plan need not keep near the path",
     )
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
 
@@ -148,7 +155,7 @@ def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
         problem = ScenarioProblem.ready(setup, progress)
     solution = _solved(problem, progress)
     times = began, compiled, time.perf_counter()
-    facts = WalkFacts.of(problem.setup, solution.plan)
+    facts = WalkFacts.of(problem, solution.plan)
     prospect = _prospect(problem, solution, times, progress)
     return solution.plan, facts.table(prospect), list(facts.lines(prospect))
 
@@ -182,9 +189,17 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
         except StratumError as error:
             raise ValueError(str(error)) from error
         replan, objective = bool(options.replan), options.optimise or "none"
+        free = options.free or ()
+        if free and objective == "none":
+            remedy = "give --optimise as well, or leave it out"
+            raise UsageError("there is nothing to optimise", "--free", remedy)
         with limited(PLAN_TIME):
             problem = SystemProblem(
-                wanted, replan=replan, objective=objective, chained=chained
+                wanted,
+                replan=replan,
+                objective=objective,
+                chained=chained,
+                free=free,
             )
     compiled = time.perf_counter()
     solution = _solved(problem, progress)

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from planner import Array, Plan
-    from sim.preparation.setup import Setup
     from sim.problems.problem import Problem
+    from sim.problems.scenario import ScenarioProblem
 
 GAIT = (
     "A stratum is the set of configurations in which the same groups of",
     "legs stand on the ground; it is named after these groups. A gait is",
     "the closed sequence of strata that the robot visits again and again.",
 )
-STROKE = ("A stroke is a swing of legs that stand on the ground and move the body.",)
+STROKE = "A stroke is a swing of legs that stand on the ground and move the body."
 
 
 @dataclass(frozen=True)
@@ -151,20 +151,23 @@ class WalkFacts:
     swing_travel: float
     air_travel: float
     distance_walked: float
+    time: float  # [s], without holds
+    least_time: float | None
     gait: tuple[str, ...]
     ignores: str  # settings that no plan on the exact kinematics knows of
 
     @classmethod
-    def of(cls, setup: Setup, planned: Plan) -> WalkFacts:
+    def of(cls, problem: ScenarioProblem, planned: Plan) -> WalkFacts:
         """Play the plan of a scenario."""
         from planner import play
         from sim.motion.poses import wrap
+        from sim.optimisation.judging import Judge
         from sim.scenarios.predictions import IDEAL
 
-        scenario, robot, equations = setup.scenario, setup.robot, setup.equations
-        states = play(planned.system, planned.flows, setup.nominal()(0.0))
-        x, y, yaw = states[-1, :3].tolist()
-        goal = scenario.path.goal
+        setup, scenario = problem.setup, problem.setup.scenario
+        robot, equations = setup.robot, setup.equations
+        states = play(planned.system, planned.flows, planned.start)
+        (x, y, yaw), goal = states[-1, :3].tolist(), scenario.path.goal
         travel = {True: 0.0, False: 0.0}  # of loaded and of lifted groups
         for flow in planned.flows:
             swings = equations.swings[flow.field]
@@ -190,15 +193,15 @@ class WalkFacts:
             swing_travel=travel[True],
             air_travel=travel[False],
             distance_walked=sum(walked, 0.0),
+            time=Judge(setup).duration(planned.flows),
+            least_time=problem.least_time,
             gait=tuple(scenario.gait or robot.card.gait),
             ignores=IDEAL.ignored(scenario),
         )
 
     def table(self, prospect: Prospect) -> dict[str, object]:
         """The facts for JSON."""
-        table = vars(self) | asdict(prospect)
-        del table["gait"]
-        return table
+        return {k: v for k, v in vars(self).items() if k != "gait"} | asdict(prospect)
 
     def lines(self, prospect: Prospect) -> Iterator[str]:
         """The facts, with the paper's words explained."""
@@ -213,16 +216,21 @@ class WalkFacts:
         yield f"{'gait':10}{' '.join(self.gait)}"
         yield from (f"{'':10}{line}" for line in GAIT)
         yield f"{'strokes':10}{self.swing_travel:.3f} rad in all"
-        yield from (f"{'':10}{line}" for line in STROKE)
+        yield f"{'':10}{STROKE}"
         yield (
             f"{'walks':10}{self.distance_walked:.3f} m for a path of "
             f"{self.path_length:.3f} m, legs to {self.largest_swing:.3f} rad"
         )
+        if self.least_time is not None:
+            least = (
+                f"no plan that keeps as near takes less than {self.least_time:.2f} s"
+            )
+            yield f"{'walks for':10}{self.time:.2f} s; {least}"
         yield f"{'ends at':10}x {x:z.4f} m, y {y:z.4f} m, yaw {yaw:z.4f} rad"
         off, turned = self.error["position"], self.error["yaw"]
         yield f"{'off goal':10}{1e3 * off:.2f} mm, {turned:.4f} rad"
-        yield from filter(None, [self.ignores and f"{'ignored':10}{self.ignores}"])
-        yield from filter(None, [remarks.get("helps")])
+        ignored = self.ignores and f"{'ignored':10}{self.ignores}"
+        yield from filter(None, [ignored, remarks.get("helps")])
         yield from prospect.lines(self.segments, "load and compile")
 
 

@@ -187,12 +187,14 @@ def summarise(
     evaluation: Evaluation,
     timing: Mapping[str, float] | None = None,
     fallback: str | None = None,
+    least_time: float | None = None,
     missed: Sequence[float] = (),
 ) -> Summary:
     """The numbers of summary.json, unrounded.
 
-    A fallback says why the stratified plan stands where a shorter one was asked for;
-    `missed` is how far from the goal each of several walks ended [m].
+    A fallback says why the stratified plan stands where a shorter one was asked for; no
+    plan within the same tolerances takes less than the least time [s]; `missed` is how
+    far from the goal each of several walks ended [m].
     """
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario
@@ -277,6 +279,7 @@ def summarise(
         timestep=dt,
         versions=versions(),
         fallback=fallback,
+        least_time=least_time,
         missed=list(missed),
         timing=dict(timing or {}),
     )

@@ -65,6 +65,9 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     )
     if summary.fallback:
         yield "fell back", f"on the stratified plan: {summary.fallback}"
+    if summary.least_time is not None:
+        least = f"no plan that keeps as near takes less than {summary.least_time:.1f} s"
+        yield "bounded", f"{least}, holds left out"
     if len(summary.missed) > 1:
         misses = ", then ".join(f"{1e3 * miss:.3g}" for miss in summary.missed)
         yield "corrected", f"the goal was missed by {misses} mm"

@@ -211,6 +211,7 @@ class Summary(Numbers):
     timestep: float  # [s]
     versions: Mapping[str, str] = field(default_factory=dict)
     fallback: str | None = None
+    least_time: float | None = None  # [s] of an optimised plan, holds left out
     missed: list[float] = field(default_factory=list)  # off the goal, by walk [m]
     timing: Mapping[str, float] = field(default_factory=dict)  # [s]
 

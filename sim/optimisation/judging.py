@@ -1,11 +1,4 @@
-"""Properties of a plan as a schedule: its duration, its predicted end, its bounds.
-
-No walk takes less than `least_time`, however it is planned. One that passes the points
-of its path in order, each within a tolerance, is at least as long as the way through
-circles around them. The body is nowhere faster than the fastest stroke moves it, with
-all joints at full speed. Lifts, accelerations and the strokes that turn the body only
-add to that.
-"""
+"""Properties of a plan as a schedule: its duration, and its predicted end."""
 
 from __future__ import annotations
 
@@ -27,11 +20,6 @@ from sim.planning.forecast import ForeseenStretch
 from sim.preparation.scheduling import scheduled
 from sim.preparation.setup import Setup
 from sim.scenarios.predictions import IDEAL, QUASI_STATIC
-
-SWEPT_ANGLES = 25  # of each group, ends of the joint range included
-DRAWN_ANGLES = 4000  # where there are too many groups for a grid
-MOST_GRIDDED = 2  # groups
-BOUND_POINTS = 101  # of the path
 
 
 def real_prediction(setup: Setup) -> str:
@@ -134,54 +122,3 @@ class Judge:
 
     def _predictor(self, schedule: Schedule) -> Predictor:
         return Predictor(schedule, real_twists(self.setup), self.setup.kinematics)
-
-
-def least_time(setup: Setup, within: float) -> float:
-    """Time that the strokes of any walk along the path take at least [s].
-
-    Args:
-        setup: Robot, path and speeds.
-        within: How far the body may stray from the path [m].
-
-    Example:
-        >>> from sim import least_time, load_scenario, prepare
-        >>> setup = prepare(load_scenario("line"))
-        >>> least_time(setup, within=0.02) > 5  # [s]
-        True
-    """
-    points = setup.scenario.path.curve.at(np.linspace(0.0, 1.0, BOUND_POINTS))
-    return shortest_way(points[:, :2], within) / top_speed(setup)
-
-
-def top_speed(setup: Setup) -> float:
-    """Largest speed that a stroke of a plan gives the body [m/s]."""
-    described, twists = setup.equations, real_twists(setup)
-    low, high = np.array(list(described.limits.values())).T
-    if len(low) <= MOST_GRIDDED:
-        even = [np.linspace(0, 1, SWEPT_ANGLES)] * len(low)
-        shares = np.stack(np.meshgrid(*even), axis=-1).reshape(-1, len(low))
-    else:
-        shares = np.random.default_rng(0).uniform(size=(DRAWN_ANGLES, len(low)))
-    swing, fastest = low + shares * (high - low), 0.0
-    for name in set(described.elements) & set(described.swings):
-        direction = np.array(described.swings[name])
-        rates = direction / np.abs(direction).max() * setup.limits.swing_speed
-        stratum = described.system.stratum_of[name]
-        velocity = twists(stratum, swing, np.broadcast_to(rates, swing.shape))
-        fastest = max(fastest, float(np.hypot(*velocity[:, :2].T).max()))
-    return fastest
-
-
-def shortest_way(points: Array, within: float) -> float:
-    """A lower bound on a way through circles around points (K, 2), in their order [m].
-
-    The way begins at the first point and ends at the last one. Some of the points are
-    left out, so that the sum of what lies between the circles of the others is largest.
-    """
-    radii = np.full(len(points), within)
-    radii[[0, -1]] = 0.0
-    longest = np.zeros(len(points))
-    for k in range(1, len(points)):
-        apart = np.linalg.norm(points[:k] - points[k], axis=1) - radii[:k] - radii[k]
-        longest[k] = (longest[:k] + apart).max()
-    return max(float(longest[-1]), 0.0)

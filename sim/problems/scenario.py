@@ -18,6 +18,7 @@ from sim.motion.poses import wrap
 from sim.optimisation.first_guess import FLOW_SAMPLES, Coarse
 from sim.optimisation.formulation import criterion_of, task_of
 from sim.optimisation.judging import Judge
+from sim.optimisation.lower_bound import least_time
 from sim.planning.aiming import plan_along
 from sim.planning.bounds import within_bounds
 from sim.planning.open_loop import plan_open_loop, plan_replanned
@@ -201,7 +202,7 @@ class ScenarioProblem(Problem):
     def has_fallback(self) -> bool:
         """Whether the stratified plan's own motion stays within the tolerances."""
         own = self.centre._own_deviation
-        position, yaw = (ROUNDED * within for within in self.centre._within)
+        position, yaw = (ROUNDED * within for within in self.centre.within)
         return own is not None and own.position <= position and own.yaw <= yaw
 
     @cached_property
@@ -215,7 +216,7 @@ class ScenarioProblem(Problem):
         return path_deviation(self.setup.scenario.path.curve, states[:, :3])
 
     @cached_property
-    def _within(self) -> tuple[float, float]:
+    def within(self) -> tuple[float, float]:
         """Largest deviation of the walk from the path [m], and from its yaw [rad].
 
         Where none is given, that of the stratified plan stands.
@@ -229,17 +230,25 @@ class ScenarioProblem(Problem):
         return position, yaw
 
     @cached_property
+    def least_time(self) -> float | None:
+        """Time that no plan within the tolerances falls below [s], if one is sought."""
+        if self.objective == "none":
+            return None
+        return least_time(self.centre.setup, *self.centre.within)
+
+    @cached_property
     def _optimiser(self) -> Optimiser:
         setup = self.setup
         path = setup.equations.configurations(setup.scenario.path.undivided)
         return Optimiser(
-            task_of(setup, self._within),
+            task_of(setup, self.within),
             criterion_of(setup),
             setup.extended,
             path,
             self.segments,
             coarse=Coarse(setup.extended, path, setup.equations.execution),
             report=lambda done: self.progress("optimising", done),
+            hops=setup.scenario.hops,
         )
 
 

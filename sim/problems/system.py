@@ -1,15 +1,17 @@
 """The problem of a system without a body, from one configuration to another.
 
-The duration of a plan is the time that its flows take at unit speed. Coordinates that
-every field moves at a constant rate, such as the angles of legs, are not bound to the
-path on the way of the shortest plans.
+The duration of a plan is the time that its flows take at unit speed. On the way of the
+shortest plans every coordinate stays as near to the path as the stratified plan does,
+except those that are freed. The angles of legs are free by themselves: a recovery moves
+each of them alone, and no field depends on it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import cached_property
+from math import inf
 from typing import get_args
 
 import numpy as np
@@ -32,6 +34,7 @@ from sim.problems.problem import Problem
 
 LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan deviates less
 PLAN_TIME = 300.0  # [s]
+HOPS = 20  # from the best plan of each window
 PATH_POINTS = 1001  # that a plan's deviation is measured from
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 
@@ -40,7 +43,8 @@ class SystemProblem(Problem):
     """A system's problem, to be planned within so many seconds.
 
     What is least is time, strokes, switches or none. Each segment that is replanned is
-    aimed to end where it should, not near it; a system in chained form ends there.
+    aimed to end where it should, not near it; a system in chained form ends there. The
+    shortest plans may depart from the path as they like in coordinates that are free.
     """
 
     def __init__(
@@ -50,11 +54,18 @@ class SystemProblem(Problem):
         replan: bool = False,
         objective: str = "none",
         chained: bool = False,
+        free: Collection[str] = (),
     ) -> None:
         if objective not in (*OBJECTIVES, "none"):
             wanted = f"give {', '.join(OBJECTIVES)} or none"
             raise UsageError(f"unknown objective {objective!r}", "--optimise", wanted)
+        names = [str(symbol) for symbol in problem.system.state]
+        for name in free:
+            if name not in names:
+                known = f"there are {', '.join(names)}"
+                raise UsageError(f"unknown coordinate {name!r}", "--free", known)
         self.problem, self.replan, self.is_exact = problem, replan, chained
+        self.free = frozenset(free)
         self.objective = "none" if chained else objective
         self.words, self.segments = problem.words, problem.segments
         self.plan_time = PLAN_TIME
@@ -109,6 +120,7 @@ class SystemProblem(Problem):
             self.problem.path,
             self.segments,
             coarse=Coarse(self.extended, self.problem.path, Execution()),
+            hops=HOPS,
         ).plan()
 
     @cached_property
@@ -130,16 +142,18 @@ class SystemProblem(Problem):
     def _tolerances(self) -> tuple[Tolerance, ...]:
         """The stratified plan's own deviations, of x and y together and of the rest."""
         names = [str(s) for s in self.problem.system.state]
-        angles = self.extended.shape.coordinates
-        compared = [i for i in range(len(names)) if i not in angles]
-        place = [names.index(n) for n in ("x", "y") if n in names]
+        legs = {i for i, _ in self.extended.shape.recoveries.values()}
+        compared = [i for i in range(len(names)) if i not in legs]
+        freed = [i for i in compared if names[i] in self.free]
+        place = [i for i in compared if names[i] in ("x", "y") and i not in freed]
         groups = [place] if place else []
-        groups += [[i] for i in compared if i not in place]
+        groups += [[i] for i in compared if i not in (*place, *freed)]
+        groups += [[i] for i in freed]
         points = self.problem.path.at(np.linspace(0.0, 1.0, PATH_POINTS))
         found = deviation(rollout(self.stratified, FLOW_SAMPLES), points, groups)
         least = LEAST_TOLERANCE * float(np.abs(points - points[0]).max())
         return tuple(
-            Tolerance(tuple(group), max(most, least))
+            Tolerance(tuple(group), inf if group[0] in freed else max(most, least))
             for group, most in zip(groups, found, strict=True)
         )
 

@@ -2,8 +2,7 @@
 
 The keys of scenario files, `--set`, the options of commands, scenario.toml, the table
 in docs/scenarios.md and what the walks of a sweep have in common follow from these
-declarations. To add a setting, add a field to `Settings`, and read it where it takes
-effect.
+declarations. To add one, add a field to `Settings`, and read it where it takes effect.
 """
 
 from __future__ import annotations
@@ -138,9 +137,10 @@ class Settings:
     )
     yaw_tolerance: Annotated[float, Range(LEAST, 1e3)] | None = setting(
         "how far it may depart from the path's yaw; pi leaves the yaw free",
-        None,
-        "plan",
-        "rad",
+        *(None, "plan", "rad"),
+    )
+    hops: Annotated[int, Range(0, 10_000)] = setting(
+        "times that the search for an optimised plan starts again", 130, "plan"
     )
     overlap_recovery: bool = setting(
         "let legs in the air recover while others stroke",

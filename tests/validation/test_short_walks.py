@@ -6,6 +6,9 @@ measured. Each walk is planned at the printed plan's own deviations unless it sa
 
 import pytest
 
+from sim.optimisation.judging import Judge
+from sim.preparation.setup import prepare
+from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
 
@@ -53,3 +56,20 @@ def test_a_walk_between_walls_is_short_and_touches_none():
     assert summary["wall_contacts"] == 0
     assert summary["achieved"]["min_clearance"] >= 0.005
     assert summary["error"]["goal"]["position"] <= 1e-3
+
+
+def test_no_larger_tolerance_takes_longer_and_all_of_it_is_used():
+    times = []
+    for position in (0.018, 0.0185, 0.01895, 0.019, 0.02):
+        within = {"path_tolerance": position, "yaw_tolerance": 0.17}
+        asked = {"optimise": "time", "plan_time": 3600.0}
+        setup = prepare(load_scenario("line", asked | within))
+        judge, problem = Judge(setup), ScenarioProblem.ready(setup)
+        plan = problem.solve().plan
+        off, turned = judge.deviation(plan)
+        assert 0.98 * position < off <= position
+        assert turned <= 0.17
+        times.append(judge.duration(plan.flows))
+        assert 50.0 < problem.least_time < times[-1]
+    assert times == sorted(times, reverse=True)
+    assert times[3] <= 72.5  # 76.7 before the search hopped
