@@ -75,7 +75,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     as_drawn = drawn(scenario, robot)
     ignored = {key: each.ignored(as_drawn) for key, each in PREDICTIONS.items()}
     if words := who_ignores(ignored):
-        notice(f"predictions will ignore {words}")
+        notice(f"predictions ignore {words}")
     if options.tries is not None:
         return _walk_tries(scenario, robot, folder, options)
     if robot.opened.files:

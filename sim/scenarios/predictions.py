@@ -89,5 +89,5 @@ def who_ignores(ignored: Mapping[str, str]) -> str:
     by: dict[str, list[str]] = {}
     for key, settings in ignored.items():
         by.setdefault(settings, []).append(PREDICTIONS[key].label)
-    words = (f"{names} by {' and '.join(who)}" for names, who in by.items() if names)
+    words = (f"{names} ({', '.join(who)})" for names, who in by.items() if names)
     return "; ".join(words)

@@ -30,7 +30,7 @@ def test_a_prediction_ignores_what_the_scenario_sets_and_it_knows_nothing_of():
 
 def test_predictions_that_ignore_the_same_are_named_together():
     ignored = {"ideal": "slope", "quasi_static": "slope", "identified": ""}
-    assert who_ignores(ignored) == "slope by ideal and quasi-static"
+    assert who_ignores(ignored) == "slope (ideal, quasi-static)"
     assert who_ignores({"ideal": ""}) == ""
 
 
