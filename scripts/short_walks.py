@@ -86,8 +86,9 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
                 x, y = zip(*on, strict=True)
                 axes.plot(x, y, style, color=colour, label=way, markersize=3)
             setup = prepare(load_scenario(name))
-            off = np.linspace(0.0, max(p.position for p in points), 15)
-            least = [least_time(setup, far) for far in off.tolist()]
+            off = np.linspace(0.0, max(p.position for p in points), 5)[1:]
+            turned = max(p.yaw for p in points)
+            least = [least_time(setup, far, turned) for far in off.tolist()]
             axes.plot(1e3 * off, least, ":", color="0.4", label="lower bound")
             axes.set(title=name, xlabel="farthest from the path [mm]")
             axes.set(xlim=(0, None), ylim=(0, None))

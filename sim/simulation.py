@@ -58,7 +58,7 @@ class Simulation:
         >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
         >>> done = simulate(load_scenario("line", short), without=("identified",))
         >>> list(done.evaluation.predicted)
-        ['ideal', 'quasi_static']
+        ['ideal', 'quasi_static', 'compliant']
     """
 
     prepared: Prepared

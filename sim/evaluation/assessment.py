@@ -129,7 +129,7 @@ def evaluate(
         >>> short = {"segments": 2, "path.goal": [0.01, 0.01, 0.0]}
         >>> walk = simulate(load_scenario("line", short)).evaluation.walk
         >>> sorted(evaluate(walk).predicted)
-        ['ideal', 'identified', 'quasi_static']
+        ['compliant', 'ideal', 'identified', 'quasi_static']
     """
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}

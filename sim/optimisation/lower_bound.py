@@ -76,7 +76,8 @@ def least_time(setup: Setup, within: float, yaw: float = inf) -> float:
     known = [curve for curve in found if curve is not None]
     if not known or None in found:
         return plain
-    return max(plain, *(_proven(setup, known, points, within, yaw, k) for k in PIECES))
+    proven = (_proven(setup, known, points, within, yaw, k) for k in PIECES)
+    return float(max(plain, *proven))
 
 
 def _proven(

@@ -242,5 +242,5 @@ def test_a_robot_without_a_card_is_told_where_one_may_be(tmp_path):
     (tmp_path / "scene.xml").write_text(SCENE)
     path = tmp_path / "bare.xml"
     path.write_text(BODY.replace('model="hexapod"', 'model="mine"'))
-    with pytest.raises(ModelError, match="bare.toml is missing; .*custom text 'card'"):
+    with pytest.raises(ModelError, match="bare.toml is missing; draft one: strat"):
         load(str(path))

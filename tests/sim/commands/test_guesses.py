@@ -142,7 +142,7 @@ def test_what_to_cite_is_told_for_the_program_and_for_a_run(folder, capsys):
         ("run line --tries 0", "0 cannot be; give a whole number, 1 or more"),
         (
             "run line --tolerance a",
-            "a is not a share or none; give a number such as 0.25",
+            "a is not a share; give a number such as 0.05",
         ),
         ("export line --format csv --out x --rate 0", "0 is not a rate; give a number"),
         ("design hexapod --designs 1.5", "1.5 cannot be; give a whole number, 1 or"),

@@ -84,7 +84,7 @@ def test_an_unknown_imperfection_is_refused_by_its_name():
 
     with pytest.raises(
         UsageError,
-        match="known = .*'paylod'.* give given or all or none, or a list of comm",
+        match="known names 'paylod', which is no imperfection: .*did you mean 'payl",
     ):
         load_scenario("line", {"known": ["paylod"]})
 
