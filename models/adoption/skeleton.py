@@ -8,7 +8,6 @@ its joint.
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import atan2, hypot, sqrt
 from pathlib import Path
@@ -55,14 +54,13 @@ def with_rods(path: Path, given: str, text: str) -> Skeleton:
     absent = {
         id(mesh): name
         for mesh, name in zip(robot.iter("mesh"), names, strict=True)
-        if not _is_there(path.parent, str(mesh.get("filename")))
+        if not _exists(path.parent, str(mesh.get("filename")))
     }
     if not absent:
         return Skeleton(text)
-    links = list(robot.iter("link"))
-    ends = {str(link.get("name")): list(_ends(robot, link)) for link in links}
+    ends = _ends(robot)
     longest = max(_length(end) for found in ends.values() for end in found)
-    for link in links:
+    for link in list(robot.iter("link")):
         shapes = [s for s in link if any(id(m) in absent for m in s.iter("mesh"))]
         for shape in shapes:
             link.remove(shape)
@@ -72,25 +70,28 @@ def with_rods(path: Path, given: str, text: str) -> Skeleton:
     return Skeleton(ET.tostring(robot, encoding="unicode"), missing)
 
 
-def _is_there(folder: Path, name: str) -> bool:
+def _exists(folder: Path, name: str) -> bool:
+    """Whether a name is taken, by a file or by what the inspection refuses."""
     try:
-        return folder.joinpath(name.removeprefix("file://")).is_file()
+        return folder.joinpath(name.removeprefix("file://")).exists()
     except ValueError:  # a zero byte
         return False
 
 
-def _ends(robot: ET.Element, link: ET.Element) -> Iterator[Point]:
-    """Where the next joints of a link are; the end of its rod if there are none."""
-    nexts = [
-        joint
-        for joint in robot.iter("joint")
-        if (parent := joint.find("parent")) is not None
-        and parent.get("link") == link.get("name")
-    ]
-    yield from (_place(joint.find("origin")) for joint in nexts)
-    if not nexts:
-        x, y, z = _place(link.find("inertial/origin"))
-        yield (2 * x, 2 * y, 2 * z)
+def _ends(robot: ET.Element) -> dict[str, list[Point]]:
+    """Where the next joints of each link are; the end of its rod if there are none."""
+    ends: dict[str, list[Point]] = {
+        str(part.get("name")): [] for part in robot.iter("link")
+    }
+    for joint in robot.iter("joint"):
+        parent = joint.find("parent")
+        if parent is not None and parent.get("link") in ends:
+            ends[str(parent.get("link"))].append(_place(joint.find("origin")))
+    for link in robot.iter("link"):
+        if not (found := ends[str(link.get("name"))]):
+            x, y, z = _place(link.find("inertial/origin"))
+            found.append((2 * x, 2 * y, 2 * z))
+    return ends
 
 
 def _place(origin: ET.Element | None) -> Point:
