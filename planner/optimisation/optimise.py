@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain
@@ -81,11 +82,32 @@ class Optimiser:
     def _solutions(self) -> list[Solution]:
         return self._search.run()
 
+    @cached_property
+    def _best(self) -> Optimiser:
+        """The optimiser whose plan, played exactly, is best: for no larger tolerance.
+
+        Those for rounded tolerances are the same for all larger ones, whatever
+        refinement makes of their plans, so that no larger tolerance takes longer.
+        """
+        given = self.criterion, self.extended, self.path, self.segments
+        values = list[tuple[float, int, Optimiser]]()
+        for number, (task, solution) in enumerate(self._search.found):
+            other = Optimiser(task, *given)
+            other._solutions = [solution]
+            with suppress(BoundError):
+                flows = other._refined([solution], self.path(1.0))
+                values.append((self._value(flows, solution), number, other))
+        return min(values)[2] if values else self
+
     def score(self, solution: Solution) -> float:
         """Value of the objective for a solution."""
+        return self._value(self.flows([solution]), solution)
+
+    def _value(self, parts: Sequence[Sequence[Flow]], solution: Solution) -> float:
+        """Value of the objective for flows in segments, and what they are made of."""
         if self.criterion.objective == "strokes":
             return solution.cost
-        flows = list(chain(*self.flows([solution])))
+        flows = list(chain(*parts))
         duration = self.criterion.duration(flows)
         if self.criterion.objective == "time":
             return duration
@@ -113,9 +135,11 @@ class Optimiser:
         no plan keeps the tolerances, or none that was found when it is played exactly.
         """
         goal = self.path(1.0) if goal is None else goal
-        solutions = self._solutions
+        _ = self._solutions
         with unlimited():  # what was found in time is not to be lost now
-            joined = [merged(part) for part in self._refined(solutions, goal)]
+            best = self._best
+            flows = best._refined(best._solutions, goal)
+            joined = [merged(part) for part in flows]
         nominal = self.path.at(np.linspace(0.0, 1.0, self.segments + 1))
         nominal[-1] = goal
         elements, basis = self.extended.elements, self.extended.steering.basis

@@ -8,19 +8,18 @@ length of the path.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from planner.errors import BoundError, BudgetError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE, Margins
-from planner.optimisation.task import Solution
+from planner.optimisation.task import Solution, Task
 from planner.optimisation.windows import (
     KEPT_WIDTH,
-    Programs,
     Window,
     WindowSearch,
-    programs_of,
 )
 from planner.support.stopping import unlimited
 
@@ -31,8 +30,15 @@ LAST_WINDOW = 0.05  # shortest window that is tried, likewise
 LARGEST_CUT = 16.0  # factor by which a window is shortened at once
 
 
+@dataclass
 class Search(WindowSearch):
-    """Search for the best plan of a task along a whole path."""
+    """Search for the best plan of a task along a whole path.
+
+    Where it is a single window, `found` has the best plans for tolerances from the
+    rounded one on, with their tasks.
+    """
+
+    found: list[tuple[Task, Solution]] = field(default_factory=list)
 
     def run(self) -> list[Solution]:
         """Consecutive solutions from the start of the path to its goal.
@@ -44,12 +50,14 @@ class Search(WindowSearch):
         """
         given = self.path, self.score, self.coarse, self.report, self.hops
         try:
-            rungs = [programs_of(task, self.path) for task in self.task.rungs]
-            return Search(self.task.rounded, *given)._along(rungs)
+            rounded = Search(self.task.rounded, *given)
+            done = rounded._along(self.task.rungs)
+            self.found = rounded.found
+            return done
         except BoundError:
-            return self._along([])
+            return self._along(())
 
-    def _along(self, rungs: Sequence[Programs]) -> list[Solution]:
+    def _along(self, rungs: Sequence[Task]) -> list[Solution]:
         """Window after window, solved at last for tolerances up to the task's own."""
         here, place, first = self.path(0.0), 0.0, 0
         points = self.path.at(np.linspace(0.0, 1.0, 201))[:, self.task.moved]
@@ -70,7 +78,10 @@ class Search(WindowSearch):
                     raise self._refusal(window, found)
                 count = _first_count(width * length)
                 continue
-            found = self._fitted(window, rungs) or found
+            fitted = self._fitted(window, rungs) or [found]
+            found = fitted[-1]
+            if last and not done:
+                self.found = list(zip((self.task, *rungs), fitted, strict=False))
             count = len(found.strokes)
             done.append(found if last else found.until(float(np.mean(ends))))
             here, place = done[-1].states[-1], 1.0 if last else done[-1].places[-1]
@@ -78,12 +89,12 @@ class Search(WindowSearch):
             self.report(place)
         return done
 
-    def _fitted(self, window: Window, rungs: Sequence[Programs]) -> Solution | None:
-        """The window's plan for the exact task; the one that is found if time is up."""
+    def _fitted(self, window: Window, rungs: Sequence[Task]) -> list[Solution]:
+        """The window's plans for larger tolerances; none if time is up."""
         try:
             return self.fitted(window, rungs)
         except BudgetError:
-            return None
+            return []
 
     def again(
         self, solution: Solution, goal: Array, margins: Margins

@@ -41,7 +41,7 @@ PATIENT_FOR = 2  # numbers of stages without progress, after which the search en
 PROGRESS = 0.999  # of the least score so far, which counts as progress
 KEPT_WIDTH = 1.0 + 1e-6  # of the corridor, in tolerances, that counts as keeping them
 STEEPNESS = 0.8  # relative growth of the stages per tolerance of excess width
-WARMTH = 1.004  # of the score from which a hop started, that it may end with
+WARMTH = 1.004  # of the least score, that the plan may have from which a hop starts
 FINALISTS = 4  # plans of different scores that are solved again at the end
 DISTINCT = 1 + 1e-5  # ratio of their scores
 SEARCHED = 0.3  # share of a window's work that precedes the hops, as reported
@@ -185,26 +185,28 @@ class WindowSearch:
             found = program.solve(guess, window.ends, window.goal)
             self._keep(found)
             kept = found is not None and found.width <= KEPT_WIDTH
-            if found and kept and self.score(found) < WARMTH * self.score(here):
+            if found and kept and self.score(found) < WARMTH * self._least():
                 here = found
             self._report(window, SEARCHED + (1 - SEARCHED) * (number + 1) / self.hops)
 
-    def fitted(self, window: Window, rungs: Sequence[Programs]) -> Solution | None:
-        """The best of the plans found, solved again for larger and larger tolerances.
+    def fitted(self, window: Window, rungs: Sequence[Task]) -> list[Solution]:
+        """The best plans found, solved again for larger and larger tolerances.
 
         What was found for a smaller one stands for all larger ones.
         """
-        best = self._best
-        for programs in rungs:
-            for plan in (*self._finalists(), *([best] if best else [])):
-                program = programs(len(plan.strokes), plan.first)
+        found = [self._best] if self._best else []
+        for number, task in enumerate(rungs):
+            programs = programs_of(task, self.path)
+            for plan in self._finalists() if number == 0 else found[-1:]:
+                program, best = programs(len(plan.strokes), plan.first), found[-1]
                 for near in (True, False):
                     tick()
-                    found = program.solve(plan, window.ends, window.goal, near=near)
-                    if found and found.width <= KEPT_WIDTH:
-                        best = min(best or found, found, key=self.score)
+                    again = program.solve(plan, window.ends, window.goal, near=near)
+                    if again and again.width <= KEPT_WIDTH:
+                        found.append(min(best, again, key=self.score))
                         break
-        return best
+            found = [*found[: number + 1], min(found[number:], key=self.score)]
+        return found
 
     def _finalists(self) -> list[Solution]:
         """The best plans found, of different scores."""
