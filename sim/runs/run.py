@@ -46,7 +46,6 @@ if TYPE_CHECKING:
 LIMITS = Limits(8, 2 * 10**9, "walk the scenario again")
 SURE = 2.146  # standard deviations of a normal point in the plane that hold 90 %
 NOMINAL_POINTS = 400  # of the nominal path as it is drawn
-DRAWN = ("ideal", "quasi_static", "compliant")  # predictions in pictures of the robot
 FILES = ("model.xml", "model.toml")  # without which nothing can be shown
 PLACES = ("contact_point", "center_of_mass")  # arrays of points that are not poses
 START = "world_start_pose"  # array with the frame in which poses are given
@@ -142,7 +141,7 @@ class Run:
     @property
     def drawn(self) -> dict[str, Array]:
         """Poses of the predictions that pictures of the robot show, by their keys."""
-        return {key: self.predicted[key] for key in DRAWN if key in self.predicted}
+        return {key: self.predicted[key] for key in ("ideal", self.best)}
 
     @property
     def best(self) -> str:

@@ -117,6 +117,7 @@ def test_paths_are_drawn_where_they_were_recorded(driver, folder):
         arrays = dict(file)
     # Away from the robot, where nothing covers them.
     ahead = {"achieved_pose": 0.2, "predicted_pose": 0.24, "quasi_static_pose": 0.28}
+    ahead["compliant_pose"] = 0.32
     for key, shift in ahead.items():
         arrays[key] = arrays[key] + (shift, 0.0, 0.0)
     np.savez(folder / "trajectory.npz", **arrays)

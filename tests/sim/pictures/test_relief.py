@@ -17,9 +17,7 @@ def bumpy(scenario, tmp_path):
     def make(**changes):
         setup = prepare(scenario(**changes))
         (tmp_path / "model.xml").write_text(setup.world.text)
-        walk = SimpleNamespace(
-            model_file=tmp_path / "model.xml", scenario=setup.scenario, reach=0.2
-        )
+        walk = SimpleNamespace(model=setup.model, scenario=setup.scenario, reach=0.2)
         return walk, setup.model
 
     return make

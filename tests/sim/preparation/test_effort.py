@@ -18,7 +18,10 @@ from sim.walking.walks import carry_out, expected_steps
     ("changes", "remedy"),
     [
         ({"swing_speed": 1e-8}, "raise swing_speed, now 1e-08"),
-        ({"swing_acceleration": 1e-12}, "raise swing_acceleration, now 1e-12"),
+        (
+            {"swing_acceleration": 1e-9, "timestep": 1e-4},
+            "raise swing_acceleration, now 1e-09",
+        ),
         ({"timestep": 1e-6, "hold": 59, "swing_speed": 1e-3}, "raise timestep, now 1"),
     ],
 )

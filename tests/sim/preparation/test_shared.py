@@ -24,7 +24,7 @@ OTHER = {
     "foot_friction": (0.5, 0.6, 0.7, 0.8, 0.9, 1.0), "timestep": 0.0008,
     "lift_height": 0.02, "zero_offset": 0.01, "backlash": 0.001,
     "path": line((0.02, 0.0, 0.0)), "gait": ("12", "1", "12", "2", "12"),
-    "predictions": ("quasi_static",),
+    "predictions": ("quasi_static",), "learnt": (0.0,) * 90,
 }  # fmt: skip
 """Values that a hexapod can walk with, where any other value of a setting cannot be."""
 COUNTED = ("servo", "resolution")  # with which servos have counts
