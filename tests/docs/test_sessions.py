@@ -126,6 +126,12 @@ def test_the_robot_that_is_adopted_prints_what_is_shown(tmp_path, monkeypatch, c
     )
 
 
+def usual(line):
+    """A line of the viewer with one port and one token, which are new each time."""
+    line = re.sub(r"(?<=token=)[\w-]{22}$", "TOKEN", line)
+    return re.sub(r"\b\d{4,5}\b", "8080", line)
+
+
 @pytest.mark.physics
 def test_the_viewer_says_what_is_shown_until_it_is_interrupted(walked, tmp_path):
     (line,) = (line for line in lines() if line.startswith("view"))
@@ -142,4 +148,4 @@ def test_the_viewer_says_what_is_shown_until_it_is_interrupted(walked, tmp_path)
     finally:
         process.kill()
         process.stdout.close()
-    assert [re.sub(r"\d{4,}", "8080", line) for line in said] == shown
+    assert [usual(line) for line in said] == [usual(line) for line in shown]
