@@ -6,8 +6,8 @@ from sim.evaluation.flows import WalkedPhase
 
 
 def predicted_elsewhere(run, place):
-    """The run with its ideal and quasi-static poses replaced by `place(poses)`."""
-    names = ("predicted_pose", "quasi_static_pose")
+    """The run with the poses that predictions have replaced by `place(poses)`."""
+    names = ("predicted_pose", "quasi_static_pose", "compliant_pose")
     moved = {name: place(run.arrays[name]) for name in names}
     return replace(run, arrays={**run.arrays, **moved})
 

@@ -119,7 +119,7 @@ class Settings:
     sense_draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
         "number of the random draw of what sensors tell", 0, "plan"
     )
-    learnt: tuple[float, ...] | None = setting(
+    learnt: tuple[Coordinate, ...] | None = setting(
         "what an earlier walk has learnt of the robot: its learnt.toml, or numbers",
         None,
         "plan",

@@ -101,7 +101,7 @@ def test_the_ghost_stands_where_the_prediction_is(recorded, model):
     ]
     colour = tuple(
         np.round(
-            np.float32(palette.PREDICTED["quasi_static"].colour.rgba(palette.GHOST)), 3
+            np.float32(palette.PREDICTED[recorded.best].colour.rgba(palette.GHOST)), 3
         )
     )
     there, moved = (places[colour] for places in ghosts)

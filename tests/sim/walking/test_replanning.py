@@ -5,8 +5,10 @@ from math import radians
 import numpy as np
 import pytest
 
+from sim.errors import UsageError
 from sim.preparation.setup import prepare
 from sim.scenarios.body_path import line
+from sim.scenarios.file import load_scenario
 from sim.scenarios.scenario import Scenario
 from sim.walking.walker import Walker
 from sim.walking.walks import carry_out
@@ -58,3 +60,24 @@ def test_a_segment_is_aimed_aside_by_what_segments_before_missed(walks):
     )
     assert plain[0][0] == learned[0][0]
     assert len(plain[1]) != len(learned[1]) or (plain[1] != learned[1]).any()
+
+
+@pytest.mark.physics
+def test_what_one_walk_has_learnt_another_begins_with(walks, tmp_path):
+    walker, walk = walks[True]
+    (tmp_path / "learnt.toml").write_text(str(walk.followed.learnt))
+    table = {"learnt": str(tmp_path), "replan": True, "learn": True}
+    begun = prepare(load_scenario("line", table)).feedback()
+    assert begun.bias == pytest.approx(walk.followed.feedback.bias, abs=1e-15)
+    assert walks[False][1].followed.learnt is None
+
+
+def test_what_is_not_learnt_is_refused(tmp_path):
+    (tmp_path / "learnt.toml").write_text("[learnt]\nnumbers = [1.0]\n")
+    table = {"learnt": str(tmp_path / "learnt.toml"), "replan": True, "learn": True}
+    setup = prepare(load_scenario("line", table))
+    with pytest.raises(UsageError, match="90 numbers are needed, got 1: learnt"):
+        setup.feedback()
+    (tmp_path / "learnt.toml").write_text("x = 1\n")
+    with pytest.raises(UsageError, match=r"no \[learnt\] table with numbers: "):
+        load_scenario("line", {"learnt": str(tmp_path)})
