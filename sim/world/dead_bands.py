@@ -24,7 +24,7 @@ BRAKE = "brake_"  # tendon on which the servo's rotor and damping act
 # ones would be felt
 UNYIELDING = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 FOLLOWS = 2.0  # time steps after which the spring has followed its command
-SHARE = 0.1  # of the rotor, that turns with the spring and not with the leg
+ROTOR_SHARE = 0.1  # of the rotor, that turns with the spring and not with the leg
 
 
 def dead_bands(scenario: Scenario, joints: int) -> Array:
@@ -52,9 +52,8 @@ def ensure_dead_bands(spec: mujoco.MjSpec, robot: Robot, scenario: Scenario) -> 
         braking = -model.actuator_biasprm[number, 2]
         follow = FOLLOWS * step * stiffness  # damping of the spring's own joint
         rotor = float(joint.armature + servo.armature)
-        own = max(
-            step**2 * stiffness, SHARE * rotor
-        )  # what an explicit step can follow
+        # what an explicit step can follow
+        own = max(step**2 * stiffness, ROTOR_SHARE * rotor)
         brake = spec.add_tendon(
             name=BRAKE + name,
             armature=max(rotor - own, 0.0),

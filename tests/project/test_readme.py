@@ -19,7 +19,13 @@ from tests.pages import PAGES, README, ROOT, blocks, commands, name_of
 PROGRAMS = [*(ROOT / "scripts").glob("*.py"), *(ROOT / "examples").glob("*.py")]
 LINK = r"\]\(([^):#]+\.md)"
 OTHERS = r"^\$ dask .*$"  # commands of others, whose options are theirs
-FOREIGN = {"--foreground", "--preserve-status", "--force-reinstall", "--size"}
+FOREIGN = {
+    "--foreground",
+    "--preserve-status",
+    "--force-reinstall",
+    "--no-deps",
+    "--size",
+}
 """Options of timeout and pip, and one that there is not, in the table of faults."""
 OUR_PATH = r"`((?:planner|models|sim|scripts|tests|docs|examples)/[\w./-]*)`"
 
