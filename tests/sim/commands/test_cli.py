@@ -26,7 +26,7 @@ SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["walk"], 2, "unknown command 'walk': the command line; there are run, "),
+        (["gallop"], 2, "unknown command 'gallop': the command line; there are run, "),
         (["run"], 2, "required: SCENARIO"),
         (["run", "line", "--sgments", "3"], 2, "did you mean '--segments'?"),
         (["run", "line", "--segments", "many"], 2, "invalid int value: 'many'"),
