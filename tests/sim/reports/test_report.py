@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-import zipfile
 from html.parser import HTMLParser
 
 import numpy as np
@@ -195,20 +194,6 @@ def test_a_run_without_a_creep_floor_says_nothing_of_it(tmp_path):
     assert "Dotted lines are the quasi-static prediction." in page
     assert "creep" not in page
     assert main(["compare", str(folder), str(folder)]) == 0
-
-
-def test_a_report_reads_no_states_that_it_does_not_show(folder):
-    """Velocities that cannot be read are no hindrance."""
-    path = folder / "trajectory.npz"
-    with zipfile.ZipFile(path) as file:
-        kept = {name: file.read(name) for name in file.namelist()}
-    with zipfile.ZipFile(path, "w") as file:
-        for name, content in kept.items():
-            file.writestr(name, b"?" if name == "qvel.npy" else content)
-    run = read_run(folder)
-    with pytest.raises(UsageError, match="not a finished run"):
-        _ = run.qvel
-    assert write_report(run).exists()
 
 
 def test_show_of_what_is_no_run_is_refused(tmp_path, capsys):
