@@ -94,7 +94,11 @@ class InputUnits:
 
     @cached_property
     def _senses(self) -> Array:
-        """Signs of the generators with which their mean rates add up to more than 0."""
+        """Signs of the generators with which they count as running forward.
+
+        One that moves several joints runs the way of the body at zero, whichever way
+        the joints are counted; mean rates of any other add up to more than 0.
+        """
         values = self.generators.values(self._nearby) * self.weights[:, None]
         sound = np.isfinite(values).all(axis=(1, 2))
         rates = values[sound].sum(axis=0)  # (n, m)
@@ -103,7 +107,13 @@ class InputUnits:
         largest = np.take_along_axis(rates, first[None], axis=0)[0]
         added = rates.sum(axis=0)
         told = np.where(np.abs(added) > EQUAL * sizes.sum(axis=0), added, largest)
-        signs: Array = np.where(told < 0.0, -1.0, 1.0)
+        joints = np.isin(np.arange(len(self.weights)), list(self.joints))
+        several = (self.generators.constant[joints] != 0.0).sum(axis=0) > 1
+        zero = self.generators.values(np.zeros(len(self.weights)))
+        body = np.where(np.isfinite(zero), zero * self.weights[:, None], 0.0)[~joints]
+        way = body.sum(axis=0)
+        moved = several & (np.abs(way) > EQUAL * np.abs(body).sum(axis=0))
+        signs: Array = np.where(np.where(moved, way, told) < 0.0, -1.0, 1.0)
         return signs
 
 
