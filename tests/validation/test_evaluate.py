@@ -75,9 +75,11 @@ def test_every_stretch_is_predicted_from_the_pose_it_was_planned_from(judged):
     step = evaluation.walk.recording.moments.step
     for stretch in evaluation.walk.stretches:
         first = np.searchsorted(step, stretch.schedule.start, side="right")
-        for prediction in evaluation.predicted.values():
-            # the stretch begins by lifting a tripod, which moves no predicted body
-            assert prediction.pose[first] == pytest.approx(stretch.pose, abs=1e-9)
+        for name, prediction in evaluation.predicted.items():
+            # the stretch begins by lifting a tripod, which moves no predicted body but
+            # the one on springs: 52 nm found 10 steps after, 5e-20 m at the start
+            close = 1e-7 if name == "compliant" else 1e-9
+            assert prediction.pose[first] == pytest.approx(stretch.pose, abs=close)
 
 
 def test_switches_achieved_are_those_of_the_contacts(every_step):
