@@ -7,6 +7,7 @@ archive held is compared with the hashes that pip has written down as it unpacke
 
 from __future__ import annotations
 
+import csv
 import hashlib
 from base64 import urlsafe_b64encode
 from collections.abc import Iterator
@@ -48,13 +49,15 @@ def _wanted() -> list[Requirement]:
 
 def _changed(found: Distribution) -> Iterator[Path]:
     """Files of a package that are gone, or are not what their hashes say."""
-    for file in found.files or ():
-        path = Path(str(file.locate()))
-        if file.hash is None or file.parts[0] == "..":  # programs name their Python
+    listed = csv.reader((found.read_text("RECORD") or "").splitlines())
+    for name, sealed, *_ in listed:  # `found.files` leaves out what is gone
+        kind, _, wanted = sealed.partition("=")
+        if not wanted or name.startswith(".."):  # programs name their Python
             continue
+        path = Path(str(found.locate_file(name)))
         try:
-            digest = hashlib.new(file.hash.mode, path.read_bytes()).digest()
+            digest = hashlib.new(kind, path.read_bytes()).digest()
         except OSError:
             digest = b""
-        if urlsafe_b64encode(digest).rstrip(b"=") != file.hash.value.encode():
+        if urlsafe_b64encode(digest).rstrip(b"=") != wanted.encode():
             yield path

@@ -19,7 +19,14 @@ import pytest
 import yaml
 
 from models import JointServo, ModelError, load
-from models.description import compile_model, is_plain, parse_toml, toml_key, toml_text
+from models.description import (
+    compile_model,
+    is_plain,
+    parse_toml,
+    servo_of,
+    toml_key,
+    toml_text,
+)
 from models.description.robot import FOLDER
 from sim.cli import main
 from sim.errors import UsageError, one_line
@@ -96,7 +103,7 @@ def exported(form, joints):
     commands = commands_of(joints)
     given = {name: JointServo(channel=i) for i, name in enumerate(joints)}
     card = load("hexapod").card
-    table = servo_table(card, joints, "mg90", files.PWM[form], given)
+    table = servo_table(card, joints, servo_of("mg90"), files.PWM[form], given)
     return commands, table
 
 
