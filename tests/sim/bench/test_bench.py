@@ -65,7 +65,8 @@ def test_pairs_are_interleaved():
 
 
 def test_optimised_walks_are_measured_beside_the_printed_one(monkeypatch):
-    short = {"path.goal": [0.03, 0.0, 0.0], "segments": 2, "path_tolerance": 0.02}
+    short = {"path.goal": [0.03, 0.0, 0.0], "segments": 2}
+    short |= {"path_tolerance": 0.02, "hops": 2}
     monkeypatch.setattr(speed, "WALKS", {"short": (short, 20.0)})
     first, seconds, least, factor, took = speed.optimised()
     assert first.wanted == "< 2"

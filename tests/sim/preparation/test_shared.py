@@ -124,10 +124,16 @@ def test_a_walk_that_shares_has_the_numbers_of_one_that_does_not(plain):
     short = replace(plain, segments=1, swing_speed=1.0, timestep=0.001)
     first = replace(short, path=line((0.004, 0.004, 0.0)))
     points = [
-        (first, ()),
+        (first, ("compliant",)),
         (changed(first, "servo_stiffness"), LESS),
-        (replace(first, swing_speed=1.5), ()),  # in the same world, identified anew
-        (replace(first, path=line((0.005, 0.004, 0.0))), ()),  # measured before
+        (
+            replace(first, swing_speed=1.5),
+            ("compliant",),
+        ),  # in the same world, identified anew
+        (
+            replace(first, path=line((0.005, 0.004, 0.0))),
+            ("compliant",),
+        ),  # measured before
         (changed(first, "friction"), LESS),  # with the predictions of the first
         (changed(changed(first, "payload"), "foot_friction"), LESS),
         (replace(first, fields="paper"), LESS),

@@ -25,6 +25,7 @@ SHORT = {
     "path_tolerance": 0.02,
     "yaw_tolerance": 3.2,
     "optimise": "time",
+    "hops": 2,
     "overlap_recovery": True,
 }
 
