@@ -233,6 +233,7 @@ def test_a_viewer_survives_whatever_a_browser_sends(served, cookie, path):
     for patience in (1.0, 4.0, 10.0):  # the place of one that left is kept for a while
         try:
             test_the_browser_with_the_address_is_answered(served, cookie)
+            break
         except ConnectionClosed:
             time.sleep(patience)
     else:
