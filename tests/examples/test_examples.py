@@ -1,6 +1,7 @@
 """The examples run, and show what their docstrings say."""
 
 import ast
+import json
 import re
 from importlib import import_module
 from pathlib import Path
@@ -72,6 +73,19 @@ def test_the_hexapod_walks_and_is_filmed(shown, tmp_path, driver):
 def test_the_cupboard_meets_its_goal(shown):
     *_, last, _ = shown("system_of_your_own").splitlines()
     assert numbers(last)[-1] < 1e-9  # what `steer` promises
+
+
+def test_a_robot_elsewhere_is_steered_by_what_its_camera_sees(shown):
+    def segments(pose):
+        rows = shown("feedback_from_a_camera", pose).splitlines()
+        assert len(rows) == 44  # 11 flows a segment, for each a change of legs
+        assert json.loads(rows[21])["swing_1"] == json.loads(rows[-1])["swing_1"] == 0
+        return rows[:22], rows[22:]
+
+    expected, unseen, aside = "0.004 0 0", "", "0.004 0.003 0.02"
+    assert segments(unseen) == segments(expected)
+    assert segments(aside)[0] == segments(expected)[0]
+    assert segments(aside)[1] != segments(expected)[1]
 
 
 @pytest.mark.physics
