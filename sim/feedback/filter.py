@@ -12,6 +12,7 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from planner import Array
 from sim.feedback.misses import Learnt, Misses
@@ -95,11 +96,11 @@ class Feedback:
         """What one walk has learnt of its robot."""
         return Learnt(self.bias, self.slope, self.covariance[3:15, 3:15])
 
-    def missing(self, meant: Array) -> Array:
+    def missing(self, meant: ArrayLike) -> Array:
         """What a meant motion is expected to miss, b + A u, (..., 3)."""
         return self.bias + (self.slope @ np.asarray(meant)[..., None])[..., 0]
 
-    def aim(self, target: Array) -> Array:
+    def aim(self, target: ArrayLike) -> Array:
         """The motion to mean so as to end at a target, in the robot's frame.
 
         It is (I + A)^-1 (wanted - b), shape (..., 3); x, y [m], yaw [rad].
@@ -108,7 +109,7 @@ class Feedback:
         left = (wanted - self.bias)[..., None]
         return np.linalg.solve(np.eye(3) + self.slope, left)[..., 0]
 
-    def moved(self, meant: Array, seconds: float = 1.0) -> None:
+    def moved(self, meant: ArrayLike, seconds: float = 1.0) -> None:
         """Take note of a segment that was walked, and of the time that it took [s]."""
         meant = np.asarray(meant, dtype=float)
         step = meant + self.missing(meant)
@@ -131,7 +132,9 @@ class Feedback:
         self.pose = compose(self.pose, step)
         self.gyro = self.gyro + self.gyro[..., 1:] * [seconds, 0.0]
 
-    def seen(self, pose: Array | None = None, gyro: Array | None = None) -> None:
+    def seen(
+        self, pose: ArrayLike | None = None, gyro: ArrayLike | None = None
+    ) -> None:
         """Take a reading: a camera's pose (..., 3), a gyroscope's yaw (...,).
 
         What was not told is None or NaN. A reading that is farther off than 99 % should
