@@ -7,6 +7,7 @@ are first used; `__init__.pyi` lists them. Data takes this way through the rooms
 Room          What happens there
 ============  ========================================================================
 scenarios     What to walk: settings, nominal path, obstacles
+logs          Joint motion from elsewhere is read, checked and aligned
 motion        Flows become joint commands; their motion and stability are predicted
 world         The robot on its floor, with servos and sensors, as one MuJoCo model
 physics       The engine steps; contact and slip are measured and recorded

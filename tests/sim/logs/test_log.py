@@ -1,0 +1,107 @@
+"""Logs of anybody are read with care: what they say, and what they may not."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.errors import UsageError
+from sim.logs.log import Log, of_function, read_log, written
+
+JOINTS, LEGS = ("hip_1", "lift_1"), (1, 2)
+
+
+@pytest.fixture
+def read(tmp_path: Path):
+    def reading(text: str, angles="") -> Log:
+        path = tmp_path / "log.csv"
+        path.write_text(text)
+        return read_log(path, JOINTS, LEGS, angles)
+
+    return reading
+
+
+def test_commands_and_what_was_measured_are_read_by_the_names_of_columns(read):
+    log = read(
+        "time,lift_1,hip_1,measured.hip_1,body.x,body.y,body.yaw,body.roll,contact.2\n"
+        "0,0.1,0.2,0.19,1,2,3,0.01,1\n0.1,0.2,0.3,,1.5,2,3,0.02,0\n"
+    )
+    assert log.joints == ("lift_1", "hip_1")
+    assert log.commanded.tolist() == [[0.1, 0.2], [0.2, 0.3]]
+    np.testing.assert_array_equal(log.measured, [[np.nan, 0.19], [np.nan, np.nan]])
+    assert log.pose.tolist() == [[1, 2, 3], [1.5, 2, 3]]
+    np.testing.assert_array_equal(log.lean, [[0.01, np.nan], [0.02, np.nan]])
+    assert {leg: c.tolist() for leg, c in log.contact.items()} == {2: [1, 0]}
+
+
+def test_a_log_without_measured_columns_has_none(read):
+    log = read("time;hip_1\n0;0\n1;1\n")
+    assert (log.measured, log.pose, log.lean, log.contact) == (None, None, None, {})
+
+
+def test_degrees_hold_for_every_angle_and_a_function_for_joints_alone(read):
+    text = "time,hip_1,measured.hip_1,body.yaw\n0,90,90,90\n1,0,0,0\n"
+    log = read(text, "degrees")
+    assert log.commanded[0] == log.measured[0] == log.pose[0, 2] == np.pi / 2
+    log = read(text, lambda joint, counts: (counts - 90) / 100)
+    assert (log.commanded[0], log.measured[0], log.pose[0, 2]) == (0, 0, 90)
+
+
+def test_what_was_done_to_a_log_is_said(read):
+    times = 5 + np.array([0, 0.01, 0.021, 0.03, 0.1, 0.11])
+    rows = "".join(f"{t},{'' if k == 1 else k / 100}\n" for k, t in enumerate(times))
+    log = read("time,hip_1\n" + rows)
+    assert log.commanded[1, 0] == pytest.approx(0.02 * 0.01 / 0.021)
+    assert log.time[0] == 0
+    assert log.done == (
+        "time begins at 5 s and is counted from there",
+        "gaps of up to 0.07 s between rows, 1 in all; commands go evenly across",
+        "the clock jitters by 0.71 ms around 10 ms; each row keeps its own time",
+        "hip_1: 1 empty cells bridged, 0.021 s at most",
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no column 'time': .*; begin with a line of names"),
+        ("time,hip_1\n0,0\n", "1 rows of numbers: .*; give two at least"),
+        ("time,hip_1\n0,0\n0,1\n", "time goes from 0 s to 0 s in row 2: .*; sort"),
+        ("time,hip_1\n0,0\n,1\n", "no time in row 2"),
+        ("time,hip_1\n0,0\n1e9,1\n", r"lasts 1e\+09 s: .*; give at most 600 s"),
+        ("time,hip_1\n0,0\n1,inf\n", "'inf' in row 2, column 'hip_1'"),
+        ("time,hip_1\n0,0\n1,__import__('os')\n", "in row 2, column 'hip_1'"),
+        ("time,hip_1\n0,0\n1,0,0\n", "row 2 has 3 of 2 columns"),
+        ("time,hip_1\n0,\n1,\n", "column 'hip_1' is empty"),
+        ("time,hip_1\n0,45\n1,0\n", "'hip_1' comes to 45 rad in row 1.*--units"),
+        ("time,hpi_1\n0,0\n1,1\n", "no joint 'hpi_1': .*did you mean 'hip_1'"),
+        ("time,body.z\n0,0\n1,1\n", "no column 'body.z'"),
+        ("time,body.x\n0,0\n1,1\n", "no column of a joint: .*; give one of hip_1"),
+        ("time,hip_1,hip_1\n0,0,0\n1,1,1\n", "column 'hip_1' comes twice"),
+        ("time,hip_1,body.x\n0,0,0\n1,1,1\n", "only one of body.x and body.y"),
+    ],
+)
+def test_what_is_no_log_is_refused_in_one_line(read, text, words):
+    with pytest.raises(UsageError, match=words):
+        read(text)
+
+
+def test_a_log_that_is_written_is_read_back_with_every_digit(read, tmp_path):
+    log = of_function(lambda t: {"hip_1": 0.1 * t, "lift_1": t / 3}, 0.5, 100)
+    again = read(written(log))
+    np.testing.assert_array_equal(again.commanded, log.commanded)
+    np.testing.assert_array_equal(again.time, log.time)
+
+
+def test_commands_go_evenly_between_rows_and_are_held_beyond(read):
+    log = read("time,hip_1\n0,0\n1,1\n")
+    assert log.at(np.array([-1, 0.25, 2])).ravel().tolist() == [0, 0.25, 1]
+
+
+def test_a_period_is_repeated_where_it_ends_as_it_begins(read):
+    log = read("time,hip_1\n0,0\n1,1\n2,0\n")
+    twice = log.repeated(2)
+    assert twice.time.tolist() == [0, 1, 2, 3, 4]
+    assert twice.commanded.ravel().tolist() == [0, 1, 0, 1, 0]
+    with pytest.raises(ValueError, match="1 rad from its first one"):
+        read("time,hip_1\n0,0\n1,1\n").repeated(2)
