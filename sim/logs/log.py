@@ -9,7 +9,8 @@ its name, hold the commands. What was measured may stand beside them: `measured.
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import io
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, nan, radians
 from pathlib import Path
@@ -19,16 +20,13 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
+from sim.logs.checks import LONGEST, bridged, check_angles, check_time, clock
 
 LARGEST = 10**8  # bytes
 MOST_ROWS = 10**6
 TIME, MEASURED, BODY, CONTACT = "time", "measured.", "body.", "contact."
 POSE, LEAN = ("x", "y", "yaw"), ("roll", "pitch")
 TURNED = ("yaw", *LEAN)  # columns of the body that are angles
-LONGEST = 600.0  # [s]
-FARTHEST = 4 * np.pi  # [rad]
-JITTER = 0.05  # of a step of the clock, that is mentioned
-GAP = 2.5  # steps of the clock; what is longer is a gap
 
 Reader = Callable[[str, Array], Array]  # angles [rad] of a joint's numbers
 
@@ -185,7 +183,7 @@ def _log(
     """The log in a table; what contradicts the robot or itself is a ValueError."""
     columns = dict(zip(names, table.T, strict=True))
     time = columns.pop(TIME)
-    _check_time(time)
+    check_time(time)
     commanded = tuple(name for name in names if name in joints)
     known = [
         *joints,
@@ -207,9 +205,9 @@ def _log(
         return np.radians(column) if angles == "degrees" else column
 
     start = time - time[0]
-    said = list(_clock(time))
-    asked = [_bridged(start, turned(j, j), j, said) for j in commanded]
-    _check_angles(start, commanded, np.stack(asked, axis=1))
+    said = list(clock(time))
+    asked = [bridged(start, turned(j, j), j, said) for j in commanded]
+    check_angles(start, commanded, np.stack(asked, axis=1))
     measured = {j: turned(n, j) for j in commanded if (n := MEASURED + j) in columns}
     body = {
         part: turned(BODY + part) if part in TURNED else columns[BODY + part]
@@ -242,73 +240,19 @@ def _parts(columns: Mapping[str, Array], names: Sequence[str]) -> Array | None:
     return np.stack([empty if c is None else c for c in found], axis=1)
 
 
-def _check_time(time: Array) -> None:
-    if not np.isfinite(time).all():
-        row = int(np.flatnonzero(~np.isfinite(time))[0]) + 1
-        raise ValueError(f"no time in row {row}; give each row its time [s]")
-    if (back := np.diff(time) <= 0).any():
-        row = int(back.argmax())
-        raise ValueError(
-            f"time goes from {time[row]:.9g} s to {time[row + 1]:.9g} s in row "
-            f"{row + 2}; sort the rows, and keep one a moment"
-        )
-    if (length := time[-1] - time[0]) > LONGEST:
-        raise ValueError(
-            f"it lasts {length:.6g} s; give at most {LONGEST:g} s, with time in seconds"
-        )
-
-
-def _clock(time: Array) -> Iterator[str]:
-    """What is said of the times of rows."""
-    steps = np.diff(time)
-    usual = float(np.median(steps))
-    if time[0] != 0:
-        yield f"time begins at {time[0]:.6g} s and is counted from there"
-    if (gaps := steps > GAP * usual).any():
-        yield (
-            f"gaps of up to {steps.max():.3g} s between rows, {gaps.sum()} in all; "
-            "commands go evenly across"
-        )
-    regular = steps[~gaps]
-    if len(regular) and regular.std() > JITTER * usual:
-        yield (
-            f"the clock jitters by {1e3 * regular.std():.2g} ms around "
-            f"{1e3 * usual:.3g} ms; each row keeps its own time"
-        )
-
-
-def _bridged(time: Array, angle: Array, joint: str, said: list[str]) -> Array:
-    """Commands with even passages where cells are empty."""
-    there = np.isfinite(angle)
-    if there.all():
-        return angle
-    if not there.any():
-        raise ValueError(f"column {joint!r} is empty; leave it out")
-    rows = np.flatnonzero(there)
-    longest = np.diff(time[rows])[np.diff(rows) > 1].max(initial=0.0)
-    said.append(
-        f"{joint}: {np.count_nonzero(~there)} empty cells bridged, {longest:.3g} s "
-        "at most"
-    )
-    return np.interp(time, time[there], angle[there])
-
-
-def _check_angles(time: Array, joints: Sequence[str], angles: Array) -> None:
-    """Refuse angles that no joint takes: those of other units, or wild ones."""
-    row, column = map(int, np.unravel_index(np.abs(angles).argmax(), angles.shape))
-    if abs(angle := angles[row, column]) > FARTHEST:
-        raise ValueError(
-            f"{joints[column]!r} comes to {angle:.4g} rad in row {row + 1}, at "
-            f"{time[row]:.4g} s; give --units where these are no radians, or correct it"
-        )
-
-
 def written(log: Log) -> str:
-    """The text of a log's commands, which `read_log` reads back with every digit."""
-    head = ",".join((TIME, *(_quoted(joint) for joint in log.joints)))
-    rows = np.column_stack([log.time, log.commanded]).tolist()
-    return "\n".join([head, *(",".join(map(repr, row)) for row in rows), ""])
-
-
-def _quoted(name: str) -> str:
-    return '"' + name.replace('"', '""') + '"' if set(name) & set(',"\r\n') else name
+    """The text of a log, which `read_log` reads back with every digit."""
+    columns = {TIME: log.time, **dict(zip(log.joints, log.commanded.T, strict=True))}
+    if log.measured is not None:
+        names = (MEASURED + joint for joint in log.joints)
+        columns |= zip(names, log.measured.T, strict=True)
+    for parts, values in ((POSE, log.pose), (LEAN, log.lean)):
+        if values is not None:
+            names = (BODY + part for part in parts)
+            columns |= zip(names, values.T, strict=True)
+    columns |= {f"{CONTACT}{leg}": column for leg, column in log.contact.items()}
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(np.stack([*columns.values()], axis=1).tolist())
+    return text.getvalue()
