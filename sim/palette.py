@@ -76,6 +76,15 @@ OUTCOMES = tuple(  # of a sweep's points: from within 1 % to beyond, fallen, no 
 )  # fmt: skip
 
 
+RUNS = tuple(  # of several that one drawing compares
+    Colour(*components)
+    for components in (
+        (9, 25, 214), (202, 150, 47), (115, 17, 141), (71, 179, 121), (123, 97, 3),
+        (205, 82, 211),
+    )
+)  # fmt: skip
+
+
 @dataclass(frozen=True, slots=True)
 class PathMark:
     """How the path of one kind is drawn."""
@@ -138,9 +147,3 @@ def group(index: int) -> Colour:
 def footprint(index: int) -> Colour:
     """Colour of a group's footprints, paler than its legs."""
     return group(index).tint(0.58)
-
-
-def leg(group_index: int, place: int, legs: int) -> Colour:
-    """Colour of one leg's curve: by its place, a shade from dark to pale."""
-    paler = 1.1 * place / (legs - 1) - 0.5 if legs > 1 else -0.25
-    return group(group_index).mixed(PAPER if paler > 0 else TEXT, abs(paler))

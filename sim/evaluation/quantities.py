@@ -76,10 +76,11 @@ class Quantity:
 POSITION = Quantity("error.*.position", "at the end", "mm", 1e3, 2)
 YAW = Quantity("error.*.yaw", "in yaw", "mrad", 1e3, 2)
 MARGIN = Quantity("predicted.*.min_margin", "least margin", "mm", 1e3, 1, "margin")
+SLIP = Quantity("predicted.*.slip", "slip", "mm", 1e3, 1, "slip", 11)
 OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
     Quantity("error.*.farthest", "at most", "mm", 1e3, 2, "at most"),
     MARGIN,
-    Quantity("predicted.*.slip", "slip", "mm", 1e3, 1, "slip", 11),
+    SLIP,
     Quantity("predicted.*.slip_transition", "in switches", "mm", 1e3, 1),
 )
 WRONG = Quantity("feedback.wrong", "wrongly thought", "mm", 1e3, 2)

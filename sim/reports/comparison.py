@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from itertools import chain
 
 from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, POSITION, YAW
-from sim.progress import Progress, silent
-from sim.reports.maps import magnified, plan_view
+from sim.progress import Progress, silent, stage
+from sim.reports.maps import overlaid
 from sim.reports.tables import Table, flat, sentences
 from sim.reports.templates import render
 from sim.runs.run import Run
@@ -47,10 +47,8 @@ def compare(runs: Sequence[Run]) -> Comparison:
 def page(compared: Comparison, progress: Progress = silent) -> str:
     """The page of a comparison as HTML."""
     runs = list(zip(names(compared.runs), compared.runs, strict=True))
-    maps = []
-    for done, (name, run) in enumerate(runs, start=1):
-        maps.append((name, (plan_view(run), magnified(run))))
-        progress("drawing paths", done / len(runs))
+    with stage(progress, "drawing paths"):
+        maps = list(overlaid(runs))
     return render(
         "compare.html",
         title=f"{len(runs)} runs compared",
@@ -81,5 +79,5 @@ def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
             yield f"off {name.label}, {q.title}", *cells
     for q in (q for q in OF_ROWS if not q.key.startswith("error")):
         yield q.title, *(q.cell(s, ACHIEVED) for s in summaries)
-    for q in OF_WALKS:
+    for q in (q for q in OF_WALKS if any(q.value(s) is not None for s in summaries)):
         yield q.title, *(q.cell(s) for s in summaries)

@@ -1,7 +1,9 @@
 """Inline SVG drawn by matplotlib: curves and numbers, while the page adds the words.
 
-Text remains text and has a class of its own, so that the page sets its size. On a
-telephone, where the drawing is smaller, the text is larger.
+A curve that goes up and down in every segment would be a solid comb: of whole walks
+the page shows bands of its extremes, and the curve itself where it is zoomed. Text
+remains text and has a class of its own, so that the page sets its size. On a telephone,
+where the drawing is smaller, the text is larger.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ import numpy as np
 
 from planner import Array
 from sim import palette
+from sim.runs.run import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,6 +39,8 @@ LOOK: dict[Any, Any] = {
     "axes.formatter.useoffset": False,
 }
 BINS = 500  # of a time axis; each keeps its extremes
+FEW = 8  # segments; fewer are divided into their phases
+BAND, DETAIL = "band", "detail"  # classes of shapes, for the page's style and script
 XLINK = "http://www.w3.org/1999/xlink"
 IDS = re.compile(r' id="(?!m|p|DejaVu)[^"#]*"')  # others are referred to
 HEAD = re.compile(r"<svg [^>]*viewBox=\"([^\"]*)\"[^>]*>")
@@ -99,10 +104,34 @@ def finish(figure: Figure, heading: str, keys: list[Key], note: str = "") -> Dra
     # The svg element alone, scaled by the page.
     body = "<svg" + text.getvalue().partition("<svg")[2]
     body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    body = re.sub(rf' id="({BAND}|{DETAIL})"', r' class="\1"', body)
     body = IDS.sub("", body)
     label = f'role="img" aria-label="{heading}"'
     body = HEAD.sub(rf'<svg viewBox="\1" xmlns:xlink="{XLINK}" {label}>', body, count=1)
     return Drawing(re.sub(r"\n\s*", "\n", body), heading, keys, note, box)
+
+
+def stretches(run: Run) -> Array:
+    """First rows of the segments, or of the phases of a walk with few segments."""
+    phase = np.clip(run.phase, 0, len(run.phases) - 1)
+    segment = np.array([p.segment for p in run.phases])[phase]
+    part = segment if segment[-1] + 1 >= FEW else phase
+    return np.flatnonzero(np.diff(part, prepend=-1))
+
+
+def extremes_between(values: Array, starts: Array) -> tuple[Array, Array]:
+    """Least and largest value of every stretch that begins in a row of `starts`."""
+    return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+
+
+def add_band(axes: Axes, edges: Array, low: Array, high: Array, colour: str) -> None:
+    """Fill between the extremes of stretches, whose edges are one more than they."""
+    from matplotlib.colors import to_rgb
+
+    low, high = np.append(low, low[-1]), np.append(high, high[-1])
+    fill = (*to_rgb(colour), 0.18)
+    look: palette.Style = {"facecolor": fill, "edgecolor": colour, "linewidth": 0.7}
+    axes.fill_between(edges, low, high, step="post", gid=BAND, **look)
 
 
 def extremes(values: Array, bins: int = BINS) -> Array:

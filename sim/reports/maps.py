@@ -1,36 +1,51 @@
-"""The path in plan view, and the error beside it, magnified."""
+"""Paths in plan view, and errors along and across the nominal path."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from planner import Array
-from sim.motion.poses import spaced_rows
-from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, THOUGHT, Style
-from sim.pictures.inset import magnification
-from sim.reports.drawing import Drawing, Key, finish, sheet
+from sim.motion.poses import length_up_to, rotate, spaced_rows
+from sim.palette import ACHIEVED, NOMINAL, OBSTACLE, PREDICTED, RUNS, THOUGHT, Style
+from sim.reports.drawing import (
+    Drawing,
+    Key,
+    add_band,
+    extremes_between,
+    finish,
+    sheet,
+    stretches,
+)
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 MM = 1e3
 MAP_WIDTH = 4.2  # [in]
 SPACING = 1 / 600  # of a path's extent, between its points
-SHARE = 0.3  # of the path's extent that the largest error takes
-FEWEST_ENDS = 8  # points at which the error is drawn
 HEIGHTS = (1.8, 4.2)  # [in]
+ERROR_HEIGHT = 1.75  # [in]
+WAYS = ("along", "across")
+DASHES: Sequence[object] = ("-", (0, (4, 1.5)), (0, (1, 1)))
+NOTE = (
+    "The ring is the goal. The body does not follow the nominal path itself but swings "
+    "about it: it moves forward and back, and parks sideways."
+)
 
 
 def plan_view(run: Run) -> Drawing:
-    """Nominal path, every prediction and the achieved path of the body's centre."""
-    paths = {name: p[run.walking, :2] for name, p in run.predicted.items()}
+    """Nominal path, the predictions and the achieved path of the body's centre."""
     achieved = run.achieved[run.walking, :2]
-    points = np.concatenate([run.nominal[:, :2], achieved, *paths.values()])
-    with sheet(_height(MM * points), MAP_WIDTH) as (figure, axes):
-        for outline in run.obstacles:
-            axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
-        axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
+    paths = {name: poses[run.walking, :2] for name, poses in run.drawn.items()}
+    with sheet(_height([run]), MAP_WIDTH) as (figure, axes):
+        keys = _draw_place(axes, run)
         axes.plot(*_thin(achieved).T, **ACHIEVED.line(alpha=0.55))
-        keys = [Key.of(NOMINAL, "nominal path"), Key.of(ACHIEVED, "achieved")]
+        keys.append(Key.of(ACHIEVED, "achieved"))
         for name, path in paths.items():
             mark, label = PREDICTED[name], f"predicted, {PREDICTIONS[name].label}"
             axes.plot(*_thin(path).T, **mark.line())
@@ -39,67 +54,117 @@ def plan_view(run: Run) -> Drawing:
             axes.plot(*(MM * outline.T), **THOUGHT.line())
         if run.thought:
             keys.append(Key.of(THOUGHT, f"{THOUGHT.label}, 90 % sure"))
-        ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
-        axes.plot(*np.multiply(MM, run.summary.goal[:2]), "o", markersize=8, **ring)
-        axes.set_aspect("equal", adjustable="datalim")
-        note = (
-            "The ring is the goal. The body does not follow the nominal path itself "
-            "but swings about it: it moves forward and back, and parks sideways."
-        )
-        return finish(figure, "Path of the body's centre, x and y [mm]", keys, note)
+        return finish(figure, "Path of the body's centre, x and y [mm]", keys, NOTE)
 
 
-def magnified(run: Run) -> Drawing:
-    """The nominal path with the errors at the ends of segments, magnified."""
-    rows, places = _ends(run)
-    errors = {name: run.error(name)[rows, :2] for name in run.predicted}
-    shown = {name: e for name, e in errors.items() if name != "identified"}
-    largest = max(float(np.hypot(*e.T).max()) for e in shown.values())
-    extent = float(np.ptp(run.nominal[:, :2], axis=0).max()) or 0.1
-    factor = max(1.0, magnification(largest, SHARE * extent)) if largest else 1.0
-    drawn = {name: MM * (places + factor * e) for name, e in shown.items()}
-    points = np.concatenate([MM * run.nominal[:, :2], *drawn.values()])
-    keys = [Key.of(NOMINAL, "nominal path")]
-    with sheet(_height(points), MAP_WIDTH) as (figure, axes):
-        axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
-        for name, moved in drawn.items():
-            colour = PREDICTED[name].colour.hex
-            axes.plot(*moved.T, "o-", color=colour, markersize=2.5, lw=0.9)
-            for start, end in zip(MM * places, moved, strict=True):
-                axes.plot(*np.transpose([start, end]), color=colour, lw=0.4)
-            keys.append(Key(f"off the {PREDICTIONS[name].label} prediction", colour))
-        axes.set_aspect("equal", adjustable="datalim")
-        note = (
-            "Along the nominal path, the departure of the physics from each "
-            f"prediction{f', drawn {factor:g} times as long' if factor > 1 else ''}; "
-            f"the longest shown is {MM * largest:.3g} mm."
-        )
-        enlarged = f"magnified {factor:g} times" if factor > 1 else "in its own size"
-        heading = f"Error, {enlarged}, x and y [mm]"
-        return finish(figure, heading, keys, note)
+def errors(run: Run) -> Iterator[Drawing]:
+    """Error off every prediction along the nominal path, and across it.
 
-
-def _ends(run: Run) -> tuple[Array, Array]:
-    """Rows at the ends of segments, and the points of the nominal path there.
-
-    Where segments are few these are the ends of phases.
+    Lines join the ends of segments; bands hold all that lies between.
     """
-    segment = np.array([phase.segment for phase in run.phases])
-    changes = np.flatnonzero(np.diff(segment)) if len(segment) else np.array([], int)
-    if len(changes) < FEWEST_ENDS:
-        changes = np.arange(len(segment) - 1)
-    ends = [run.phases[i].end for i in changes]
-    last = len(run.time) - 1
-    rows = np.minimum(np.searchsorted(run.time, np.array(ends) - 1e-9), last)
-    rows = np.unique(np.append(rows, last).astype(int))
-    shares = np.linspace(0, 1, len(rows) + 1)[1:] * (len(run.nominal) - 1)
-    along_path = np.arange(len(run.nominal))
-    places = [np.interp(shares, along_path, axis) for axis in run.nominal[:, :2].T]
-    return rows, np.transpose(places)
+    starts, shares = stretches(run), _shares(run)
+    last = np.append(starts[1:], len(run.time)) - 1
+    length = MM * run.summary.path_length
+    done = shares * (length or len(starts))
+    names = [*run.predicted]
+    for way, word in enumerate(WAYS):
+        with sheet(ERROR_HEIGHT, MAP_WIDTH) as (figure, axes):
+            for name in names:
+                mark, error = PREDICTED[name], MM * _turned(run, name)[:, way]
+                add_band(axes, done, *extremes_between(error, starts), mark.colour.hex)
+                axes.plot(done[1:], error[last], **mark.line(linewidth=1.1))
+            axes.set_xlim(0, done[-1])
+            keys = [Key.of(PREDICTED[n], f"off {PREDICTIONS[n].label}") for n in names]
+            along = "length of the path [mm]" if length else "number of the part"
+            note = (
+                f"To the right the {along}. Lines join the ends of its "
+                f"{len(starts)} parts, pale bands hold all that lies between. Forward "
+                "and to the left count as positive."
+            )
+            heading = f"Error {word} the path [mm]"
+            both = (keys, note) if word == WAYS[-1] else ([], "")
+            yield finish(figure, heading, *both)
 
 
-def _height(points: Array) -> float:
+def overlaid(runs: Sequence[tuple[str, Run]]) -> Iterator[Drawing]:
+    """Achieved paths of several runs in one drawing, and their errors in another."""
+    styles = [_style(number) for number in range(len(runs))]
+    names = [
+        Key(name, str(style["color"]), dashed=number >= len(RUNS))
+        for number, ((name, _), style) in enumerate(zip(runs, styles, strict=True))
+    ]
+    with sheet(_height([run for _, run in runs]), MAP_WIDTH) as (figure, axes):
+        known: dict[str, Key] = {}
+        for _, run in runs:
+            known |= {key.label: key for key in _draw_place(axes, run)}
+        for (_, run), style in zip(runs, styles, strict=True):
+            axes.plot(*_thin(run.achieved[run.walking, :2]).T, **style)
+        heading = "Achieved paths of the body's centre, x and y [mm]"
+        yield finish(figure, heading, [*known.values(), *names], NOTE)
+    with sheet(HEIGHTS[1] / 1.6, MAP_WIDTH) as (figure, axes):
+        for (_, run), style in zip(runs, styles, strict=True):
+            off = MM * np.hypot(*run.error(run.best)[:, :2].T)
+            _, most = extremes_between(off, stretches(run))
+            axes.step(100 * _shares(run)[1:], most, **style)
+        axes.set_xlim(0, 100)
+        axes.set_ylim(bottom=0)
+        note = (
+            "To the right the share of the walk that is done [%]; the largest in each "
+            "segment."
+        )
+        yield finish(figure, "Distance from the best prediction [mm]", names, note)
+
+
+def _style(number: int) -> Style:
+    dashes = DASHES[number // len(RUNS) % len(DASHES)]
+    return {"color": RUNS[number % len(RUNS)].hex, "ls": dashes, "lw": 1.0}
+
+
+def _draw_place(axes: Axes, run: Run) -> list[Key]:
+    """Obstacles, nominal path and goal."""
+    for outline in run.obstacles:
+        axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
+    axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
+    ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
+    axes.plot(*np.multiply(MM, run.summary.goal[:2]), "o", markersize=8, **ring)
+    axes.set_aspect("equal", adjustable="datalim")
+    return [Key.of(NOMINAL, "nominal path")]
+
+
+def _shares(run: Run) -> Array:
+    """Share of the walk that is done where each stretch begins, and at the end."""
+    return np.linspace(0, 1, len(stretches(run)) + 1)
+
+
+def _turned(run: Run, name: str) -> Array:
+    """Error of the position along the nominal path and across it, (T, 2) [m].
+
+    Where the path has no length, along is the way that the robot looked at the start.
+    """
+    starts, path = stretches(run), run.nominal
+    middles = (np.arange(len(starts)) + 0.5) / len(starts)
+    ahead = np.gradient(path[:, :2], axis=0)
+    way = length_up_to(path[:, :2])
+    if not way[-1]:
+        return rotate(run.error(name)[:, :2], -path[0, 2])
+    at = np.searchsorted(way, middles * way[-1])
+    heading = np.arctan2(*ahead[np.minimum(at, len(path) - 1)].T[::-1])
+    counts = np.diff(np.append(starts, len(run.time)))
+    turn = np.repeat(heading, counts)
+    x, y = run.error(name)[:, :2].T
+    cos, sin = np.cos(turn), np.sin(turn)
+    return np.stack([cos * x + sin * y, cos * y - sin * x], axis=1)
+
+
+def _height(runs: Iterable[Run]) -> float:
     """Height of a map in which x and y have one scale [in]."""
+    points = np.concatenate(
+        [
+            part
+            for run in runs
+            for part in (run.nominal[:, :2], run.achieved[run.walking, :2])
+        ]
+    )
     wide, high = np.maximum(np.ptp(points, axis=0), 1e-9)
     return float(np.clip(MAP_WIDTH * high / wide + 0.4, *HEIGHTS))
 

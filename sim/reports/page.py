@@ -24,7 +24,7 @@ from sim.pictures.clock import clock
 from sim.progress import Progress, silent
 from sim.reports import tables
 from sim.reports.drawing import Drawing
-from sim.reports.maps import magnified, plan_view
+from sim.reports.maps import errors, plan_view
 from sim.reports.panels import panels
 from sim.reports.templates import render
 from sim.runs.run import Run
@@ -50,7 +50,7 @@ def write_report(run: Run, progress: Progress = silent) -> Path:
 
 def page(run: Run, progress: Progress = silent) -> str:
     """The page as HTML."""
-    plan, beside, *over_time = _drawn(run, progress)
+    plan, along, across, *over_time = _drawn(run, progress)
     return render(
         "report.html",
         title=f"{run.title}: {run.summary.verdict}",
@@ -59,7 +59,7 @@ def page(run: Run, progress: Progress = silent) -> str:
         word=run.summary.verdict,
         sentences=tables.sentences(run),
         ends=tables.ends(run),
-        maps=[plan, beside],
+        maps=[plan, along, across],
         panels=over_time,
         sources=tables.sources(run),
         counts=tables.counts(run),
@@ -73,7 +73,7 @@ def page(run: Run, progress: Progress = silent) -> str:
 def _drawn(run: Run, progress: Progress) -> Iterator[Drawing]:
     """All drawings of the page, in its order."""
     progress("report", 0.0)
-    drawings = chain((draw(run) for draw in (plan_view, magnified)), panels(run))
+    drawings = chain(map(plan_view, [run]), errors(run), panels(run))
     for number, drawing in enumerate(drawings, start=1):
         progress("report", min(number / DRAWINGS, 1.0))
         yield drawing

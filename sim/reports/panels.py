@@ -11,7 +11,17 @@ from planner import Array
 from sim import palette
 from sim.evaluation.quantities import number
 from sim.palette import ACHIEVED, PREDICTED, Style
-from sim.reports.drawing import Drawing, Key, extremes, finish, sheet
+from sim.reports.drawing import (
+    DETAIL,
+    Drawing,
+    Key,
+    add_band,
+    extremes,
+    extremes_between,
+    finish,
+    sheet,
+    stretches,
+)
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
@@ -23,16 +33,16 @@ LIMIT = palette.LIMIT.hex
 STRATA = [palette.TEXT.tint(share).hex for share in (0.2, 0.35, 0.5, 0.65)]
 """Of strata on which several groups stand."""
 PANEL_HEIGHT = 1.55  # [in]
+ROUNDING = 1e-9  # of the largest value
+COMB = 20  # segments, from which on curves look like combs
 ROW = 0.17  # [in] of a foot
 
 
 def panels(run: Run) -> Iterator[Drawing]:
     """All drawings over time, one by one, in the order of the page."""
-    best = PREDICTIONS[run.best].label
     off = {name: MM * np.hypot(*run.error(name)[:, :2].T) for name in run.predicted}
     turned = {name: MRAD * run.error(name)[:, 2] for name in run.predicted}
     yield _errors(run, off, "Distance from each prediction [mm]")
-    yield _components(run, f"Error in x and y, off the {best} prediction [mm]")
     yield _errors(run, turned, "Error in yaw, off each prediction [mrad]")
     yield _margin(run)
     if run.clearance is not None:
@@ -49,17 +59,24 @@ def _curves(
     note: str = "",
     *,
     limits: Mapping[float, str] | None = None,
-    high: float = PANEL_HEIGHT,
     bottom: float | None = None,
 ) -> Drawing:
     """Curves over time with limits, which are styles of level lines by their heights.
 
-    `high` is the drawing's height [in], and its axis begins at the bottom if given.
+    Those of long walks have bands of their extremes as well, which the page shows until
+    it is zoomed. The axis begins at the bottom if given.
     """
-    with sheet(high) as (figure, axes):
+    starts = stretches(run)
+    edges = np.append(run.time[starts], run.time[-1])
+    with sheet(PANEL_HEIGHT) as (figure, axes):
         for values, style in curves:
             rows = extremes(values)
-            axes.plot(run.time[rows], values[rows], **style)
+            combed = run.segments >= COMB and _falls(values)
+            gid = DETAIL if combed else None
+            axes.plot(run.time[rows], values[rows], gid=gid, **style)
+            if combed:
+                low, high = extremes_between(values, starts)
+                add_band(axes, edges, low, high, str(style["color"]))
         for height, dashes in (limits or {}).items():
             axes.axhline(height, color=LIMIT, ls=dashes, lw=1.0)
         axes.set_xlim(run.time[0], run.time[-1])
@@ -68,20 +85,17 @@ def _curves(
         return finish(figure, heading, keys, note)
 
 
+def _falls(values: Array) -> bool:
+    """Whether finite values fall anywhere; a sum never does."""
+    if not np.isfinite(values).all():
+        return False
+    return bool(np.diff(values).min(initial=0) < -ROUNDING * values.max(initial=0))
+
+
 def _errors(run: Run, values: Mapping[str, Array], heading: str) -> Drawing:
     marks = {name: PREDICTED[name] for name in values}
     curves = [(values[n], mark.line(linewidth=1.1)) for n, mark in marks.items()]
     keys = [Key.of(mark, f"off {PREDICTIONS[n].label}") for n, mark in marks.items()]
-    return _curves(run, heading, curves, keys)
-
-
-def _components(run: Run, heading: str) -> Drawing:
-    x, y = MM * run.error(run.best)[:, :2].T
-    colour = PREDICTED[run.best].colour
-    pale = colour.tint(0.45).hex
-    curves: list[tuple[Array, Style]]
-    curves = [(x, {"color": colour.hex}), (y, {"color": pale, "lw": 0.9})]
-    keys = [Key("in x", colour.hex), Key("in y", pale)]
     return _curves(run, heading, curves, keys)
 
 
@@ -115,26 +129,24 @@ def _clearance(run: Run, clearance: Array) -> Drawing:
 
 
 def _slip(run: Run) -> Drawing:
-    achieved = MM * run.arrays["slip"].T
-    foreseen = MM * run.arrays[PREDICTIONS[run.best].array("slip")].T
-    owners = [run.card.group_of_leg[leg] for leg in run.legs]
-    colours = [  # shades of each group's
-        palette.leg(owner, owners[:i].count(owner), owners.count(owner)).hex
-        for i, owner in enumerate(owners)
-    ]
+    best, owners = PREDICTIONS[run.best], np.array(run.group_of_foot)
     curves: list[tuple[Array, Style]] = []
-    for colour, one, other in zip(colours, achieved, foreseen, strict=True):
-        curves.append((one, {"color": colour}))
-        curves.append((other, {"color": colour, "ls": ":", "lw": 0.9}))
-    keys = [Key(f"leg {g}", c) for g, c in zip(run.legs, colours, strict=True)]
-    note = f"Dotted lines are the {PREDICTIONS[run.best].label} prediction."
+    keys = []
+    for i, group in enumerate(run.groups):
+        colour = palette.group(i).hex
+        for name, style in (("slip", {}), (best.array("slip"), {"ls": ":", "lw": 0.9})):
+            together = MM * run.arrays[name][:, owners == i].sum(axis=1)
+            curves.append((together, {"color": colour, **style}))
+        legs = (leg for leg, owner in zip(run.legs, owners, strict=True) if owner == i)
+        keys.append(Key(f"group {group}, legs {', '.join(map(str, legs))}", colour))
+    note = f"Dotted lines are the {best.label} prediction."
     if (floor := run.summary.achieved.creep_floor) is not None:
         note += (
             f" Standing still for as long, all feet together creep by "
             f"{MM * floor:.3g} mm: that much is the solver's."
         )
-    heading, high = "Slip of each foot since the start [mm]", 1.25 * PANEL_HEIGHT
-    return _curves(run, heading, curves, keys, note, high=high, bottom=0)
+    heading = "Slip of each group's feet together, since the start [mm]"
+    return _curves(run, heading, curves, keys, note, bottom=0)
 
 
 def _contacts(run: Run) -> Drawing:

@@ -7,13 +7,22 @@ from dataclasses import dataclass
 from typing import Any
 
 from sim.evaluation.flows import WalkedPhase
-from sim.evaluation.quantities import OF_ROWS, OF_WALKS, POSITION, ROWS, YAW, number
+from sim.evaluation.quantities import (
+    OF_ROWS,
+    OF_WALKS,
+    POSITION,
+    ROWS,
+    SLIP,
+    YAW,
+    number,
+)
 from sim.runs.run import Run
 from sim.scenarios.file import toml_value
 from sim.scenarios.predictions import PREDICTIONS
 from sim.scenarios.settings import SETTINGS
 
 MM = 1e3
+FORESEEN = 0.5  # of the slip; with less in the prediction, friction let go
 SHIFTED = {  # what the phases of a walk are called in the table of sources
     "hold": "standing still on S{}",
     "lift": "lift-off to S{}",
@@ -34,18 +43,35 @@ def sentences(run: Run) -> list[str]:
     """What became of the walk, the most important first."""
     text, achieved = run.summary.verdict_text, run.summary.achieved
     ignored = run.summary.ignored
-    least, floor = MM * achieved.min_margin, achieved.creep_floor
+    least = MM * achieved.min_margin
     where = f"up to {-least:.1f} mm outside its support"
     if least >= 0:
         where = f"never less than {least:.1f} mm inside its support"
-    slipped = f"Its feet slipped {MM * achieved.slip:.1f} mm in all"
-    creep = f"; {MM * (floor or 0.0):.2g} mm of that is the solver's creep"
     return [
         f"{text[:1].upper()}{text[1:]}.",
         f"Its centre of mass was {where}.",
-        f"{slipped}{'' if floor is None else creep}.",
+        _slip(run),
         *([f"Its predictions ignore {ignored}."] if ignored else []),
     ]
+
+
+def _slip(run: Run) -> str:
+    """How far the feet slipped, and why so much farther than the body got."""
+    summary, label = run.summary, PREDICTIONS[run.best].label
+    slip, floor = summary.achieved.slip, summary.achieved.creep_floor
+    foreseen = SLIP.value(summary, run.best) or 0.0
+    text = f"Its feet slipped {MM * slip:,.1f} mm in all"
+    if foreseen < FORESEEN * slip:
+        text += f", of which the {label} prediction has only {MM * foreseen:,.1f} mm"
+    elif slip:
+        text += (
+            f", {MM * foreseen:,.1f} mm in the {label} prediction: for a path of "
+            f"{MM * summary.path_length:,.0f} mm the body walks "
+            f"{MM * summary.distance_walked:,.0f} mm, back and forth, and on the way "
+            "legs without a third joint drag the feet they stand on"
+        )
+    creep = f"; {MM * (floor or 0.0):.2g} mm is the solver's creep"
+    return f"{text}{'' if floor is None else creep}."
 
 
 def ends(run: Run) -> Table:
@@ -58,8 +84,8 @@ def ends(run: Run) -> Table:
             name = f"predicted, {label}" if row in PREDICTIONS else label
             cells = (q.cell(summary, row) for q in (POSITION, YAW, *OF_ROWS))
             rows.append((name, x, y, yaw, *cells))
-    header = ("", "x [mm]", "y [mm]", "yaw [rad]", "physics ends off by [mm]")
-    return Table((*header, "by yaw [mrad]", *(q.title for q in OF_ROWS)), rows)
+    header = ("", "x [mm]", "y [mm]", "yaw [rad]", "off at the end [mm]")
+    return Table((*header, "in yaw [mrad]", *(q.title for q in OF_ROWS)), rows)
 
 
 def sources(run: Run) -> Table | None:

@@ -31,6 +31,9 @@ MEANINGS = {
     **{f"group {i}": colour for i, colour in enumerate(palette.GROUPS)},
     **{f"footprint of group {i}": palette.footprint(i) for i in range(TINTS)},
 }
+RUNS = {name: MEANINGS[name] for name in ("paper", "nominal", "obstacle", "limit")} | {
+    f"run {i}": colour for i, colour in enumerate(palette.RUNS)
+}
 OUTCOMES = {f"outcome {i}": colour for i, colour in enumerate(palette.OUTCOMES)}
 # Machado, Oliveira and Fernandes 2009, severity 1, on linear sRGB.
 SIGHT = {
@@ -78,13 +81,15 @@ def too_close(meanings, sight):
 
 
 @pytest.mark.parametrize("sight", SIGHT)
-@pytest.mark.parametrize("picture", [MEANINGS, OUTCOMES], ids=["walk", "map"])
+@pytest.mark.parametrize(
+    "picture", [MEANINGS, OUTCOMES, RUNS], ids=["walk", "map", "runs compared"]
+)
 def test_meanings_of_one_picture_are_told_apart(picture, sight):
     assert too_close(picture, sight) == set()
 
 
 def test_no_two_meanings_share_a_colour():
-    every = [*MEANINGS.values(), *OUTCOMES.values()]
+    every = [*MEANINGS.values(), *OUTCOMES.values(), *palette.RUNS]
     assert len(set(every)) == len(every)
 
 
@@ -128,10 +133,3 @@ def test_legs_of_a_robot_have_the_colour_of_their_groups_footprints():
         tuple(round(255 * float(c)) for c in text.split()[:3]) for text in COLOURS
     ]
     assert painted == list(palette.GROUPS)
-
-
-def test_legs_of_one_group_are_shades_told_apart():
-    for group in range(len(palette.GROUPS)):
-        shades = {str(i): palette.leg(group, i, 4) for i in range(4)}
-        for sight in SIGHT:
-            assert too_close(shades, sight) == set()

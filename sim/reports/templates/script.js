@@ -45,6 +45,7 @@
       drawing.dataset.box = [left, top, right, bottom, from, to, low, high].join(" ");
     }
     const whole = from === first && to === last;
+    document.body.classList.toggle("zoomed", 3 * (to - from) < last - first);
     document.querySelector("#zoom span").textContent =
       whole ? "" : `shown: ${from.toFixed(2)} to ${to.toFixed(2)} s`;
   }

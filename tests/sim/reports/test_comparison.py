@@ -64,7 +64,7 @@ def test_the_page_is_seen_by_a_browser(runs, tmp_path, capsys):
     seen = ask(page, SEEN, tmp_path, width=375)
     assert seen["headings"][0] == "Settings that differ"
     assert seen["first"] == ["setting", "friction"]
-    assert (seen["columns"], seen["drawings"], seen["width"]) == (3, 4, 375)
+    assert (seen["columns"], seen["drawings"], seen["width"]) == (3, 2, 375)
 
 
 def test_what_cannot_be_compared_is_refused(runs, tmp_path, capsys):

@@ -1,10 +1,12 @@
 """Drawings of a report: what is left out of their curves, and where axes begin."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sim.reports import panels
-from sim.reports.drawing import extremes
+from sim.reports import maps, panels, tables
+from sim.reports.drawing import extremes, extremes_between, stretches
 from sim.runs.run import read_run
 
 
@@ -29,3 +31,36 @@ def test_an_axis_begins_where_it_is_told_to(walked, monkeypatch):
     assert low == 0
     low, _ = panels._curves(run, "", curves, [])
     assert 0.9 < low < 1
+
+
+@pytest.mark.physics
+def test_errors_along_and_across_are_those_in_x_and_y_turned_with_the_path(walked):
+    run = read_run(walked)
+    ahead, left = maps._turned(run, "ideal").T
+    x, y = run.error("ideal")[:, :2].T
+    direction = run.nominal[-1, :2] - run.nominal[0, :2]  # the path is straight
+    cos, sin = direction / np.hypot(*direction)
+    np.testing.assert_allclose(ahead, cos * x + sin * y, atol=1e-15)
+    np.testing.assert_allclose(left, cos * y - sin * x, atol=1e-15)
+
+
+@pytest.mark.physics
+def test_long_walks_have_bands_until_the_page_is_zoomed(walked, monkeypatch):
+    run = read_run(walked)
+    starts = stretches(run)
+    low, high = extremes_between(run.margin, starts)
+    assert (low.min(), high.max()) == (run.margin.min(), run.margin.max())
+    assert not any('class="band"' in drawn.svg for drawn in panels.panels(run))
+    monkeypatch.setattr(panels, "COMB", 1)
+    margin = list(panels.panels(run))[2].svg
+    assert [margin.count(f'class="{name}"') for name in ("band", "detail")] == [2, 2]
+    slip = list(panels.panels(run))[3].svg  # which only rises, and is no comb
+    assert "detail" not in slip
+
+
+def test_the_reason_of_slip_is_given_where_it_was_foreseen(walked):
+    run = read_run(walked)
+    assert "legs without a third joint drag" in tables.sentences(run)[2]
+    achieved = replace(run.summary.achieved, slip=10 * run.summary.achieved.slip)
+    lost = replace(run, summary=replace(run.summary, achieved=achieved))
+    assert "prediction has only" in tables.sentences(lost)[2]
