@@ -12,8 +12,6 @@ from sim.commands.options import option
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from sim.compliant.phases import Course, Phases
-    from sim.progress import Progress
     from sim.runs.run import Run
 
 HELP = (
@@ -24,17 +22,18 @@ OPTIONS = (
     option("--out", metavar="FILE.png", help="picture over the robot seen from above"),
 )
 
+POSE = ("x", "y", "yaw")
+
 
 def execute(options: argparse.Namespace) -> None:
     """Print the table, and draw the picture if one is asked for."""
     from sim.folder import blamed_on
-    from sim.progress import bar
     from sim.runs.run import read_run
 
     folder = Path(options.run)
-    with bar(quiet=options.json) as progress, blamed_on(folder):
+    with blamed_on(folder):
         run = read_run(folder)
-        found = rows(run, progress)
+        found = rows(run)
     if options.out is not None:
         draw(run, found, Path(options.out))
     if options.json:
@@ -42,43 +41,19 @@ def execute(options: argparse.Namespace) -> None:
         return
     print(f"{'a change by one':38}{'moves the end by x, y [mm]':>28}{'yaw [mrad]':>12}")
     for row in found:
-        x, y, yaw = (1e3 * row[key] for key in ("x", "y", "yaw"))
+        x, y, yaw = (1e3 * row[key] for key in POSE)
         print(f"{row['unit']:7}{row['what']:31}{x:18.2f}{y:10.2f}{yaw:12.2f}")
 
 
-def rows(run: Run, progress: Progress) -> list[dict[str, Any]]:
-    """Variations with their units and what one of them does, `x`, `y` [m], `yaw`."""
-    from sim.compliant.variations import effects, variations
+def rows(run: Run) -> list[dict[str, Any]]:
+    """Changes with their units and what one of them does, `x`, `y` [m], `yaw` [rad]."""
+    from sim.studies.sensitivities import sensitivities_of
 
-    phases, course = _course(run)
-    count = 1 + sum(1 for _ in variations(phases, run.legs))
-    found = []
-    for number, (each, (x, y, yaw)) in enumerate(effects(phases, course, run.legs), 1):
-        facts = {"what": each.what, "unit": each.unit}
-        found.append(facts | {"x": float(x), "y": float(y), "yaw": float(yaw)})
-        progress("varying", number / count)
-    return found
-
-
-def _course(run: Run) -> tuple[Phases, Course]:
-    """The run's robot as the compliant prediction knows it, and its commands."""
-    import numpy as np
-
-    from sim.compliant.commands import Commands, changes
-    from sim.compliant.phases import Course
-    from sim.compliant.prediction import FOREVER, SMOOTH, phases_of
-    from sim.preparation.setup import prepare
-
-    setup = prepare(run.scenario)
-    phases, dt = phases_of(setup.as_told), setup.limits.timestep
-    ctrl = run.commands["ctrl"][:, phases.mechanics.anatomy.actuator]
-    spans = np.array([(p.start, p.end) for p in run.phases])
-    heading = np.interp(spans[:, 0], run.time, np.unwrap(run.achieved[:, 2]))
-    held = bool(setup.servo.resolution or 0 < setup.servo.rate < SMOOTH)
-    edges = np.union1d(spans[:, 1], changes(ctrl, dt)) if held else spans[:, 1]
-    commands = Commands(ctrl, dt, np.append(edges, FOREVER), held)
-    steps = np.round(spans / dt).astype(int)
-    return phases, Course(commands, steps, heading, {0: np.zeros(3)})
+    found = sensitivities_of(run)
+    return [
+        {"what": each.what, "unit": each.unit} | dict(zip(POSE, moved, strict=True))
+        for each, moved in zip(found.changes, found.pose[:, 0].tolist(), strict=True)
+    ]
 
 
 def draw(run: Run, found: Sequence[dict[str, Any]], path: Path) -> None:

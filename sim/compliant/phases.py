@@ -9,7 +9,7 @@ walk side by side as lanes, and the walk is composed of them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from math import ceil, sqrt
 from typing import NamedTuple
@@ -67,10 +67,10 @@ class Likeness(NamedTuple):
 
 
 class Kind(NamedTuple):
-    """Phases that are alike, and what they do."""
+    """Phases that are alike, and what every robot does in them."""
 
     like: Likeness
-    motion: Motion  # time and slip from its begin, which is its first moment
+    motions: tuple[Motion, ...]  # time and slip from their begin, the first moment
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,32 +85,43 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Phases:
-    """Kinds of phases of a robot in a world, known from earlier walks or computed."""
+    """Kinds of phases of robots in a world, known from earlier walks or computed.
+
+    Usually there is one robot. Further ones, of the same anatomy but softer, laden or
+    on another slope, walk the same commands beside it in one batch.
+    """
 
     mechanics: Mechanics
-    robot: Robots  # one lane
+    robots: Robots
     pace: Pace = USUAL
     kinds: dict[tuple[int, ...], list[Kind]] = field(default_factory=dict)
 
     def follow(self, course: Course) -> Motion:
-        """The motion of a whole walk.
+        """The motion of the first robot in a whole walk.
 
         Raises MeasurementError where the robot tips over, or no equilibrium is found.
         """
-        rounds = HEADINGS if self.leans else 1
-        for _ in range(rounds):
+        return next(self.follow_all(course))
+
+    def follow_all(self, course: Course) -> Iterator[Motion]:
+        """The motion of every robot; where gravity leans, they head as the first does.
+
+        Raises MeasurementError where one tips over, or no equilibrium is found.
+        """
+        for _ in range(HEADINGS if self.leans else 1):
             found = self._found(course)
-            motion, headings = _composed(course, found)
-            off = np.abs(headings - course.heading).max(initial=0.0)
-            if off <= SAME_HEADING:
+            motion, headings = _composed(course, [kind.motions[0] for kind in found])
+            if np.abs(headings - course.heading).max(initial=0.0) <= SAME_HEADING:
                 break
-            course = Course(course.commands, course.spans, headings, course.restarts)
-        return motion
+            course = replace(course, heading=headings)
+        yield motion
+        for other in range(1, len(self.robots.mass)):
+            yield _composed(course, [kind.motions[other] for kind in found])[0]
 
     @property
     def leans(self) -> bool:
         """Whether gravity has a direction along the floor."""
-        return bool(self.robot.gravity[:, :2].any())
+        return bool(self.robots.gravity[:, :2].any())
 
     def _found(self, course: Course) -> list[Kind]:
         """The kind of every phase; those that are new are computed."""
@@ -125,9 +136,9 @@ class Phases:
                 alike.append(like)
                 new.append(phase)
             where.append((shape, number))
-        for phase, motion in list(self._computed(course, new)):  # all, or none at all
+        for phase, motions in list(self._computed(course, new)):  # all, or none at all
             shape, number = where[phase]
-            self.kinds.setdefault(shape, []).append(Kind(known[shape][number], motion))
+            self.kinds.setdefault(shape, []).append(Kind(known[shape][number], motions))
         return [self.kinds[shape][number] for shape, number in where]
 
     def _same(self, one: Likeness, other: Likeness) -> bool:
@@ -136,20 +147,20 @@ class Phases:
 
     def _computed(
         self, course: Course, new: Sequence[int]
-    ) -> Iterator[tuple[int, Motion]]:
-        """What new phases do, walked in pieces side by side."""
-        spans = course.spans * course.commands.timestep
-        pieces = list(_pieces(new, np.diff(spans)[:, 0]))
+    ) -> Iterator[tuple[int, tuple[Motion, ...]]]:
+        """What every robot does in new phases, walked in pieces side by side."""
+        robots, spans = len(self.robots.mass), course.spans * course.commands.timestep
+        pieces = list(_pieces(new, np.diff(spans)[:, 0], robots))
         if not pieces:
             return
-        firsts = [piece[0] for piece in pieces]
-        starts = [_remembered(course, phase) for phase in firsts]
+        whose, which = np.divmod(np.arange(robots * len(pieces)), len(pieces))
+        starts = np.array([_remembered(course, piece[0]) for piece in pieces])[which]
         track, endings = march(
             self.mechanics,
-            self.robot.take(np.zeros(len(pieces), dtype=int)),
+            self.robots.take(whose),
             course.commands,
             begin=spans[starts, 0],
-            end=spans[[piece[-1] for piece in pieces], 1],
+            end=spans[[piece[-1] for piece in pieces], 1][which],
             yaw=course.heading[starts],
             pace=self.pace,
         )
@@ -157,24 +168,32 @@ class Phases:
         if np.isfinite(endings.time[lane]):
             what = "tips over" if endings.tipped[lane] else "finds no equilibrium"
             raise MeasurementError(f"the robot {what} at {endings.time[lane]:.2f} s")
-        whole = self._motion(track)
-        for lane, piece in enumerate(pieces):
-            rows = track.of(lane)
+        whole = self._motion(track, whose)
+        for number, piece in enumerate(pieces):
+            lanes = [track.of(lane) for lane in np.flatnonzero(which == number)]
             for phase in piece:
-                ends = track.time[rows].searchsorted(spans[phase] - SLACK)
-                inside = slice(rows.start + ends[0], rows.start + ends[1] + 1)
-                yield phase, _from_begin(Motion(*(part[inside] for part in whole)))
+                ends = spans[phase] - SLACK
+                inside = [_between(track.time, rows, ends) for rows in lanes]
+                yield (
+                    phase,
+                    tuple(
+                        _from_begin(Motion(*(part[rows] for part in whole)))
+                        for rows in inside
+                    ),
+                )
 
-    def _motion(self, track: Track) -> Motion:
+    def _motion(self, track: Track, whose: Array) -> Motion:
         """A track as motion in the world; slip is that of every increment."""
-        R, gravity = track.turned, self.robot.gravity[0]
+        R, own = track.turned, whose[track.lane]
+        down = self.robots.gravity[own]
         yaw = np.arctan2(R[:, 1, 0], R[:, 0, 0])
         roll = np.arctan2(R[:, 2, 1], R[:, 2, 2])
         pitch = -np.arcsin(np.clip(R[:, 2, 0], -1, 1))
         height = track.place[:, 2] - self.mechanics.height
         above = height + track.center[:, 2]
-        center = track.center[:, :2] - above[:, None] * gravity[:2] / gravity[2]
-        least = LOADED * self.robot.weight[0]
+        fall = down[:, :2] / down[:, 2:]
+        center = track.center[:, :2] - above[:, None] * fall
+        least = LOADED * self.robots.weight[own, None]
         return Motion(
             time=track.time,
             pose=np.column_stack([track.place[:, :2], yaw]),
@@ -184,6 +203,12 @@ class Phases:
             torque=track.torque,
             margin=stability_margin(track.point, track.load > least, center),
         )
+
+
+def _between(time: Array, rows: slice, ends: Array) -> slice:
+    """Those of a lane's rows that lie between two times."""
+    first, last = rows.start + time[rows].searchsorted(ends)
+    return slice(first, last + 1)
 
 
 def _window(course: Course, phase: int) -> tuple[tuple[int, ...], Likeness]:
@@ -205,16 +230,15 @@ def _remembered(course: Course, phase: int) -> int:
     return max(int(np.searchsorted(begins, begins[-1] - steps, side="right")) - 1, 0)
 
 
-def _pieces(new: Sequence[int], lasting: Array) -> Iterator[list[int]]:
+def _pieces(new: Sequence[int], lasting: Array, robots: int) -> Iterator[list[int]]:
     """New phases that follow one another, in pieces that take the least time together.
 
     Every piece begins as early as its first phase remembers, and all are walked side by
-    side: many pieces walk much twice, few are more work for every lane.
+    side by every robot: many pieces walk much twice, few are more work for every lane.
     """
     total = float(lasting[list(new)].sum())
-    longest = max(
-        total / max(sqrt(LANES_WORTH * total / (2 * REMEMBERED)), 1), REMEMBERED
-    )
+    best = sqrt(LANES_WORTH / robots * total / (2 * REMEMBERED))
+    longest = max(total / max(best, 1), REMEMBERED)
     for _, run in groupby(enumerate(new), key=lambda item: item[1] - item[0]):
         phases = [phase for _, phase in run]
         ends = np.cumsum(lasting[phases])
@@ -237,15 +261,14 @@ def _from_begin(motion: Motion) -> Motion:
     )
 
 
-def _composed(course: Course, kinds: Sequence[Kind]) -> tuple[Motion, Array]:
+def _composed(course: Course, phases: Sequence[Motion]) -> tuple[Motion, Array]:
     """The motion of phases one after the other, and the headings they begin with."""
-    pose, slip = np.zeros(3), np.zeros_like(kinds[0].motion.slip[0])
+    pose, slip = np.zeros(3), np.zeros_like(phases[0].slip[0])
     begins = course.spans[:, 0] * course.commands.timestep
     parts, headings = [], []
-    for phase, (begin, kind) in enumerate(zip(begins, kinds, strict=True)):
+    for phase, (begin, motion) in enumerate(zip(begins, phases, strict=True)):
         pose = course.restarts.get(phase, pose)
         headings.append(pose[2])
-        motion = kind.motion
         moved = compose(pose, motion.pose)
         parts.append(
             motion._replace(

@@ -6,7 +6,7 @@ scenario makes imperfect is given to it as far as the scenario says (`known`).
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,25 +81,40 @@ def phases_of(setup: Setup) -> Phases:
     return Phases(Mechanics(anatomy, footing.height), one)
 
 
+def course_along(
+    setup: Setup,
+    phases: Phases,
+    ctrl: Array,
+    spans: Array,
+    heading: Array,
+    restarts: Mapping[int, Array],
+) -> Course:
+    """The course of any commands, planned or not, for legs of any number of joints.
+
+    ctrl: a row a physics step, (T, nu) [rad]. spans: the first step of every phase and
+    the one after its last, (P, 2); phases need no contacts, and those of equal commands
+    are computed once, such as the periods of a gait. heading: of the body as each
+    begins, (P,) [rad]; it counts where the floor leans, and a guess will do. restarts:
+    poses (3,) at which the body is known to stand, by phase.
+    """
+    dt, rate = setup.limits.timestep, setup.servo.rate
+    rows, ends = ctrl[:, phases.mechanics.anatomy.actuator], spans[:, 1] * dt
+    held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
+    edges = np.union1d(ends, changes(rows, dt)) if held else ends
+    commands = Commands(rows, dt, np.append(edges, FOREVER), held)
+    return Course(commands, spans, heading, restarts)
+
+
 def course_of(
     setup: Setup, phases: Phases, legs: Sequence[Leg], rows: Iterable[Array]
 ) -> Course:
     """The course of a walk with these schedules and rows of ctrl, (n, nu) each."""
-    dt, actuator = setup.limits.timestep, phases.mechanics.anatomy.actuator
-    commanded = np.concatenate([ctrl[:, actuator] for ctrl in rows])
-    spans = [(p.start, p.stop) for leg in legs for p in leg.schedule.phases]
-    ends = np.array(spans)[:, 1] * dt
-    rate = setup.servo.rate
-    held = bool(setup.servo.resolution or 0 < rate < SMOOTH)
-    edges = np.union1d(ends, changes(commanded, dt)) if held else ends
+    spans = np.array([(p.start, p.stop) for leg in legs for p in leg.schedule.phases])
+    heading = _headings(setup, legs) if phases.leans else np.zeros(len(spans))
     first = np.cumsum([0, *(len(leg.schedule.phases) for leg in legs[:-1])])
     poses = {int(at): leg.pose for at, leg in zip(first, legs, strict=True)}
-    return Course(
-        commands=Commands(commanded, dt, np.append(edges, FOREVER), held),
-        spans=np.array(spans),
-        heading=_headings(setup, legs) if phases.leans else np.zeros(len(spans)),
-        restarts=poses,
-    )
+    ctrl = np.concatenate(list(rows))
+    return course_along(setup, phases, ctrl, spans, heading, poses)
 
 
 def _headings(setup: Setup, legs: Sequence[Leg]) -> Array:
@@ -135,5 +150,5 @@ def foreseen(
         lean=motion.lean,
         load=motion.load,
         torque=motion.torque[:, real],
-        weight=float(phases.robot.weight[0]),
+        weight=float(phases.robots.weight[0]),
     )

@@ -18,11 +18,11 @@ def short():
 def marched(short, upto, **changes):
     _, phases, way, _ = short
     one = np.zeros(1)
-    return march(phases.mechanics, phases.robot, way.commands, one, one + upto, one)
+    return march(phases.mechanics, phases.robots, way.commands, one, one + upto, one)
 
 
 def test_a_standing_robot_bears_its_weight_and_stays(short):
-    (track, _), weight = marched(short, 0.4), short[1].robot.weight[0]
+    (track, _), weight = marched(short, 0.4), short[1].robots.weight[0]
     assert track.load[1:].sum(axis=1)[-1] == pytest.approx(weight, rel=1e-4)
     assert np.abs(track.place[-1, :2]).max() < 1e-5
 
@@ -50,7 +50,7 @@ def test_no_increment_is_accepted_that_is_no_equilibrium(short, monkeypatch):
 def test_a_leg_in_the_air_follows_its_servo_exactly(short):
     """A spring and a damper under its own weight: one increment is as good as four."""
     _, phases, way, _ = short
-    mechanics, robot = phases.mechanics, phases.robot
+    mechanics, robot = phases.mechanics, phases.robots
     state = mechanics.standing(robot, way.commands.rows[:1], np.zeros(1)).state
     high = increment.State(**{**vars(state), "gap": state.gap + 1.0})
     begin, end, h = (

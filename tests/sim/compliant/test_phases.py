@@ -35,7 +35,7 @@ def test_a_composed_walk_is_the_one_that_is_walked_through(walk):
     """Within 0.01 mm and 0.1 mrad, measured, where pieces have been joined."""
     phases, way, motion = walk
     one, end = np.zeros(1), way.spans[30, 1:] * 0.001  # of some 12 s
-    track, _ = march(phases.mechanics, phases.robot, way.commands, one, end, one)
+    track, _ = march(phases.mechanics, phases.robots, way.commands, one, end, one)
     found = motion.at(end)
     assert np.hypot(*(track.place[-1] - found.pose[0])[:2]) < 1e-5
     R = track.turned[-1]
@@ -57,6 +57,6 @@ def test_heading_matters_where_the_floor_leans():
 def test_a_robot_that_tips_over_is_told_with_the_time():
     _, phases, way, _ = course()
     ahead = np.array([[0.3, 0.0, 0.05]])  # of all feet
-    heavy = Phases(phases.mechanics, replace(phases.robot, body_center=ahead))
+    heavy = Phases(phases.mechanics, replace(phases.robots, body_center=ahead))
     with pytest.raises(MeasurementError, match=r"the robot tips over at \d+\.\d\d s"):
         heavy.follow(way)

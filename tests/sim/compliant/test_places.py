@@ -30,7 +30,7 @@ def posed(request):
     data.qpos[at + 3 : at + 7] = [np.cos(length / 2), *np.sin(length / 2) * v / length]
     mujoco.mj_forward(model, data)
     turned = rotation(v)[None]
-    places = phases.mechanics.skeleton.places(phases.robot, turned, angles[None])
+    places = phases.mechanics.skeleton.places(phases.robots, turned, angles[None])
     return setup, phases, data, joints, turned, angles, places
 
 
@@ -42,13 +42,13 @@ def test_feet_and_centre_of_mass_are_the_engines(posed):
     assert np.allclose(places.center[0], centre - root.xpos, atol=1e-12)
     for foot, card in enumerate(setup.robot.leg_cards):
         sphere = data.geom(card.foot[0])
-        point = sphere.xpos - (0, 0, phases.robot.radius[0, foot, 0]) - root.xpos
+        point = sphere.xpos - (0, 0, phases.robots.radius[0, foot, 0]) - root.xpos
         assert np.allclose(places.arm[0, foot, 0], point, atol=1e-12)
 
 
 def test_weight_bends_joints_as_in_the_engine(posed):
     setup, phases, data, joints, _, _, places = posed
-    found = places.weight_torque(phases.mechanics.anatomy, phases.robot.gravity)[0]
+    found = places.weight_torque(phases.mechanics.anatomy, phases.robots.gravity)[0]
     dofs = setup.model.jnt_dofadr[joints]
     assert np.allclose(found, -data.qfrc_bias[dofs], atol=1e-12)
 
@@ -56,7 +56,7 @@ def test_weight_bends_joints_as_in_the_engine(posed):
 def test_levers_are_derivatives(posed):
     """Of what a foot touches with; a round one is taken without its radius here."""
     _, phases, _, _, turned, angles, _ = posed
-    robot = replace(phases.robot, radius=0 * phases.robot.radius)
+    robot = replace(phases.robots, radius=0 * phases.robots.radius)
     skeleton, step = phases.mechanics.skeleton, 1e-6
     places = skeleton.places(robot, turned, angles[None])
     for foot, joint in np.ndindex(*angles.shape):

@@ -1,0 +1,147 @@
+"""What small changes of a robot and its floor do to a finished walk.
+
+The compliant prediction plays the run's own commands on robots changed a little, all of
+them side by side. A change is a share of its unit and its effect is scaled up, so that
+effects are slopes. The floor's contacts switch: slopes hold near the robot as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, fields, replace
+from math import radians
+from typing import NamedTuple
+
+import numpy as np
+
+from planner import Array
+from planner.support import did_you_mean
+from sim.compliant.phases import Course, Motion, Phases
+from sim.compliant.places import Robots
+from sim.compliant.prediction import course_along, phases_of
+from sim.errors import UsageError
+from sim.preparation.setup import prepare
+from sim.runs.run import Run
+
+SHARE = 0.25  # of a unit that a change is made by
+MILLIMETRE = 1e-3  # [m]
+NEWTON = 1.0  # [N]
+TENTH = 0.1  # of the coefficient of friction, or of all servos' stiffness
+
+
+@dataclass(frozen=True)
+class Change:
+    """A robot, one lane, that differs by `SHARE` of a unit."""
+
+    what: str
+    unit: str
+    robot: Robots
+
+
+class Sensitivities(NamedTuple):
+    """Effects of V changes at T moments, per unit, in the frame of the start pose."""
+
+    changes: tuple[Change, ...]
+    unchanged: Motion  # of the robot as it is, at the T moments
+    pose: Array  # effects on x, y [m] and yaw [rad], (V, T, 3)
+    lean: Array  # on the height of the root [m], roll and pitch [rad], (V, T, 3)
+
+
+def sensitivities_of(
+    run: Run, only: Collection[str] | None = None, times: Array | None = None
+) -> Sensitivities:
+    """Sensitivities of a finished run at times (T,) [s], by default at its end.
+
+    `only` names changes, by default all of `changes_of`. Raises UsageError for a name
+    that none of them has, MeasurementError where a robot tips over.
+    """
+    phases, course = course_of_run(run)
+    changes = {each.what: each for each in changes_of(phases, run.legs)}
+    names = list(changes) if only is None else list(only)
+    for name in names:
+        if name not in changes:
+            raise UsageError("no such change", name, did_you_mean(name, changes))
+    moments = run.time[-1:] if times is None else times
+    return sensitivities(phases, course, [changes[name] for name in names], moments)
+
+
+def sensitivities(
+    phases: Phases, course: Course, changes: Sequence[Change], times: Array
+) -> Sensitivities:
+    """Effects of changes on a course at times (T,) [s].
+
+    Robots on level floors and those on others walk in two batches: where the floor
+    leans, phases depend on the heading too, and fewer are alike.
+    """
+    shape = len(changes), len(times), 3
+    pose, lean = np.empty(shape), np.empty(shape)
+    tilted = np.array([each.robot.gravity[0, :2].any() for each in changes], dtype=bool)
+    for batch in (np.flatnonzero(tilted), np.flatnonzero(~tilted)):
+        robots = _side_by_side([phases.robots, *(changes[i].robot for i in batch)])
+        walks = Phases(phases.mechanics, robots, phases.pace).follow_all(course)
+        unchanged = next(walks).at(times)
+        for change, walk in zip(batch, walks, strict=True):
+            changed = walk.at(times)
+            pose[change] = (changed.pose - unchanged.pose) / SHARE
+            lean[change] = (changed.lean - unchanged.lean) / SHARE
+    return Sensitivities(tuple(changes), unchanged, pose, lean)
+
+
+def _side_by_side(robots: Sequence[Robots]) -> Robots:
+    """Single robots as lanes."""
+    names = [field.name for field in fields(Robots)]
+    columns = {n: np.concatenate([getattr(r, n) for r in robots]) for n in names}
+    return Robots(**columns)
+
+
+def course_of_run(run: Run) -> tuple[Phases, Course]:
+    """The run's robot as the compliant prediction knows it, and its commands."""
+    setup = prepare(run.scenario)
+    phases = phases_of(setup.as_told)
+    spans = np.array([(phase.start, phase.end) for phase in run.phases])
+    heading = np.interp(spans[:, 0], run.time, np.unwrap(run.achieved[:, 2]))
+    steps = np.round(spans / setup.limits.timestep).astype(int)
+    start = {0: np.zeros(3)}
+    ctrl = run.commands["ctrl"]
+    return phases, course_along(setup, phases, ctrl, steps, heading, start)
+
+
+def changes_of(phases: Phases, legs: Sequence[int]) -> Iterator[Change]:
+    """Zeros and length of every leg, mass and its place, slope, friction, stiffness."""
+    robot, size = phases.robots, np.linalg.norm(phases.robots.gravity)
+    step = SHARE * radians(1)
+    real: Array = np.any(phases.mechanics.anatomy.axis, axis=-1)
+    for joint in range(real.shape[1]):
+        for foot, leg in enumerate(legs):
+            if real[foot, joint]:
+                offset = robot.offset.copy()
+                offset[0, foot, joint] += step
+                what = f"zero of joint {joint + 1} of leg {leg}"
+                yield Change(what, "degree", replace(robot, offset=offset))
+    for foot, leg in enumerate(legs):
+        radius = robot.radius.copy()
+        radius[0, foot] += SHARE * MILLIMETRE
+        yield Change(f"length of leg {leg}", "mm", replace(robot, radius=radius))
+    mass = SHARE * NEWTON / size
+    center = robot.body_center * (robot.body_mass / (robot.body_mass + mass))[:, None]
+    laden = replace(
+        robot,
+        body_mass=robot.body_mass + mass,
+        body_center=center,
+        mass=robot.mass + mass,
+    )
+    yield Change("payload in the body's middle", "N", laden)
+    for axis, way in enumerate(("ahead", "to the left")):
+        shift = np.zeros(3)
+        shift[axis] = SHARE * MILLIMETRE * robot.mass[0] / robot.body_mass[0]
+        moved = replace(robot, body_center=robot.body_center + shift)
+        yield Change(f"centre of mass {way}", "mm", moved)
+    for axis, way in enumerate(("ahead", "to the left")):
+        down = np.zeros(3)
+        down[axis] = size * step
+        leaning = replace(robot, gravity=robot.gravity + down)
+        yield Change(f"floor that leans down {way}", "degree", leaning)
+    rough = replace(robot, friction=robot.friction + SHARE * TENTH)
+    yield Change("friction", "tenth", rough)
+    stiff = replace(robot, stiffness=robot.stiffness * (1 + SHARE * TENTH))
+    yield Change("stiffness of all servos", "tenth", stiff)
