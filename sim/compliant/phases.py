@@ -170,7 +170,8 @@ class Phases:
             raise MeasurementError(f"the robot {what} at {endings.time[lane]:.2f} s")
         whole = self._motion(track, whose)
         for number, piece in enumerate(pieces):
-            lanes = [track.of(lane) for lane in np.flatnonzero(which == number)]
+            own = range(number, robots * len(pieces), len(pieces))
+            lanes = [track.of(lane) for lane in own]
             for phase in piece:
                 ends = spans[phase] - SLACK
                 inside = [_between(track.time, rows, ends) for rows in lanes]

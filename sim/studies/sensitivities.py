@@ -75,8 +75,11 @@ def sensitivities(
     """
     shape = len(changes), len(times), 3
     pose, lean = np.empty(shape), np.empty(shape)
-    tilted = np.array([each.robot.gravity[0, :2].any() for each in changes], dtype=bool)
-    for batch in (np.flatnonzero(tilted), np.flatnonzero(~tilted)):
+    batches: dict[bool, list[int]] = {}
+    for number, each in enumerate(changes):
+        leans = bool(each.robot.gravity[0, :2].any())
+        batches.setdefault(leans, []).append(number)
+    for batch in batches.values() or ([],):
         robots = _side_by_side([phases.robots, *(changes[i].robot for i in batch)])
         walks = Phases(phases.mechanics, robots, phases.pace).follow_all(course)
         unchanged = next(walks).at(times)
