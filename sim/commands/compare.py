@@ -53,11 +53,17 @@ def execute(options: argparse.Namespace) -> None:
             shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
             shelf.write_text(path.name, text)
     if options.json:
-        tables = {"settings": compared.differences, "results": compared.results}
+        tables = {
+            "settings": compared.differences,
+            "results": compared.results,
+            "drift": compared.drift,
+        }
         facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}
         print(json.dumps(facts | {"page": options.out}))
         return
     print(_text(compared.differences), _text(compared.results), sep="\n\n")
+    if compared.drift.rows:
+        print(f"\n{_text(compared.drift)}")
     if options.out is not None:
         print(f"\n{'page':13}{options.out}")
 

@@ -6,13 +6,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, POSITION, YAW
+import numpy as np
+
+from sim.evaluation.quantities import (
+    ACHIEVED,
+    GOAL,
+    OF_ROWS,
+    OF_WALKS,
+    POSITION,
+    YAW,
+    number,
+)
 from sim.progress import Progress, silent, stage
 from sim.reports.maps import overlaid
-from sim.reports.tables import Table, flat, sentences
+from sim.reports.tables import MM, Table, contributions, flat, kinds_of, sentences
 from sim.reports.templates import render
 from sim.runs.run import Run
-from sim.scenarios.predictions import PREDICTIONS
+from sim.scenarios.predictions import IDEAL, PREDICTIONS
 
 FINER = 1  # digits, by which errors of several runs are told apart
 IGNORED = ("name", "description")
@@ -25,6 +35,7 @@ class Comparison:
     runs: Sequence[Run]
     differences: Table  # settings that are not the same in all runs
     results: Table
+    drift: Table  # what kinds of phases contribute
     same: Table  # settings that are the same in all
 
 
@@ -40,6 +51,7 @@ def compare(runs: Sequence[Run]) -> Comparison:
         runs,
         Table(header, differing),
         Table(("", *header[1:]), list(_results(runs))),
+        _drift(runs),
         Table(("setting", "value in all runs"), same),
     )
 
@@ -81,3 +93,27 @@ def _results(runs: Sequence[Run]) -> Iterator[tuple[str, ...]]:
         yield q.title, *(q.cell(s, ACHIEVED) for s in summaries)
     for q in (q for q in OF_WALKS if any(q.value(s) is not None for s in summaries)):
         yield q.title, *(q.cell(s) for s in summaries)
+
+
+def _drift(runs: Sequence[Run]) -> Table:
+    """Millimetres that each kind of phase adds to the way off the ideal prediction.
+
+    They count along that way, so that they add up. What the best prediction leaves
+    unexplained follows in brackets.
+    """
+    columns: list[dict[str, str]] = []
+    for run in runs:
+        found, column = contributions(run), {}
+        both = ideal, _ = found.get(IDEAL.key, {}), found.get(run.best, {})
+        away = sum(ideal.values(), np.zeros(3))[:2]
+        along = away / (float(np.hypot(*away)) or 1.0)
+        for name, labels in kinds_of(ideal):
+            added = (np.sum([parts[x] for x in labels], axis=0) for parts in both)
+            off, left = (number(MM * float(part[:2] @ along), 2) for part in added)
+            column[name] = f"{off} ({left})"
+        columns.append(column)
+    rows = dict.fromkeys(chain(*columns))
+    return Table(
+        ("off the ideal path's end [mm]", *names(runs)),
+        [(name, *(column.get(name, "") for column in columns)) for name in rows],
+    )

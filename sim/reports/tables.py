@@ -6,6 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from planner import Array
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import (
     OF_ROWS,
@@ -28,6 +31,11 @@ SHIFTED = {  # what the phases of a walk are called in the table of sources
     "lift": "lift-off to S{}",
     "swing": "swing on S{}",
     "land": "touchdown from S{}",
+}
+SUMS = {
+    "all swings": ("swing",),
+    "all handovers": ("lift", "land"),
+    "all together": tuple(SHIFTED),
 }
 
 
@@ -90,34 +98,42 @@ def ends(run: Run) -> Table:
 
 def sources(run: Run) -> Table | None:
     """What each kind of phase adds to the final error; None for a replanned walk."""
-    given = run.summary.error_sources or {}
-    found = {name: given[name] or {} for name in PREDICTIONS if given.get(name)}
-    if not found:
+    if not (found := contributions(run)):
         return None
-    names = list(found)
     header = ["", "phases", "slip [mm]", "not as planned"]
-    for name in names:
+    for name in found:
         header += [f"{PREDICTIONS[name].label}: x [mm]", "y [mm]", "yaw [mrad]"]
     rows = []
-    for label in found[names[0]]:
-        kind, _, stratum = label.partition(" S")
-        phase = SHIFTED.get(kind, f"{kind} S{{}}").format(stratum)
-        row = [phase, *_carried_out(run.phases, label)]
-        for name in names:
-            row += [number(MM * part, 3) for part in found[name][label]]
-        rows.append(row)
-    sums = [
-        number(MM * sum(part[i] for part in found[name].values()), 3)
-        for name in names
-        for i in range(3)
-    ]
-    rows.append(["all together", *_carried_out(run.phases, None), *sums])
+    for name, labels in kinds_of(next(iter(found.values()))):
+        sums = (np.sum([p[x] for x in labels], axis=0) for p in found.values())
+        cells = [number(MM * part, 3) for added in sums for part in added]
+        rows.append([name, *_carried_out(run.phases, labels), *cells])
     return Table(header, rows)
 
 
-def _carried_out(phases: Sequence[WalkedPhase], label: str | None) -> list[str]:
-    """Number of the phases of a kind, their slip, and how many had other contacts."""
-    found = [p for p in phases if label in (None, f"{p.kind} S{p.stratum}")]
+def contributions(run: Run) -> dict[str, dict[str, Array]]:
+    """Contributions of kinds of phases by prediction; none of a replanned walk."""
+    given = run.summary.error_sources or {}
+    return {
+        name: {label: np.array(part) for label, part in found.items()}
+        for name in PREDICTIONS
+        if (found := given.get(name))
+    }
+
+
+def kinds_of(parts: Mapping[str, Array]) -> Iterator[tuple[str, list[str]]]:
+    """Rows of a table of sources: names, and the kinds of phases that they sum."""
+    for label in parts:
+        kind, _, stratum = label.partition(" S")
+        yield SHIFTED.get(kind, f"{kind} S{{}}").format(stratum), [label]
+    for name, kinds in SUMS.items():
+        if own := [label for label in parts if label.partition(" ")[0] in kinds]:
+            yield name, own
+
+
+def _carried_out(phases: Sequence[WalkedPhase], labels: Sequence[str]) -> list[str]:
+    """Number of the phases of kinds, their slip, and how many had other contacts."""
+    found = [p for p in phases if f"{p.kind} S{p.stratum}" in labels]
     slip = sum(phase.slip for phase in found)
     wrong = sum(not phase.as_planned for phase in found)
     return [str(len(found)), number(MM * slip, 1), str(wrong)]
