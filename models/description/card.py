@@ -153,6 +153,8 @@ class Card:
     joint_servos: Mapping[str, JointServo] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
     learnt: tuple[float, ...] = ()  # by a walk with feedback, of what segments miss
+    # settings of scenarios that logs of the robot told, and what was said of them
+    fitted: Mapping[str, object] = field(default_factory=dict)
     description: str = ""
 
     def __post_init__(self) -> None:

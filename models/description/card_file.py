@@ -32,6 +32,7 @@ KEYS = {
     "servo": ("stiffness", "damping", "kind", *NUMBERS),
     "start": (),
     "learnt": ("numbers",),
+    "fitted": (),
 }
 JOINT_SERVO_NUMBERS = ("sign", "center", "offset", "counts_per_radian")
 JOINT_SERVO_KEYS = ("channel", *JOINT_SERVO_NUMBERS, "limits")
@@ -84,6 +85,7 @@ def _card(table: Table) -> Card:
         },
         start=table.gains("start"),
         learnt=_learnt(table) if "learnt" in table else (),
+        fitted=table.table("fitted").values if "fitted" in table else {},
         description=table.text("description", ""),
     )
 

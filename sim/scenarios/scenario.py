@@ -24,6 +24,8 @@ from sim.scenarios.settings import IMPERFECTIONS, SETTINGS, Settings
 if TYPE_CHECKING:
     from models import Robot
 
+REMARKS = ("source", "errors")  # under [fitted] of a card, beside settings
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scenario(Settings):
@@ -107,7 +109,10 @@ class Scenario(Settings):
 
 
 def drawn(scenario: Scenario, robot: Robot) -> Scenario:
-    """The scenario with the set of imperfections that it asks for as its settings.
+    """The scenario with what its robot's card and `imperfect` say as its settings.
+
+    What was fitted to logs of the robot takes the place of settings that are left as
+    they are by default.
 
     A hobby robot has servos that are fitted by hand, a battery not quite in the middle,
     a table to walk on: zeros of servos are within half a degree, gears have half a
@@ -116,6 +121,7 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
     times as soft. The same robot and `draw` give the same values, which replace those
     that are given.
     """
+    scenario = _fitted(scenario, robot)
     if scenario.imperfect is None:
         return scenario
     random = np.random.default_rng(scenario.draw)
@@ -134,3 +140,17 @@ def drawn(scenario: Scenario, robot: Robot) -> Scenario:
         return found
     kept = (n for n in scenario.told if getattr(found, n) == getattr(scenario, n))
     return replace(found, known=tuple(kept) or "none")
+
+
+def _fitted(scenario: Scenario, robot: Robot) -> Scenario:
+    told: dict[str, Any] = {
+        key: tuple(value) if isinstance(value, list) else value
+        for key, value in robot.card.fitted.items()
+        if key not in REMARKS
+    }
+    for key in told.keys() - SETTINGS.keys():
+        what = f"[fitted] has no key {key!r}"
+        remedy = did_you_mean(key, [*SETTINGS, *REMARKS])
+        raise UsageError(what, f"the card of {robot}", remedy)
+    open_ = {k for k in told if getattr(scenario, k) == SETTINGS[k].default}
+    return replace(scenario, **{key: told[key] for key in open_})

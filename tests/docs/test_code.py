@@ -13,7 +13,7 @@ SHORTER = {  # a path of 14 mm, and a film in which a minute takes a second
     "segments=40": "segments=2",
     "sim.walk(robot, plan)": "sim.walk(robot, plan, playback=60.0)",
 }
-LONG = ("run", "film", "figures", "bench", "sensitivities")  # up to minutes each
+LONG = ("run", "film", "figures", "bench", "sensitivities", "fit")  # up to minutes each
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 TIME = re.compile(r"(?<=in )[\d.]+ s\b|[\d.]+ ms\b")  # on this machine
 CLOSE = 0.02  # of a number shown; other processors round differently

@@ -1,0 +1,172 @@
+"""`stratawalk fit`: what a robot did not come with, estimated from its logs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from math import floor, log10
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sim.commands.options import TRUST, option, robot_of, set_option, settings_of
+from sim.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from sim.fitting.card import Told
+    from sim.fitting.estimate import Estimates
+    from sim.fitting.fitting import JointFit
+    from sim.logs.log import Log
+    from sim.preparation.setup import Setup
+
+HELP = "estimate servos from what joints were told and what was measured"
+OPTIONS = (
+    option(
+        "sources",
+        metavar="ROBOT|RUN|LOG",
+        nargs="+",
+        help="the robot, if there are logs in files, and logs or folders of runs",
+    ),
+    option("--out", metavar="CARD.toml", help="card to write, with what was found"),
+    option(
+        "--walking",
+        action=argparse.BooleanOptionalAction,
+        help="whether the robot walks, or its feet hang in the air, as they do in logs "
+        "without the body's pose",
+    ),
+    option(
+        "--units",
+        choices=("radians", "degrees"),
+        default="radians",
+        help="what angles of logs are in",
+    ),
+    TRUST,
+    set_option("what is known of the robot, such as friction=0.5"),
+)
+MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
+
+
+def execute(options: argparse.Namespace) -> None:
+    """Fit the servos, print them with their errors, and write a card if asked for."""
+    from sim.fitting.card import card_text, check_free, write_card
+    from sim.fitting.fitting import fit_joints
+    from sim.progress import bar, stage
+
+    if options.out is not None:
+        check_free(Path(options.out))
+    setup, logs = _sources(options)
+    walking = options.walking
+    if walking is None:
+        walking = all(log.pose is not None for log in logs)
+    with bar(quiet=options.json) as progress, stage(progress, "fitting"):
+        fit = fit_joints(setup, logs, walking)
+    told = fit.settings(setup.robot.card.joints)
+    if options.json:
+        print(json.dumps(_facts(fit, told)))
+    else:
+        print("\n".join(_table(fit)))
+    if options.out is not None:
+        text = card_text(setup.robot, told, options.sources)
+        use = write_card(setup.robot, Path(options.out), text)
+        if not options.json:
+            print(f"written: {use}")
+
+
+def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log]]:
+    """The robot as it is known, and logs of the same joints."""
+    from models import shipped_robots
+    from sim.fitting.sources import log_of
+    from sim.logs.log import read_log
+    from sim.preparation.setup import prepare
+    from sim.runs.run import read_run
+    from sim.scenarios.file import load_scenario
+
+    first, *rest = options.sources
+    named = first.endswith(".xml") or first in shipped_robots()
+    paths = [Path(name) for name in (rest if named else options.sources)]
+    if not paths:
+        raise UsageError("nothing to fit", first, "name a LOG, or a RUN")
+    runs = {path: read_run(path) for path in paths if path.is_dir()}
+    if not named and not runs:
+        what = f"{first!r} is no robot, and a log does not name its own"
+        raise UsageError(what, "the command line", f"stratawalk fit hexapod {first}")
+    known = settings_of(options)
+    if named:
+        scenario = load_scenario("line", known | {"robot": first})
+    else:
+        scenario = next(iter(runs.values())).scenario
+    robot = robot_of(options, scenario.robot)
+    setup = prepare(scenario, robot)
+    logs = [
+        log_of(runs[path])
+        if path in runs
+        else read_log(path, robot.card.joints, robot.legs, options.units)
+        for path in paths
+    ]
+    for path, log in zip(paths, logs, strict=True):
+        if log.measured is None:
+            remedy = "give columns measured.JOINT beside the commands"
+            raise UsageError("no measured angles", str(path), remedy)
+        if log.joints != logs[0].joints:
+            what = f"other joints than in {paths[0]}"
+            raise UsageError(
+                what, str(path), "give the same columns, or fit each alone"
+            )
+    return setup, logs
+
+
+def _facts(fit: JointFit, told: Told) -> dict[str, object]:
+    rows = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
+    return {
+        "settings": {key: value for key, (value, _) in told.items()},
+        "errors": {key: error for key, (_, error) in told.items()},
+        "unseen": list(fit.make.unseen_directions(0)),
+        "held_out": {joint: {"before": b, "after": a} for joint, b, a in rows},
+    }
+
+
+def _table(fit: JointFit) -> list[str]:
+    """Every joint, all of them, what does not show, and what the kept rows say."""
+    import numpy as np
+
+    columns = [p.name for p in fit.each.parameters]
+    units = [f"[{MILLI_UNITS.get(p.unit, p.unit)}]" for p in fit.each.parameters]
+    lines = [_row("", columns), _row("", units)]
+    for number, joint in enumerate(fit.joints):
+        cells = _cells(fit.each, number)
+        lines.append(_row(joint, [cells[name] for name in columns]))
+    cells = _cells(fit.make, 0)
+    lines += [_row("all joints", [cells.get(name, "") for name in columns]), ""]
+    unseen: dict[str, list[str]] = {}
+    for number, joint in enumerate(fit.joints):
+        for words in fit.each.unseen_directions(number):
+            unseen.setdefault(words, []).append(joint)
+    for words in fit.make.unseen_directions(0):
+        unseen.setdefault(words, []).append("all joints together")
+    lines += [f"{words}: {', '.join(joints)}" for words, joints in unseen.items()]
+    before, after = (
+        np.degrees(np.sqrt(np.mean(r**2))) for r in (fit.before, fit.after)
+    )
+    lines.append(
+        f"the last quarter is missed by {before:.3f} degrees as the robot was "
+        f"described, and by {after:.3f} as it was fitted to the rest"
+    )
+    return lines
+
+
+def _cells(estimates: Estimates, problem: int) -> dict[str, str]:
+    """Values and standard errors that were seen, by name, in thousandths of rad, s."""
+    found = {}
+    for k, parameter in enumerate(estimates.parameters):
+        scale = MILLI if parameter.unit in MILLI_UNITS else 1.0
+        told = parameter.told(estimates.value[problem, k], estimates.error[problem, k])
+        value, error = (scale * float(number) for number in told)
+        places = min(max(1 - floor(log10(max(error, 1e-9))), 0), 6)
+        text = f"{value:.{places}f} +- {error:.{places}f}"
+        found[parameter.name] = text if estimates.seen[problem, k] else "-"
+    return found
+
+
+def _row(name: str, cells: Sequence[str]) -> str:
+    return f"{name:12}" + "".join(f"{cell:>20}" for cell in cells)

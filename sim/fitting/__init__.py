@@ -1,0 +1,1 @@
+"""Estimates of what a robot did not come with: servos, floor and load, from logs."""

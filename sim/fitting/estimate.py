@@ -1,0 +1,240 @@
+"""Estimates with their uncertainties: many small least-squares problems side by side.
+
+Every problem has the same few parameters and measurements of its own. What is expected
+of a parameter beforehand, its start and spread, enters as one more measurement: a
+direction of which the measurements say nothing stays at its start. Such directions are
+named; one is unseen where more than half of what was expected is left open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from planner import Array
+
+UNSEEN = 0.5  # of the spread of a direction that measurements leave
+PART = 0.25  # of a direction, from which on a parameter takes part in it
+STEPS = 15  # of Gauss and Newton at most
+SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
+LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
+LEAST_NOISE = 1e-12
+NINETY = 1.645  # standard errors to either side of an interval of 90 %
+
+Model = Callable[[Array], Array]
+"""Predictions (V, N, P) for variants of the parameters (V, P, K)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """What is estimated, and how far it is expected from where it starts."""
+
+    name: str
+    unit: str
+    spread: float
+    step: float  # of finite differences
+    low: float = -np.inf
+    logarithm: bool = False  # whether the search, spread and step are about it
+
+    def told(self, value: Array, error: Array) -> tuple[Array, Array]:
+        """Values and standard errors themselves, of what is searched for."""
+        return (
+            (np.exp(value), np.exp(value) * error) if self.logarithm else (value, error)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Estimates:
+    """Values of K parameters in P problems, and what the measurements say of them."""
+
+    parameters: tuple[Parameter, ...]
+    start: Array  # where they were expected, (P, K)
+    value: Array  # (P, K)
+    information: Array  # of the measurements alone, (P, K, K)
+    noise: Array  # standard deviation of what is left over, (P,)
+
+    @property
+    def spread(self) -> Array:
+        """Expected beforehand, (K,)."""
+        return np.array([p.spread for p in self.parameters])
+
+    @property
+    def expected(self) -> Array:
+        """Information of what was expected, (K, K)."""
+        return np.diag(1 / self.spread**2)
+
+    @property
+    def error(self) -> Array:
+        """Standard errors, (P, K)."""
+        covariance = np.linalg.inv(self.information + self.expected)
+        return np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+
+    @property
+    def seen(self) -> Array:
+        """Parameters that the measurements determine, (P, K), bool."""
+        return self.error < UNSEEN * self.spread
+
+    def unseen_directions(self, problem: int) -> Iterator[str]:
+        """In words, what the measurements of a problem do not tell, or not apart."""
+        scaled = self.information[problem] * np.outer(self.spread, self.spread)
+        strength, directions = np.linalg.eigh(scaled)
+        for weight, direction in zip(strength, directions.T, strict=True):
+            if 1 / np.sqrt(1 + max(weight, 0.0)) > UNSEEN:
+                yield _in_words([p.name for p in self.parameters], direction)
+
+
+def _in_words(names: Sequence[str], direction: Array) -> str:
+    """A direction of unit length."""
+    order = np.argsort(-np.abs(direction))
+    parts = [i for i in order if abs(direction[i]) > PART]
+    if len(parts) == 1:
+        return f"{names[parts[0]]} does not show"
+    signs = np.sign(direction) * np.sign(direction[parts[0]])
+    words = [f"{'more' if signs[i] > 0 else 'less'} {names[i]}" for i in parts]
+    return f"{' with '.join(words)} would look the same"
+
+
+def estimate(
+    model: Model,
+    measured: Array,
+    parameters: Sequence[Parameter],
+    start: Array,
+    guess: Array,
+) -> Estimates:
+    """Fit P problems by Gauss and Newton's method, each with steps that help it.
+
+    Args:
+        model: What would have been measured.
+        measured: (N, P), NaN where nothing was.
+        parameters: The K parameters.
+        start: Where they are expected, (P, K).
+        guess: Where the search begins, (P, K).
+    """
+    spread, step, low = np.array([(p.spread, p.step, p.low) for p in parameters]).T
+    there = np.isfinite(measured)
+    count = np.maximum(there.sum(axis=0) - len(parameters), 1)
+    expected = np.diag(1 / spread**2)
+
+    def missed(predicted: Array) -> Array:
+        return np.where(there, measured - predicted, 0.0)
+
+    value = np.maximum(guess, low)
+    variants = np.concatenate([np.zeros((1, len(step))), np.diag(step)])
+    for _ in range(STEPS):
+        found = model(value + variants[:, None])
+        slope = np.where(there, (found[1:] - found[0]) / step[:, None, None], 0.0)
+        left = missed(found[0])
+        noise = np.sqrt((left**2).sum(axis=0) / count)
+        weight = 1 / (np.maximum(noise, LEAST_NOISE) ** 2 * _alike(left, there))
+        information = np.einsum("knp,lnp,p->pkl", slope, slope, weight)
+        toward = np.einsum("knp,np,p->pk", slope, left, weight)
+        toward -= (value - start) / spread**2
+        held = (value <= low) & (toward < 0)  # at a bound, and led beyond it
+        way = _newton_step(information + expected, toward, held)
+        found_so_far = Estimates(tuple(parameters), start, value, information, noise)
+        if (np.abs(way) < SETTLED * found_so_far.error).all():
+            break
+        tried = np.maximum(value + LENGTHS[:, None, None] * way, low)
+        cost = _cost(missed(model(tried)), weight, tried - start, spread)
+        new = tried[cost.argmin(axis=0), np.arange(len(value))]
+        now = _cost(left, weight, value - start, spread)
+        better = cost.min(axis=0) < now - SETTLED
+        if not better.any():
+            break
+        value = np.where(better[:, None], new, value)
+    return found_so_far
+
+
+def _newton_step(matrix: Array, toward: Array, held: Array) -> Array:
+    """Solutions (P, K) in which some unknowns are held at zero."""
+    free = ~held
+    kept = np.where(free[:, :, None] & free[:, None], matrix, np.eye(free.shape[1]))
+    wanted = np.where(free, toward, 0.0)
+    solved: Array = np.linalg.solve(kept, wanted[..., None])[..., 0]
+    return solved
+
+
+def _cost(left: Array, weight: Array, off: Array, spread: Array) -> Array:
+    cost: Array = weight * (left**2).sum(axis=-2) + (off**2 / spread**2).sum(axis=-1)
+    return cost
+
+
+def _alike(left: Array, there: Array) -> Array:
+    """How many rows say no more than one, (P,).
+
+    A model that is not exact leaves over what changes slowly. For a first-order process
+    with a correlation r from row to row, (1 + r) / (1 - r) rows count as one.
+    """
+    pairs = there[1:] & there[:-1]
+    r = np.where(pairs, left[1:] * left[:-1], 0.0).sum(axis=0)
+    r = np.minimum(r / np.maximum((left**2).sum(axis=0), LEAST_NOISE**2), 0.999)
+    chance = 2 / np.sqrt(np.maximum(pairs.sum(axis=0), 1))
+    alike: Array = np.where(r > chance, (1 + r) / (1 - r), 1.0)
+    return alike
+
+
+def together(each: Sequence[Estimates]) -> Estimates:
+    """The same problems from several sets of measurements, each already fitted."""
+    first = each[0]
+    if len(each) == 1:
+        return first
+    information = sum((e.information for e in each[1:]), first.information)
+    said = sum((_said(e) for e in each[1:]), _said(first))
+    toward = said + first.start / first.spread**2
+    value = np.linalg.solve(information + first.expected, toward[..., None])[..., 0]
+    noise = np.sqrt(np.mean([e.noise**2 for e in each], axis=0))
+    low = [p.low for p in first.parameters]
+    return Estimates(
+        first.parameters, first.start, np.maximum(value, low), information, noise
+    )
+
+
+def _said(each: Estimates) -> Array:
+    """Information times the values of the measurements alone, (P, K)."""
+    pulled = (each.value - each.start) / each.spread**2  # by what was expected
+    said: Array = np.einsum("pkl,pl->pk", each.information, each.value) + pulled
+    return said
+
+
+def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates]:
+    """Parameters that all problems share, from all of them, and each one's others.
+
+    Around its own estimate what a problem's measurements say is taken to be quadratic.
+    The first estimates are of one problem, the second of P.
+    """
+    c = np.array(shared)
+    p = np.array([k for k in range(len(each.parameters)) if k not in shared])
+    H, expected = each.information, each.expected
+    said = _said(each)
+    own = H[:, p[:, None], p] + expected[p[:, None], p]
+    cross, others = (
+        H[:, c[:, None], p],
+        said[:, p] + each.start[:, p] / each.spread[p] ** 2,
+    )
+    through = cross @ np.linalg.inv(own)
+    told = (H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)).sum(axis=0)
+    toward = (said[:, c] - np.einsum("pkl,pl->pk", through, others)).sum(axis=0)
+    start = each.start[:, c].mean(axis=0)
+    whole = told + expected[c[:, None], c]
+    value = np.linalg.solve(whole, toward + start / each.spread[c] ** 2)
+    one = Estimates(
+        tuple(each.parameters[k] for k in c),
+        start[None],
+        np.maximum(value, [each.parameters[k].low for k in c])[None],
+        told[None],
+        np.sqrt(np.mean(each.noise**2))[None],
+    )
+    rest = others - np.einsum("pkl,k->pl", cross, one.value[0])
+    mine = np.linalg.solve(own, rest[..., None])[..., 0]
+    spread = (
+        np.linalg.inv(own) + np.swapaxes(through, 1, 2) @ np.linalg.inv(whole) @ through
+    )
+    return one, Estimates(
+        tuple(each.parameters[k] for k in p),
+        each.start[:, p],
+        np.maximum(mine, [each.parameters[k].low for k in p]),
+        np.linalg.inv(spread) - expected[p[:, None], p],
+        each.noise,
+    )

@@ -1,0 +1,100 @@
+"""What a robot's joints bear while they follow a log: on a stand, or on the floor.
+
+On a stand the legs hang from a body that is held level, and their weight is all. On the
+floor the engine walks the commands with the servos as they are known so far, which
+decides how the feet share the load; it depends on the servos little.
+"""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+
+from planner import Array
+from sim.drive.feed_forward import leg_actuators
+from sim.fitting.servo_law import Commanded
+from sim.logs.log import Log
+from sim.physics.engine import STRETCH, Engine
+from sim.preparation.setup import Setup
+
+STEP = 0.004  # [s] of the law, which is solved exactly in between
+KNOTS = 10  # steps from one evaluation of weights to the next
+GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
+LIGHTEST = 1e-7  # [kg m^2]
+SETTLING = 0.5  # [s] that it then stands
+
+
+def on_stand(setup: Setup, log: Log) -> Commanded:
+    """The log's joints on a robot whose body is held, level as it starts."""
+    model = setup.as_planned.model
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    places = [int(model.joint(j).qposadr[0]) for j in log.joints]
+    dofs = _dofs(model, log)
+    time = np.arange(int(log.duration / STEP) + 1) * STEP
+    knots = np.append(time[::KNOTS], log.duration)
+    weights, all_forces = np.empty((len(knots), len(log.joints))), np.empty(model.nv)
+    for knot, angles in enumerate(log.at(knots)):
+        data.qpos[places] = angles
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_rne(model, data, 0, all_forces)
+        weights[knot] = all_forces[dofs]
+    load = [np.interp(time, knots, weight) for weight in weights.T]
+    return Commanded(STEP, log.at(time), np.stack(load, axis=1), *_inertia(model, dofs))
+
+
+def on_floor(setup: Setup, log: Log, zero: Array) -> Commanded:
+    """The log's joints on a robot that walks; servos' zeros are off by (J,) [rad].
+
+    Raises SimulationError where the simulation diverges.
+    """
+    model = setup.as_planned.model
+    dt, dofs = model.opt.timestep, _dofs(model, log)
+    servos = _servos(setup, log)
+    ahead = round((GOING + SETTLING) / dt)
+    time = np.arange(-ahead, round(log.duration / dt) + 1) * dt
+    rows = np.tile(model.key("start").ctrl, (len(time), 1))
+    part = np.clip((time + GOING + SETTLING) / GOING, 0, 1)[:, None]
+    part = part * part * (3 - 2 * part)
+    rows[:, servos] += part * (log.at(time) + zero - rows[:, servos])
+    engine = Engine(model)
+    records = [
+        engine.advance(rows[i : i + STRETCH]) for i in range(0, len(rows), STRETCH)
+    ]
+    speed = np.concatenate([r.qvel[:, dofs] for r in records])
+    force = np.concatenate([r.actuator_force[:, servos] for r in records])
+    inertia, _ = _inertia(model, dofs)
+    load = (
+        force
+        - model.dof_damping[dofs] * speed
+        - inertia * np.gradient(speed, dt, axis=0)
+    )
+    each = round(STEP / dt)
+    begins = np.arange(ahead, len(time), each)
+    mean = (
+        np.add.reduceat(load, begins) / np.diff(np.append(begins, len(time)))[:, None]
+    )
+    return Commanded(STEP, log.at(time[begins]), mean, *_inertia(model, dofs))
+
+
+def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:
+    """Stiffness and damping of the log's joints as the robot has them, (J,) each."""
+    model, servos = setup.as_planned.model, _servos(setup, log)
+    damping = model.dof_damping[_dofs(model, log)] - model.actuator_biasprm[servos, 2]
+    return model.actuator_gainprm[servos, 0].copy(), damping
+
+
+def _inertia(model: mujoco.MjModel, dofs: Array) -> tuple[Array, Array]:
+    """About joints, (J,), with their rotors and without [kg m^2]."""
+    whole = model.dof_M0[dofs]
+    return whole, np.maximum(whole - model.dof_armature[dofs], LIGHTEST)
+
+
+def _servos(setup: Setup, log: Log) -> Array:
+    joints = setup.robot.card.joints
+    return leg_actuators(setup)[[joints.index(joint) for joint in log.joints]]
+
+
+def _dofs(model: mujoco.MjModel, log: Log) -> Array:
+    return np.array([int(model.joint(joint).dofadr[0]) for joint in log.joints])
