@@ -9,8 +9,7 @@ import pytest
 from models import load
 from sim.cli import main
 from sim.errors import UsageError
-from sim.fitting.estimate import NINETY
-from sim.fitting.joints import MAKE, SERVO, fit_servos, one_make, servos
+from sim.fitting.joints import MAKE, fit_servos, one_make, servos
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
 from sim.preparation.setup import prepare
@@ -156,7 +155,9 @@ def test_a_card_is_written_that_walks_use(tmp_path, capsys):
         ),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(words, message, tmp_path, monkeypatch, capsys):
+def test_what_cannot_be_fitted_is_refused(
+    words, message, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     classroom_log(tmp_path / "log.csv", measured=False)
     (tmp_path / "log.toml").touch()
@@ -167,10 +168,7 @@ def test_what_cannot_be_fitted_is_refused(words, message, tmp_path, monkeypatch,
 def test_a_card_with_an_unknown_setting_is_refused():
     robot = load("hexapod")
     odd = replace(robot, card=replace(robot.card, fitted={"frictoin": 0.5}))
-    with pytest.raises(UsageError, match=r"\[fitted\] has no key 'frictoin'.*'friction'"):
+    with pytest.raises(
+        UsageError, match=r"\[fitted\] has no key 'frictoin'.*'friction'"
+    ):
         drawn(load_scenario("line"), odd)
-
-
-def test_parameters_start_and_end_where_servos_do():
-    assert [p.name for p in SERVO][:2] == ["stiffness", "damping"]
-    assert NINETY == pytest.approx(1.645)
