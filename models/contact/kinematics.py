@@ -132,6 +132,11 @@ class Kinematics:
         mujoco.mj_kinematics(self.robot.model, self._data)
         return np.array(self._data.joint(joint).xaxis)
 
+    def anchor(self, joint: str) -> Array:
+        """A point on a hinge's axis as the robot stands, shape (3,) [m]."""
+        mujoco.mj_kinematics(self.robot.model, self._data)
+        return np.array(self._data.joint(joint).xanchor)
+
     def _find_center_of_mass(self) -> Array:
         """Bring positions up to date and return the centre of mass, shape (3,)."""
         mujoco.mj_kinematics(self.robot.model, self._data)

@@ -20,6 +20,12 @@ from .makes import (
 )
 from .names import is_plain as is_plain
 from .robot import FOLDER as FOLDER
+from .servos import (
+    BOARD_CLOCK as BOARD_CLOCK,
+    BOARD_COUNTS as BOARD_COUNTS,
+    board_divider as board_divider,
+    board_rate as board_rate,
+)
 from .table import (
     Table as Table,
     parse_toml as parse_toml,

@@ -13,11 +13,12 @@ from typing import Any
 
 from models.description.makes import servo_of
 from models.description.names import is_plain
-from models.description.servos import JointServo, ServoKind
+from models.description.servos import BOARD_CLOCK, JointServo, ServoKind
 from planner.support import unknown
 
 # [s]; with slower lifts the slip at lift-off and touchdown no longer decreases
 LIFT_TIME = 0.3
+CLOCKS = (20e6, 30e6)  # [Hz]; its data sheet's by a fifth more or less
 
 Twist = tuple[float, float, float]  # forward, left [m/rad], yaw [rad/rad]
 
@@ -151,6 +152,7 @@ class Card:
     lift_time: float = LIFT_TIME  # [s], from the ground to `lift_angle`
     servo: Servo | None = None
     joint_servos: Mapping[str, JointServo] = field(default_factory=dict)
+    board_clock: float = BOARD_CLOCK  # of the board that gives pulses [Hz]
     start: Mapping[str, float] = field(default_factory=dict)  # joint -> angle [rad]
     learnt: tuple[float, ...] = ()  # by a walk with feedback, of what segments miss
     # settings of scenarios that logs of the robot told, and what was said of them
@@ -161,6 +163,12 @@ class Card:
         for name in ("lift_angle", "lift_time"):
             if not 0 < (value := getattr(self, name)) < inf:
                 raise ValueError(f"{name} must be positive, got {value}")
+        low, high = CLOCKS
+        if not low <= self.board_clock <= high:
+            raise ValueError(
+                f"board.clock is some {BOARD_CLOCK:g} Hz, from {low:g} to {high:g}, "
+                f"got {self.board_clock:g}"
+            )
         if not self.description.isprintable():
             raise ValueError("description must be one line of printable text")
         self._check_groups()

@@ -16,7 +16,7 @@ from models.description.card import (
     Twist,
     made_of,
 )
-from models.description.servos import NUMBERS, JointServo
+from models.description.servos import BOARD_CLOCK, NUMBERS, JointServo
 from models.description.table import Table, parse_toml
 from models.errors import ModelError
 from planner.support import read_file
@@ -30,6 +30,7 @@ KEYS = {
     "gait": ("strata", "least_load"),
     "pattern": ("strata", "groups", "twist"),
     "servo": ("stiffness", "damping", "kind", *NUMBERS),
+    "board": ("clock",),
     "start": (),
     "learnt": ("numbers",),
     "fitted": (),
@@ -83,11 +84,16 @@ def _card(table: Table) -> Card:
             for joint, value in table.table("servo").values.items()
             if isinstance(value, dict)
         },
+        board_clock=_board(table.table("board")),
         start=table.gains("start"),
         learnt=_learnt(table) if "learnt" in table else (),
         fitted=table.table("fitted").values if "fitted" in table else {},
         description=table.text("description", ""),
     )
+
+
+def _board(board: Table) -> float:
+    return Table(board.values, "board", KEYS["board"]).number("clock", BOARD_CLOCK)
 
 
 def _learnt(table: Table) -> tuple[float, ...]:

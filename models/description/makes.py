@@ -11,13 +11,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import pi, radians
 
-from models.description.servos import ServoKind
+from models.description.servos import BOARD_COUNTS, ServoKind
 from planner.support import unknown
 
 KGF_CM = 0.0980665  # [N m]
 SIXTY = pi / 3  # [rad]; data sheets give the time for 60 degrees
 RATE = 50.0  # frames a second, which every pulse servo takes
-FRAME = 4096  # counts of a PCA9685 in a frame of pulses
 
 
 def _pulse(
@@ -30,7 +29,7 @@ def _pulse(
     source: str,
 ) -> ServoKind:
     """A servo of some range, 500 to 2500 us, with a dead band in microseconds."""
-    a_microsecond, count = radians(degrees / 2000), 1e6 / FRAME / RATE
+    a_microsecond, count = radians(degrees / 2000), 1e6 / BOARD_COUNTS / RATE
     return ServoKind(
         stall_torque=torque,
         no_load_speed=speed,

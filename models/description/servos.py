@@ -20,12 +20,26 @@ from planner.support import did_you_mean
 # 14 ms follow from 240 : 1 on a coreless rotor of 4e-9 kg m^2, as of an MG90S
 START_UP = 0.03
 WITH_VOLTAGE = ("stall_torque", "no_load_speed")
+BOARD_CLOCK = 25e6  # [Hz]; of a PCA9685, by its data sheet
+DIVIDERS = (4, 256)  # whole numbers, by which it divides its clock
+BOARD_COUNTS = 4096  # in a frame
 NOT_NEGATIVE = (
     "command_rate", "resolution", "volts", "dead_band", "backlash", "profile_speed",
     "armature",
 )  # fmt: skip
 NUMBERS = (*WITH_VOLTAGE, "full_error", "center", "reach", *NOT_NEGATIVE)
 """Numbers of a data sheet, by the names that cards and scenarios give them."""
+
+
+def board_divider(rate: float, clock: float = BOARD_CLOCK) -> int:
+    """By what a PCA9685 divides its clock [Hz] for so many frames a second."""
+    least, most = DIVIDERS
+    return min(max(round(clock / (BOARD_COUNTS * rate)), least), most)
+
+
+def board_rate(rate: float, clock: float = BOARD_CLOCK) -> float:
+    """Frames a second that a PCA9685 gives when it is asked for a rate [1/s]."""
+    return clock / (BOARD_COUNTS * board_divider(rate, clock))
 
 
 @dataclass(frozen=True, slots=True)

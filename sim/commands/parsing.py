@@ -12,8 +12,9 @@ from sim.errors import UsageError
 
 COMMANDS = (
     "run", "show", "film", "view", "compare", "sweep", "merge", "study", "design",
-    "plan", "export", "drive", "check", "identify", "fit", "sensitivities", "figures",
-    "robots", "adopt", "systems", "scenarios", "bench", "doctor", "completion", "cite",
+    "plan", "export", "calibrate", "drive", "check", "identify", "fit",
+    "sensitivities", "figures", "robots", "adopt", "systems", "scenarios", "bench",
+    "doctor", "completion", "cite",
 )  # fmt: skip
 MODULES = {"film": "film_run"}  # `film` is a function of the front door
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."

@@ -34,6 +34,7 @@ uint32_t command = 0, begun;
 
 void setup() {{
   board.begin();
+  board.setOscillatorFrequency({NAME}_CLOCK);
   board.setPWMFreq({NAME}_FRAME_RATE);
   begun = micros();
 }}
@@ -70,6 +71,7 @@ HEADER = """\
 
 #define {NAME}_RATE {rate!r}
 #define {NAME}_FRAME_RATE {frame_rate!r}
+#define {NAME}_CLOCK {clock}
 #define {NAME}_COMMANDS {commands}
 #define {NAME}_JOINTS {joints}
 #define {NAME}_BYTES {size}
@@ -132,6 +134,7 @@ def write_header(
         joints=len(numbers),
         rate=float(commands.rate),
         frame_rate=float(table.frame_rate),
+        clock=round(table.clock),
         size=len(packed),
         unit="in microseconds" if table.microseconds else "in counts of 4096 a frame",
         listed="\n".join(

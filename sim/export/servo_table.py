@@ -10,11 +10,11 @@ from math import degrees, inf, pi
 import numpy as np
 
 from models import SERVO_KINDS, Card, JointServo, ServoKind
+from models.description import BOARD_CLOCK, BOARD_COUNTS as FRAME, board_rate
 from planner import Array
 from sim.errors import UsageError
 from sim.export.servo_commands import ServoCommands
 
-FRAME = 4096  # counts of a PCA9685 from one pulse to the next
 FRAMES = (24.0, 1526.0)  # that a PCA9685 can give in a second
 TURN = 4096  # ticks of a Dynamixel in a turn, where nothing else is given
 NEAR = 1e-9  # [rad]; beyond a limit, for rounding
@@ -54,6 +54,7 @@ class ServoTable:
     channels: tuple[Channel, ...]  # one a joint
     largest: int  # count
     frame_rate: float = 0.0  # pulses a second; 0 for servos on a bus
+    clock: float = BOARD_CLOCK  # of the board that gives them [Hz]
     microseconds: bool = False  # of a pulse instead of counts
 
     def __post_init__(self) -> None:
@@ -83,7 +84,9 @@ class ServoTable:
             for servo in self.channels
         )
         frame = round(1e6 / self.frame_rate)
-        return ServoTable(tuple(channels), frame - 1, self.frame_rate, True)
+        return replace(
+            self, channels=tuple(channels), largest=frame - 1, microseconds=True
+        )
 
     def counts(self, commands: ServoCommands) -> Array:
         """Whole counts of commands in the servos' range, by channel, (K, J)."""
@@ -135,7 +138,7 @@ def servo_table(
     if pwm is not None and (make is None or (make.signal == "pulse") != pwm):
         make = PWM if pwm else None
     if make and pwm and FRAMES[0] <= rate <= FRAMES[1]:
-        make = make.at_rate(rate)
+        make = make.at_rate(board_rate(rate, card.board_clock))
     servos = [
         _channel(joint, number, known.get(joint, JointServo()), make, pwm)
         for number, joint in enumerate(joints)
@@ -145,6 +148,7 @@ def servo_table(
         channels=tuple(sorted(servos, key=lambda servo: servo.channel)),
         largest=(FRAME if pwm else max(ticks, TURN if known else 0)) - 1,
         frame_rate=make.command_rate if make and pwm else 0.0,
+        clock=card.board_clock,
     )
 
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 from models import Card, ServoKind
-from models.description import KNOWN_SERVOS, servo_of
+from models.description import KNOWN_SERVOS, board_rate, servo_of
 from planner.support import did_you_mean
 from sim.errors import UsageError
 from sim.scenarios.scenario import Scenario
@@ -73,6 +73,8 @@ def servo_settings(scenario: Scenario, card: Card) -> ServoSettings:
     rate, resolution = asked.rate, asked.resolution
     if scenario.command_rate is not None:
         kind = kind.at_rate(rate)
+    elif kind.signal == "pulse":
+        kind = kind.at_rate(board_rate(kind.command_rate, card.board_clock))
     return replace(
         asked,
         stiffness=kind.stiffness if asked.stiffness is None else asked.stiffness,

@@ -1,0 +1,192 @@
+"""Servos found one at a time: a simulated board hides where they are and how."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from models import SERVO_KINDS, load
+from models.description import board_divider
+from sim.cli import main
+from sim.export import bus, joint_pictures
+from sim.export.calibration import Answer, Answers, marks, read_answers, strokes
+from sim.export.header import read_header
+from sim.export.servo_table import servo_table
+
+MAKE = SERVO_KINDS["mg90"]
+ROBOT = "hexapod-classroom"
+NOMINAL = 102  # divider of 25 MHz for some 60 frames a second
+
+
+class Board:
+    """Servos on hidden channels, each with a sign, a centre and a gain of its own."""
+
+    def __init__(self, draw, clock=25.87e6):
+        random = np.random.default_rng(draw)
+        self.joints = load(ROBOT).card.joints
+        self.clock, number = clock, len(self.joints)
+        self.channel = random.permutation(16)[:number]
+        self.sign = random.choice((-1, 1), number)
+        self.centre = random.uniform(1400, 1600, number)  # [us] at angle 0
+        self.gain = random.uniform(0.9, 1.1, number) * 2000 / np.pi  # [us/rad]
+
+    def count(self, joint, angle, divider):
+        """The count at which a joint stands at an angle, not rounded."""
+        i = self.joints.index(joint)
+        pulse = self.centre[i] + self.sign[i] * self.gain[i] * angle
+        return pulse * 1e-6 * self.clock / divider
+
+    def angle(self, joint, count, divider):
+        """The angle that a joint is turned to by a count."""
+        i = self.joints.index(joint)
+        pulse = count * 1e6 * divider / self.clock
+        return self.sign[i] * (pulse - self.centre[i]) / self.gain[i]
+
+    def owner(self, stop=None):
+        """Who answers questions, and leaves after some."""
+        robot, joint, asked = load(ROBOT), None, 0
+
+        def answer(question):
+            nonlocal joint, asked
+            asked += 1
+            if stop is not None and asked > stop:
+                raise EOFError
+            if "clock" in question:
+                return f"{self.clock / 1e6:.3f}"
+            if "which joint" in question:
+                channel = int(re.search(r"channel (\d+)", question)[1])
+                here = np.flatnonzero(self.channel == channel)
+                joint = self.joints[here[0]] if len(here) else None
+                return joint or "-"
+            i = self.joints.index(joint)
+            if "(+)" in question:
+                return "+" if self.sign[i] > 0 else "-"
+            mark = int(re.search(r"mark (\d)", question)[1]) - 1
+            return str(round(self.count(joint, marks(robot, joint)[mark], NOMINAL)))
+
+        return answer
+
+
+@pytest.fixture
+def calibrate(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(joint_pictures, "draw", lambda *_, **__: None)
+
+    def begin(answer, *words):
+        monkeypatch.setattr("builtins.input", answer)
+        return main(["calibrate", *words])
+
+    return begin
+
+
+def found(path="calibration/hexapod-classroom.xml"):
+    card = load(path).card
+    return card, servo_table(card, card.joints, MAKE, pwm=True, rate=60.0)
+
+
+@pytest.mark.parametrize("clock", [25e6, 25.87e6, 24.1e6])
+def test_a_hidden_board_is_found_to_half_a_count(calibrate, clock):
+    board = Board(1, clock)
+    assert calibrate(board.owner(), ROBOT) == 0
+    card, table = found()
+    assert card.board_clock == pytest.approx(clock, abs=500)  # told to a kilohertz
+    divider, robot = board_divider(60.0, clock), load(ROBOT)
+    for servo in table.channels:
+        assert servo.channel == board.channel[board.joints.index(servo.joint)]
+        angles = np.linspace(*marks(robot, servo.joint), 9)
+        true = board.count(servo.joint, angles, divider)
+        # each mark is told to half a count of the sketch's divider
+        assert np.abs(servo.counts(angles) - true).max() <= 0.5 * NOMINAL / divider
+
+
+def test_work_that_stops_goes_on_with_what_is_kept(calibrate, capsys):
+    board = Board(2)
+    assert calibrate(board.owner(stop=7), ROBOT) == 2
+    assert "calibration/answers.toml keeps 1 of 12 joints" in told_of(capsys)
+    asked, answer = [], board.owner()
+
+    def owner(question):
+        asked.append(question)
+        return answer(question)
+
+    assert calibrate(owner, ROBOT) == 0
+    assert not any("clock" in question for question in asked)
+    assert len(found()[0].joint_servos) == 12
+
+
+def told_of(capsys):
+    return capsys.readouterr().err
+
+
+def test_answers_that_contradict_one_another_are_asked_again():
+    with pytest.raises(ValueError, match=r"turned \+ .* from 400 to 300; look at"):
+        Answer(0, "+", (400, 300))
+    assert str(read_answers(str(Answers({"a b": Answer(3, "-", (400, 300))}, 25e6))))
+    with pytest.raises(ValueError, match="it turned"):
+        read_answers('[servo.a]\nchannel = 1\nturned = "x"\ncounts = [1, 2]')
+
+
+def test_counts_that_no_such_servo_needs_are_asked_again(calibrate, capsys):
+    answer, wrong = Board(3).owner(), iter(["900"])
+
+    def owner(question):
+        right = answer(question)
+        return next(wrong, right) if "mark 2," in question else right
+
+    assert calibrate(owner, ROBOT) == 0
+    assert "look at the marks again" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("mistake", ["none", "sign", "zero"])
+def test_strokes_show_a_wrong_sign_and_a_zero_a_degree_off(calibrate, capsys, mistake):
+    board, robot, joint = Board(4), load(ROBOT), "swing_3"
+    assert calibrate(board.owner(), ROBOT) == 0
+    if mistake == "sign":
+        board.sign[board.joints.index(joint)] *= -1
+    if mistake == "zero":
+        i = board.joints.index(joint)
+        board.centre[i] += np.radians(1.0) * board.gain[i]
+    assert calibrate(None, "calibration/hexapod-classroom.xml", "--check") == 0
+    assert "wrong sign" in capsys.readouterr().out
+    _, table = found()
+    header = Path("calibration/check.h").read_text()
+    counts = table.counts(read_header(header, table))
+    wanted = strokes(robot, table.frame_rate)[0]
+    divider = board_divider(60.0, board.clock)
+    column = [servo.joint for servo in table.channels].index(joint)
+    turned = board.angle(joint, counts[:, column], divider)
+    meant = wanted.angles[:, wanted.joints.index(joint)]
+    apart = np.degrees(turned - meant)
+    count = np.degrees(MAKE.resolution)  # half of one as told, and half as rounded
+    if mistake == "none":
+        assert np.abs(apart).max() < 1.2 * count
+    elif mistake == "zero":  # the foot is on the edge of its ring, not in its middle
+        assert np.abs(np.abs(apart) - 1).max() < 1.2 * count
+    else:  # the leg turns the other way
+        most = np.abs(meant).argmax()
+        assert turned[most] * meant[most] < 0
+
+
+def test_a_card_keeps_what_is_not_of_single_servos(calibrate):
+    calibrate(Board(5).owner(), ROBOT)
+    card = Path("calibration/hexapod-classroom.toml")
+    first = card.read_text()
+    assert "# Legs farther from their tripod's pivot swing farther" in first
+    calibrate(None, "calibration/hexapod-classroom.xml")
+    assert card.read_text() == first
+
+
+def test_what_is_not_calibrated_is_not_checked(calibrate, capsys):
+    assert calibrate(None, ROBOT, "--check") == 2
+    assert "find them first: stratawalk calibrate" in told_of(capsys)
+
+
+def test_packets_are_those_of_the_makers_manuals():
+    torque, goal = bus.packets("ax-12", 1, 512)[:8], bus.packets("ax-12", 1, 512)[8:]
+    assert torque == bytes.fromhex("ffff01040318 01de")
+    assert goal == bytes.fromhex("ffff0105031e0002d6")  # position 512, protocol 1.0
+    # the manual of protocol 2.0 writes 512 to address 116 of servo 1 as an example
+    written = bytes.fromhex("fffffd000109000374000002 0000cad9".replace("cad9", "ca89"))
+    assert bus.packets("xl-330", 1, 512).endswith(written)
+    assert bus.packets("lx-16a", 1, 512) == bytes.fromhex("555501070100020000f4")
