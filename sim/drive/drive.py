@@ -197,17 +197,20 @@ class Drive:
     def _ctrl(self, schedule: Schedule, torques: Torques, rows: Array) -> Array:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
         rehearsed, borne = torques
-        channels, joints = self._setup.channels, self._joints
+        channels, joints, lifts = self._setup.channels, self._joints, self._lifts
         swing, lift = schedule.angles(rows)
-        ctrl, lag = channels.ctrl(swing, lift), np.zeros((len(rows), len(joints)))
+        ctrl = channels.ctrl(swing, lift)
+        lag = bent = np.zeros((len(rows), len(joints)))
         if rehearsed is not None:
             lag = self._damping * self._speed(schedule, rows) / self._stiffness
-            ctrl[:, joints] += rehearsed.at(rows)[:, joints] / self._stiffness + lag
+            bent = rehearsed.at(rows)[:, joints] / self._stiffness
+        ctrl[:, joints] += bent + lag
         if borne is not None:
             ctrl[:, joints] += self._bands.shifts(borne.at(rows)[:, joints])
         if resolution := self._servo.resolution:
             counts = np.round(ctrl[:, joints] / resolution)
-            counts[:, self._lifts] = self._lift_counts.at(lift, lag[:, self._lifts])
+            loads = bent[:, lifts] if rehearsed is not None else None
+            counts[:, lifts] = self._lift_counts.at(lift, lag[:, lifts], loads)
             ctrl[:, joints] = counts * resolution
         ctrl[:, joints] += self._offset
         return ctrl

@@ -24,6 +24,7 @@ from planner import Array
 from sim.preparation.setup import Setup
 
 PASSED = 2.0  # counts above the floor that a foot passes in a single command
+TRUSTED = 2.0  # counts, by which statics may be off before a rehearsal is trusted more
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,16 +38,19 @@ class LiftCounts:
     feed_forward: bool
     _known: dict[bytes, Array] = field(default_factory=dict, repr=False)
 
-    def at(self, lift: Array, lag: Array) -> Array:
+    def at(self, lift: Array, lag: Array, rehearsed: Array | None = None) -> Array:
         """Whole counts (n, F) of lift joints from joint zero, legs in ascending order.
 
         Each group is to be raised by a lift (n, G), and each joint lags behind its
-        motion by a lag (n, F) [rad].
+        motion by a lag (n, F) and is bent by its load as was `rehearsed`, (n, F) [rad].
         """
         robot, resolution = self.setup.robot, self.setup.servo.resolution
         down = lift < PASSED * resolution  # (n, G)
         sets, which = np.unique(down, axis=0, return_inverse=True)
         bent = np.array([self._bent(groups) for groups in sets])[which.ravel()]
+        if rehearsed is not None:
+            now = rehearsed / resolution
+            bent = np.where(np.abs(now - bent) <= TRUSTED, bent, now)
         raised = (robot.raise_sign * lift[:, robot.group_of_leg] + lag) / resolution
         on_floor = np.round(self._standing + self.height + bent)
         in_air = np.round(self._standing + raised + bent)
