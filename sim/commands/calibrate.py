@@ -130,9 +130,7 @@ def _asked(robot: Robot, kind: ServoKind, folder: Path, file: Path) -> Answers:
     tool = folder / (SKETCH if kind.signal == "pulse" else SCRIPT)
     with keeping(kept):
         if len(answers.joints) < len(robot.card.joints):
-            print(
-                f"start {tool}, and look at {folder / PAGE}; Ctrl-C keeps what is told"
-            )
+            print(f"start {tool} and open {folder / PAGE}; Ctrl-C keeps what is told")
         if not answers.joints and answers.clock is None and kind.signal == "pulse":
             answers = replace(answers, clock=_clock())
         for joint, answer in _new(robot, kind, answers):

@@ -24,7 +24,7 @@ LIMIT = 300.0  # [s]
 DISTANCE, ELEVATION = 3.2, -40.0  # of the camera [reach of the robot], [degrees]
 ASIDE = 140.0  # from the joint to the camera [degrees]
 METRE = 1 / 0.0254  # [inch]
-MARGIN = 0.02  # around the sheet's feet [m]
+SHEET_EDGE = 0.02  # around the sheet's feet [m]
 
 
 def draw(robot: Robot, folder: Path, *, allow_external: bool) -> None:
@@ -91,7 +91,8 @@ def sheet(robot: Robot, path: Path) -> None:
     kinematics = Kinematics(robot)
     stance = kinematics.standing
     low, high = (
-        f(stance.feet, axis=0) + s * 2 * MARGIN for f, s in ((np.min, -1), (np.max, 1))
+        f(stance.feet, axis=0) + s * 2 * SHEET_EDGE
+        for f, s in ((np.min, -1), (np.max, 1))
     )
     with mpl.rc_context({"svg.hashsalt": palette.BASE_STYLE["svg.hashsalt"]}):
         figure = Figure(figsize=(high - low) * METRE)
@@ -107,8 +108,10 @@ def sheet(robot: Robot, path: Path) -> None:
             axes.plot(*np.array([hip, foot]).T, linewidth=0.5, color="0.5")
             angle = np.degrees(np.arctan2(*(foot - hip)[::-1]))
             axes.annotate(f"leg {leg}, {angle:.0f}°", foot + (0.004, 0.004), size=8)
-        axes.plot(*np.transpose([low + MARGIN, low + MARGIN + (0.05, 0)]), color="k")
-        axes.annotate("50 mm; print at 100 %", low + MARGIN + (0, 0.002), size=8)
+        axes.plot(
+            *np.transpose([low + SHEET_EDGE, low + SHEET_EDGE + (0.05, 0)]), color="k"
+        )
+        axes.annotate("50 mm; print at 100 %", low + SHEET_EDGE + (0, 0.002), size=8)
         figure.savefig(path, metadata={"Date": None})
 
 
