@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import nullcontext, redirect_stdout
 from dataclasses import replace
 from math import degrees
 from pathlib import Path
@@ -53,7 +55,9 @@ def execute(options: argparse.Namespace) -> None:
     if told is None:
         file = Path(options.answers) if options.answers else folder / "answers.toml"
         _prepare(robot, kind, folder, options)
-        answers = _asked(robot, kind, folder, file)
+        asking = redirect_stdout(sys.stderr) if options.json else nullcontext()
+        with asking:
+            answers = _asked(robot, kind, folder, file)
         told = _written(robot, kind, folder, answers)
     print(json.dumps(told) if options.json else "\n".join(map(str, told.values())))
 
