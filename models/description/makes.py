@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi, radians
+from typing import Any
 
 from models.description.servos import BOARD_COUNTS, ServoKind
 from planner.support import unknown
@@ -42,6 +43,17 @@ def _pulse(
         reach=radians(degrees / 2),
         source=source,
     )
+
+
+def _counts(number: int, degrees: float, rate: float = 100.0) -> dict[str, Any]:
+    """A bus on which so many counts turn a servo by some degrees; rates are assumed."""
+    return {
+        "resolution": radians(degrees / number),
+        "center": number // 2,
+        "reach": radians(degrees / 2),
+        "command_rate": rate,
+        "signal": "bus",
+    }
 
 
 SERVO_KINDS = {
@@ -90,11 +102,7 @@ SERVO_KINDS = {
         # manual: all torque eight counts from the goal with compliance slope 8; as
         # delivered the slope is 32, and the servo a quarter as stiff
         full_error=8 * radians(300 / 1024),
-        command_rate=100.0,  # assumed
-        resolution=radians(300 / 1024),  # manual
-        center=512,  # manual
-        reach=radians(150),  # manual
-        signal="bus",
+        **_counts(1024, 300),  # manual
         source="emanual.robotis.com/docs/en/dxl/ax/ax-12a, 12 V, compliance slope 8",
     ),
     "rx-28": ServoKind(
@@ -103,11 +111,7 @@ SERVO_KINDS = {
         volts=18.5,  # manual
         dead_band=2 * radians(300 / 1024),  # manual: compliance margin 1, each side
         full_error=8 * radians(300 / 1024),  # manual: slope 8; as delivered it is 32
-        command_rate=100.0,  # assumed
-        resolution=radians(300 / 1024),  # manual
-        center=512,  # manual
-        reach=radians(150),  # manual
-        signal="bus",
+        **_counts(1024, 300),  # manual
         source="emanual.robotis.com/docs/en/dxl/rx/rx-28, 18.5 V, compliance slope 8",
     ),
     "xl-330": ServoKind(
@@ -118,12 +122,8 @@ SERVO_KINDS = {
         # manual: gain / 128 of 885 steps of voltage a count, all at 14 counts with a
         # gain of 8000; as delivered it is 400, and the servo a twentieth as stiff
         full_error=885 * 128 / 8000 * radians(360 / 4096),
-        command_rate=100.0,  # assumed
-        resolution=radians(360 / 4096),  # manual
-        center=2048,  # manual
-        reach=radians(180),  # manual
         armature=0.0017,  # measured
-        signal="bus",
+        **_counts(4096, 360),  # manual
         source="emanual.robotis.com/docs/en/dxl/x/xl330-m288, 5 V, P gain 8000",
     ),
     "sts3215": ServoKind(
@@ -132,13 +132,9 @@ SERVO_KINDS = {
         volts=7.4,  # sheet
         dead_band=2 * radians(360 / 4096),  # memory table: a count on each side
         full_error=1 / (32 * 0.166),  # measured: duty cycle a radian with P gain 32
-        command_rate=100.0,  # assumed
-        resolution=radians(360 / 4096),  # sheet
-        center=2048,  # sheet
-        reach=radians(180),  # sheet
         armature=0.0284,  # measured
         profile_speed=400 * radians(360 / 4096),  # counts a second of its write-speed
-        signal="bus",
+        **_counts(4096, 360),  # sheet
         source="Feetech STS3215 data sheet and memory table, 7.4 V, P gain 32",
     ),
     "lx-16a": ServoKind(
@@ -147,11 +143,7 @@ SERVO_KINDS = {
         volts=7.4,  # sheet
         dead_band=2 * radians(0.24),  # sheet: accuracy 0.24 degrees, either way
         full_error=6 * radians(0.24),  # assumed: three dead bands
-        command_rate=50.0,  # assumed: 20 ms are its shortest move
-        resolution=radians(0.24),  # sheet: 0 to 1000 over 240 degrees
-        center=500,  # sheet
-        reach=radians(120),  # sheet
-        signal="bus",
+        **_counts(1000, 240, rate=50.0),  # sheet; 20 ms are its shortest move
         source="Hiwonder LX-16A data sheet, 7.4 V",
     ),
 }
@@ -177,10 +169,7 @@ GENERIC = {
         no_load_speed=1.0,
         full_error=3 * radians(360 / 4096),
         dead_band=radians(360 / 4096),
-        command_rate=100.0,
-        resolution=radians(360 / 4096),
-        center=2048,
-        signal="bus",
+        **_counts(4096, 360),
         source="your data sheet; 4096 counts a turn are assumed",
     ),
 }
