@@ -96,6 +96,14 @@ def test_fields_that_leave_the_bottom_count_by_their_tangent_part():
     assert report.closure == 2
 
 
+def test_fields_are_compared_where_all_are_finite():
+    # the square root is not finite at a part of the points around the configuration
+    fields = {"along": [1, 0], "root": [0, sp.sqrt(X)], "again": [0, sp.sqrt(X)]}
+    system = StratifiedSystem((X, Y), {"0": fields}, "0")
+    algebra = involutive_closure(system.strata["0"], (X, Y), [0.5, 0.0], max_depth=1)
+    assert algebra.names == ("along", "root")
+
+
 def test_numeric_fields_are_tested_too():
     fields = {
         "g1": NumericField(lambda x: [1, 0, -x[1] / 2]),

@@ -1,6 +1,8 @@
 """What the bench measures and how it says so; never how fast this machine is."""
 
 import json
+from resource import RUSAGE_CHILDREN
+from types import SimpleNamespace
 
 import pytest
 
@@ -62,6 +64,18 @@ def test_pairs_are_interleaved():
     calls = []
     paired(lambda: calls.append("other"), lambda: calls.append("ours"))
     assert calls == ["other", "ours"] * (len(calls) // 2)
+
+
+def test_memory_of_the_command_is_that_of_its_processes_in_megabytes(monkeypatch):
+    started = []
+    monkeypatch.setattr(
+        speed.subprocess, "run", lambda words, **_: started.append(words)
+    )
+    usage = SimpleNamespace(ru_maxrss=300 * 1024)  # KiB, as Linux counts
+    monkeypatch.setattr(speed.resource, "getrusage", {RUSAGE_CHILDREN: usage}.get)
+    *_, memory = speed.command()
+    assert (memory.value, memory.unit) == (300.0, "MB")
+    assert started[-1][3:5] == ["run", "ellipse"]
 
 
 def test_optimised_walks_are_measured_beside_the_printed_one(monkeypatch):
