@@ -14,6 +14,10 @@ SHORTER = {  # a path of 14 mm, and a film in which a minute takes a second
     "sim.walk(robot, plan)": "sim.walk(robot, plan, playback=60.0)",
 }
 LONG = ("run", "film", "figures", "bench", "sensitivities", "fit")  # up to minutes each
+LONGEST = {  # which others stand for among the quick tests, in the same words
+    ("plan", "biped", "--optimise", "strokes"),  # as with --free theta
+    ("doctor",),  # as in tests/sim/commands/test_doctor.py
+}
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 TIME = re.compile(r"(?<=in )[\d.]+ s\b|[\d.]+ ms\b")  # on this machine
 CLOSE = 0.02  # of a number shown; other processors round differently
@@ -35,7 +39,7 @@ def command_lines():
             words,
             pages,
             id=" ".join(words),
-            marks=[pytest.mark.full] * (words[0] in LONG),
+            marks=[pytest.mark.full] * (words[0] in LONG or words in LONGEST),
         )
         for words, pages in shown.items()
     ]

@@ -92,8 +92,7 @@ def test_commands_of_sweeps_run(line, swept, tmp_path, monkeypatch):
         pass  # just above
     else:
         monkeypatch.chdir(tmp_path)
-        alone = "--workers" not in words  # or with the workers that are asked for
-        done = walked_here(*words) if alone else run(words, tmp_path)
+        done = walked_here(*words)
         assert (done.returncode, told(done.stderr)) == (0, [])
         assert done.stdout
 

@@ -37,6 +37,7 @@ def judge(folder, done):
     return pages
 
 
+@pytest.mark.full
 def test_pages_become_a_site_without_a_warning(tmp_path):
     done = build(tmp_path, "-D", "nb_execution_mode=off")
     pages = judge(tmp_path, done)

@@ -1,7 +1,5 @@
 """What walks and robots do wrong is said: divergence, softness, starts, caps."""
 
-import re
-
 import numpy as np
 import pytest
 
@@ -23,7 +21,9 @@ def test_a_divergence_leaves_what_led_to_it_and_says_how_to_see_it_again(
     done = stratawalk(*SHORT, *GOAL, *wild)
     assert done.returncode == 4
     said = refusal(done)
-    assert re.search(r"diverged at joint '\w+', warning BADQACC: t = 0\.\d+ s", said)
+    assert "diverged at joint 'lift_3', warning BADQACC: t = 0.03" in said
+    assert (tmp_path / "here" / "commands.npz").exists()
+    assert not (tmp_path / "here" / "summary.json").exists()
     again = said.rpartition("again by: stratawalk ")[2].split()
     assert stratawalk(*again, "--out", "again").returncode == 4
     states = [np.load(tmp_path / name / "divergence.npz") for name in ("here", "again")]

@@ -212,6 +212,8 @@ def test_a_browser_opens_only_where_there_is_a_display(
     folder, tmp_path, monkeypatch, capsys, display
 ):
     """A real program in the browser's place notes what it is asked to open."""
+    drawn = lambda run, progress: run.folder / NAME  # noqa: E731
+    monkeypatch.setattr("sim.reports.page.write_report", drawn)
     noted, browser = tmp_path / "noted", tmp_path / "browser"
     browser.write_text(f'#!/bin/sh\nprintf %s "$1" > {noted}\n')
     browser.chmod(0o755)

@@ -18,7 +18,14 @@ from sim.sweeps.sweeping import points_of
 from sim.sweeps.worker_pool import SHARED, open_pool
 from sim.versions import PACKAGES
 from tests.commands import told
-from tests.sweeps import ENV, command, poisoned, stratawalk, write_sweep
+from tests.sweeps import (
+    ENV,
+    command,
+    poisoned,
+    stratawalk,
+    walked_here,
+    write_sweep,
+)
 
 pytestmark = pytest.mark.physics
 POISON = "[grid]\nfriction = [0.5, 0.666, 0.8]\n"
@@ -82,7 +89,7 @@ def test_solvers_are_part_of_what_a_point_was_made_with():
 
 def test_a_cluster_gives_the_bytes_that_one_machine_gives(tmp_path):
     file = write_sweep(tmp_path, POISON)
-    here = stratawalk("sweep", file, "--out", tmp_path / "here", "--workers", 1)
+    here = walked_here("sweep", file, "--out", tmp_path / "here")
     assert here.returncode == 0, here.stderr
     with cluster(tmp_path) as address:
         there = ("sweep", file, "--out", tmp_path / "there", "--scheduler", address)
