@@ -36,7 +36,9 @@ def examined(capsys, monkeypatch):
 @pytest.mark.physics
 @pytest.mark.render
 @pytest.mark.usefixtures("driver")
-def test_everything_works_here(capsys):
+def test_everything_works_here(capsys, monkeypatch):
+    """Packages apart, whose every file is read for the documented `doctor`."""
+    monkeypatch.setattr(packages, "differences", lambda: iter(()))
     assert main(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[:2] for line in lines] == [[name, "works"] for name in CHECKS]
