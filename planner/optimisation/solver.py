@@ -75,12 +75,20 @@ def casadi_function(
     state: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]
 ) -> Callable[[Expression], list[Expression]]:
     """SymPy expressions over a state as a function of CasADi's symbols of it."""
+    function = _lambda(tuple(state), tuple(expressions))
+    return lambda x: list(function(*(x[i] for i in range(len(state)))))
+
+
+@lru_cache  # programs of all sizes have the same few fields
+def _lambda(
+    state: tuple[sp.Symbol, ...], expressions: tuple[sp.Expr, ...]
+) -> Callable[..., list[Expression]]:
     ca = solver()
     named = {name: getattr(ca, name) for name in SAME_NAME} | {"Abs": ca.fabs}
-    function = sp.lambdify(
+    function: Callable[..., list[Expression]] = sp.lambdify(
         state, list(expressions), modules=[named], cse=True, dummify=True
     )
-    return lambda x: list(function(*(x[i] for i in range(len(state)))))
+    return function
 
 
 class Ipopt:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 
@@ -21,8 +20,10 @@ from sim.preparation.shared import Shared
 from sim.scenarios.file import load_scenario, to_table
 from sim.scenarios.scenario import Scenario
 from sim.simulation import simulate
+from sim.sweeps.file import Sweep
 from sim.sweeps.folder import Shard, SweepFolder
-from sim.sweeps.ledger import OK, Outcome
+from sim.sweeps.ledger import OK, Outcome, opened
+from sim.sweeps.sweeping import carry_on, points_of
 from sim.sweeps.worker import Task, numbers
 from sim.sweeps.worker_pool import open_pool
 
@@ -113,17 +114,13 @@ def _peak(work: str) -> float:
 
 def keep_books(folder: str) -> None:
     """Read a ledger of many points, and write their table."""
-    from sim.sweeps.file import Sweep
-    from sim.sweeps.sweeping import carry_on, points_of
-
     scenario = load_scenario("line", TINY)
     given = dict(numbers(simulate(scenario, without=WITHOUT).summary))
     blocks = ((("friction",), [(0.5 + 1e-5 * n,) for n in range(MANY)]),)
     sweep = Sweep("many", to_table(scenario), {}, blocks, WITHOUT)
     points, home = points_of(sweep, Shard()), SweepFolder(Path(folder))
-    with home.ledger.open("w") as ledger:
-        for code in points.digests.values():
-            ledger.write(json.dumps(asdict(Outcome(code, OK, given))) + "\n")
+    with opened(home.ledger) as ledger:
+        ledger.add(Outcome(code, OK, given) for code in points.digests.values())
     carry_on(points, home)
 
 

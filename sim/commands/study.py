@@ -32,9 +32,8 @@ def execute(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     from sim.folder import blamed_on, ensure_folder
     from sim.progress import bar, stage
-    from sim.studies.findings import findings
     from sim.studies.maps import draw_maps
-    from sim.studies.results import read_results
+    from sim.studies.results import findings, read_results
 
     given = Path(options.table)
     results = read_results(given, prediction_key(options.prediction))

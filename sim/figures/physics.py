@@ -29,7 +29,7 @@ from sim.walking.walker import Walker
 SAMPLE_EVERY = 50  # steps; bodies move a millimetre in between
 NOMINAL = 601  # points of the nominal path
 PREDICTED = ("ideal", "quasi_static")
-WITHOUT = ("identified", "creep_floor")  # measured at length, and in no figure
+WITHOUT = ("identified", "compliant", "creep_floor")  # at length, and in no figure
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,16 @@
-"""A sweep's table, read back, and every point sorted by how well its prediction holds.
+"""A sweep's table, read back: how well each prediction holds, which settings matter.
 
 A point is judged by the farthest that the walk came from a prediction, as a share of
-its path.
+its path. How much of what varies in the results a setting alone explains is the
+first-order index of Sobol's decomposition, estimated from whatever points there are:
+the variance of the means of groups of equal or neighbouring values, as a share of the
+whole variance, less what chance alone would give.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +27,12 @@ from sim.sweeps.table import read_table
 LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions hold."""
 CLASSES = ("within 1 %", "within 3 %", "within 10 %", "beyond", "fell", "no walk")
-BEYOND, FELL, NO_WALK = 3, 4, 5
+FELL, NO_WALK = 4, 5
+FEW = 12  # values, of which each is a group of its own
+BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
+EACH = 12  # points that a group should have
+ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
+PRINTED_REASONS = 5
 
 
 @dataclass(frozen=True)
@@ -96,3 +105,100 @@ def read_results(path: Path, prediction: str) -> Results:
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
     return results
+
+
+def explained(values: Sequence[object], results: Array) -> float | None:
+    """Share of the variance of results that one setting alone explains, from 0 to 1.
+
+    Points whose result is NaN are left out. None where nothing varies, or where every
+    group has a single point.
+    """
+    known = np.isfinite(results)
+    results = results[known]
+    distinct, groups = np.unique(group(values)[known], return_inverse=True)
+    count = len(distinct)
+    if count < 2 or len(results) <= count:
+        return None
+    total = float(((results - results.mean()) ** 2).sum())
+    if total <= 0:
+        return None
+    means = np.bincount(groups, results) / np.bincount(groups)
+    within = float(((results - means[groups]) ** 2).sum())
+    chance = within / (len(results) - count) * (len(results) - 1)
+    return float(np.clip(1.0 - chance / total, 0.0, 1.0))
+
+
+def group(values: Sequence[object]) -> Array:
+    """Number of each point's group of equal or neighbouring values, shape (N,)."""
+    comparable = list(map(_comparable, values))
+    distinct = sorted(set(comparable))
+    place = {value: number for number, value in enumerate(distinct)}
+    ranks = np.array([place[value] for value in comparable], dtype=int)
+    if len(distinct) <= FEW:
+        return ranks
+    bins = int(np.clip(len(ranks) // EACH, *BINS))
+    return ranks * bins // len(distinct)
+
+
+def _comparable(value: object) -> tuple[str, object]:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return "", float(value)
+    return type(value).__name__, str(value)
+
+
+@dataclass(frozen=True)
+class Explained:
+    """Shares of the variance that a setting alone explains; None where nothing does."""
+
+    departure: float | None  # of the order of magnitude of departures
+    falls: float | None  # of whether the walk is lost
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Points in each class, and how much every setting alone explains."""
+
+    points: int
+    prediction: str  # that departures are from
+    classes: Mapping[str, int]
+    explained: Mapping[str, Explained]
+    reasons: Mapping[str, int]  # points without numbers, most frequent reasons first
+
+    def __str__(self) -> str:
+        return "\n".join(self._lines())
+
+    def _lines(self) -> Iterator[str]:
+        name = PREDICTIONS[self.prediction].label
+        yield f"{self.points} points, farthest off the {name} prediction on the way"
+        for word, count in self.classes.items():
+            yield f"{word:14}{count:6} {count / max(self.points, 1):7.1%}"
+        for reason, count in self.reasons.items():
+            yield f"{CLASSES[NO_WALK]:14}{count:6}  {reason}"
+        yield ""
+        yield f"{'alone explains':24}{'of departures':>14}{'of lost walks':>15}"
+        ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))
+        for key, share in ranked:
+            yield f"{key:24}{_percent(share.departure):>14}{_percent(share.falls):>15}"
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{share:.0%}"
+
+
+def findings(results: Results) -> Findings:
+    """What the table of a sweep says."""
+    lost = (results.classes >= FELL).astype(float)
+    off = np.log10(np.maximum(results.off, ROUNDING_SHARE))
+    off[results.classes >= FELL] = np.nan
+    columns = [(key, results.columns[key]) for key in results.keys]
+    reasons = Counter(str(s) for s in results.columns["status"] if s != "ok")
+    return Findings(
+        points=len(results),
+        prediction=results.prediction,
+        classes=results.counts,
+        explained={
+            key: Explained(explained(values, off), explained(values, lost))
+            for key, values in columns
+        },
+        reasons=dict(reasons.most_common(PRINTED_REASONS)),
+    )

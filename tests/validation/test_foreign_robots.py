@@ -15,7 +15,7 @@ from sim.scenarios.scenario import Scenario
 from sim.world.model import build, load as load_world
 from sim.world.sensors import SELF_CONTACT
 from tests import foreign
-from tests.walks import simulated
+from tests.walks import COSTLY, simulated
 
 pytestmark = pytest.mark.physics
 
@@ -27,7 +27,7 @@ def walked(request, tmp_path_factory):
     robot = str(request.param(tmp_path_factory.mktemp("robot")))
     path = line((0.005, 0.005, 0.0))
     scenario = Scenario(name="short", robot=robot, path=path, segments=1, replan=True)
-    return folder, run(scenario, RunFolder(folder))
+    return folder, run(scenario, RunFolder(folder), without=COSTLY)
 
 
 def test_it_steps_as_commanded(walked):

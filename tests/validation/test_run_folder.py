@@ -20,6 +20,7 @@ from sim.motion.poses import rotate
 from sim.motion.stability import stability_margin
 from sim.run_folder import run
 from sim.scenarios.file import load_scenario
+from tests.walks import COSTLY
 
 pytestmark = pytest.mark.physics
 
@@ -159,7 +160,7 @@ def test_achieved_and_predicted_start_together_in_the_start_frame(arrays):
 
 def test_a_path_of_no_length_walks_nowhere_and_divides_by_nothing(tmp_path):
     still = {"path": {"kind": "line", "goal": [0.0, 0.0, 0.0]}, "segments": 1}
-    summary = run(load_scenario("line", still), RunFolder(tmp_path))
+    summary = run(load_scenario("line", still), RunFolder(tmp_path), without=COSTLY)
     assert summary["contact_switches"] == 0
     assert summary["error"]["ideal"]["position_per_path"] is None
     assert summary["error"]["ideal"]["position_per_walked"] is None
@@ -194,7 +195,8 @@ def test_a_walk_that_cannot_be_judged_leaves_its_commands(tmp_path, monkeypatch)
 
 def carried_out(scenario, folder):
     """Run a robot of whose files some lie beside its folder."""
-    return run(scenario, folder, robot=load(scenario.robot, allow_external=True))
+    robot = load(scenario.robot, allow_external=True)
+    return run(scenario, folder, robot=robot, without=COSTLY)
 
 
 BOX = {"kind": "box", "center": [0.0, 0.5], "size": [1.0, 0.1]}
@@ -247,9 +249,8 @@ def test_a_run_goes_again_after_it_was_moved_and_its_robot_is_gone(
 def test_the_model_of_a_run_is_a_robot_itself(moved, tmp_path):
     summary, folder = moved
     robot = {"robot": str(folder / "model.xml")}
-    again = run(
-        load_scenario(str(folder / "scenario.toml"), robot), RunFolder(tmp_path)
-    )
+    scenario = load_scenario(str(folder / "scenario.toml"), robot)
+    again = run(scenario, RunFolder(tmp_path), without=COSTLY)
     # MJCF is written with six digits
     pose = summary["achieved"]["pose"]
     assert again["achieved"]["pose"] == pytest.approx(pose, abs=1e-6)

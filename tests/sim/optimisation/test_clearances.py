@@ -20,6 +20,7 @@ BESIDE = {
     "path_tolerance": 0.03,
     "yaw_tolerance": 3.2,
     "optimise": "time",
+    "hops": 2,
     "obstacles": [WALL],
 }
 

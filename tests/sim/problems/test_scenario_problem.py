@@ -106,8 +106,9 @@ def test_margins_as_expressions_are_those_of_the_prediction(setup):
 
 
 def test_a_least_margin_is_kept(monkeypatch):
-    monkeypatch.setattr("planner.optimisation.windows.CLOSELY", 1)
-    near = {"path.goal": [0.03, 0.03, 0.0], "segments": 6}
+    for name in ("CLOSELY", "PATIENT_FOR", "FINALISTS"):
+        monkeypatch.setattr(f"planner.optimisation.windows.{name}", 1)
+    near = {"path.goal": [0.02, 0.02, 0.0], "segments": 4, "hops": 1}
     setup = setup_of(**near, min_margin=0.045)
     found = ScenarioProblem(setup).solve().plan
     assert Judge(setup).margin_lack(list(found.segments())) == 0.0

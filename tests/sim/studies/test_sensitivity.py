@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.studies.findings import explained, group
+from sim.studies.results import explained, group
 
 RNG = np.random.default_rng(16)
 
