@@ -180,7 +180,8 @@ def test_written_scenario_runs_again_to_the_same_numbers(stratawalk, tmp_path):
 
     def numbers(out, *words):
         done = stratawalk(*words, "--no-video", "--json", "--out", out)
-        assert told(done.stderr) == []
+        (off,) = told(done.stderr)  # the paper's fields are not this robot's
+        assert "off its goal" in off
         summary = json.loads(done.stdout)
         assert summary == json.loads((tmp_path / out / "summary.json").read_text())
         del summary["timing"]

@@ -12,8 +12,8 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.evaluation.verdict import FAILURES
 from sim.folder import RunFolder
-from sim.pictures.clock import FRAME_RATE
-from sim.pictures.run_film import film_folder
+from sim.pictures.clock import FRAME_RATE, clock
+from sim.pictures.file import encoding
 from sim.reports.page import NAME, write_report
 from sim.run_folder import run, write
 from sim.runs.run import read_run
@@ -128,10 +128,13 @@ def test_a_run_that_fell_is_seen_to(folder, tmp_path):
     assert seen["drawings"] == 8
 
 
-@pytest.mark.render
-def test_the_cursor_moves_all_drawings_and_the_film(driver, report, tmp_path):
+def test_the_cursor_moves_all_drawings_and_the_film(report, tmp_path):
+    """The film is a dark one of as many pictures as the walk's own would have."""
     folder = shutil.copytree(report.parent, tmp_path / "filmed")
-    film_folder(folder)
+    walk = read_run(folder)
+    with encoding(folder / "video.mp4") as append:
+        for _ in clock(walk.time, walk.scenario.playback).rows:
+            append(np.zeros((64, 64, 3), np.uint8))
     page = folder / NAME  # drawn before there was a film
     seen = ask(page, SEEN, tmp_path)
     assert (seen["film"], seen["video"], seen["missing"]) == ("shown", True, False)
