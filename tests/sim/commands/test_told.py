@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from sim.evaluation.comparison import describe
 from tests.commands import refusal
+from tests.walks import simulated
 
 SHORT = ("run", "line", "--segments", "2", "--no-video", "--out", "here")
 GOAL = ("--set", "path.goal=[0.01, 0.01, 0]")
@@ -50,9 +52,9 @@ def test_settings_under_which_nothing_can_stand_are_named(
 
 
 @pytest.mark.physics
-def test_a_speed_that_the_acceleration_caps_is_told(stratawalk):
-    done = stratawalk(*SHORT, *GOAL, *sets("swing_speed=6"))
-    assert "swing_acceleration caps the swing_speed of 6" in done.stdout
+def test_a_speed_that_the_acceleration_caps_is_told(scenario):
+    told = describe(simulated(scenario(swing_speed=6.0)).summary)
+    assert "swing_acceleration caps the swing_speed of 6" in told
 
 
 STARTS = {
