@@ -7,6 +7,11 @@ minimum may lie on an edge. Each foot is therefore tried in turn as the one that
 and about which the body turns; the subgradient tells whether this is the minimum. Where
 every foot slides, Newton's method finds the minimum. The computation needs geometry and
 loads only and is vectorised over configurations.
+
+Friction may differ from foot to foot and with the direction of sliding (Hatton, Salaman
+and Revzen 2025): a foot then dissipates N_i |D_i v_i|, and the symmetric D_i maps the
+unit disc to the ellipse of its friction. `viscous_twist` has drag in proportion to
+speed in its place, the law of slender swimmers.
 """
 
 from __future__ import annotations
@@ -42,11 +47,36 @@ def foot_jacobians(feet: Array) -> Array:
     return J
 
 
-def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
-    """The body twist xi that minimises sum_i N_i |v_i(xi)|, shape (N, 3).
+def ellipses(along: Array, friction: tuple[float, float]) -> Array:
+    """Ellipses D of friction along unit vectors (..., 2) and across, (..., 2, 2)."""
+    lengthwise = along[..., :, None] * along[..., None, :]
+    return friction[0] * lengthwise + friction[1] * (np.eye(2) - lengthwise)
+
+
+def viscous_twist(
+    feet: Array, rates: Array, loads: Array, grip: Array | None = None
+) -> Array:
+    """The body twist xi that minimises sum_i N_i |D_i v_i(xi)|^2, shape (N, 3).
+
+    Arguments are those of `least_dissipation_twist`. Two feet at one place are a
+    LinAlgError: drag does not tell how the body turns about them.
+    """
+    J = foot_jacobians(feet)
+    if grip is not None:
+        J, rates = grip @ J, (grip @ rates[..., None])[..., 0]
+    H = np.einsum("nf,nfij,nfik->njk", loads, J, J)
+    drag = np.einsum("nf,nfij,nfi->nj", loads, J, rates)
+    return -np.linalg.solve(H, drag[..., None])[..., 0]
+
+
+def least_dissipation_twist(
+    feet: Array, rates: Array, loads: Array, grip: Array | None = None
+) -> Array:
+    """The body twist xi that minimises sum_i N_i |D_i v_i(xi)|, shape (N, 3).
 
     Feet [m] and their velocities [m/s] are those in the body frame, shape (N, F, 2),
-    normal forces are zero for feet in the air, shape (N, F) [N].
+    normal forces are zero for feet in the air, shape (N, F) [N]. Ellipses D_i of
+    friction have shape (N, F, 2, 2); without them feet rub alike in all directions.
     """
     on = loads[..., None] > 0
     speed = np.linalg.norm(rates * on, axis=-1).max(axis=-1)
@@ -56,6 +86,7 @@ def least_dissipation_twist(feet: Array, rates: Array, loads: Array) -> Array:
         feet=feet / reach,
         rates=np.where(on, rates / unit[..., None], 0.0),
         loads=loads / loads.sum(axis=-1, keepdims=True),
+        grip=grip,
     )
     return problem.solve() * unit / np.array([1.0, 1.0, reach])
 
@@ -67,18 +98,29 @@ class _Problem:
     feet: Array
     rates: Array
     loads: Array
+    grip: Array | None = None
 
     def solve(self) -> Array:
         xi, sticking = self._turning_about_one_foot()
         rest = ~self._is_minimum(xi, sticking)
         if rest.any():
-            part = _Problem(self.feet[rest], self.rates[rest], self.loads[rest])
+            grip = None if self.grip is None else self.grip[rest]
+            part = _Problem(self.feet[rest], self.rates[rest], self.loads[rest], grip)
             xi[rest] = part.improve(xi[rest])
         return xi
 
+    def gripped(self, ways: Array) -> Array:
+        """Motions of the feet as their friction weighs them, (N, F, 2, ...)."""
+        return ways if self.grip is None else self.grip @ ways
+
+    def sliding(self, xi: Array) -> Array:
+        """Velocities of the feet as their friction weighs them, (N, F, 2)."""
+        velocities = foot_velocities(self.feet, self.rates, xi)
+        return self.gripped(velocities[..., None])[..., 0]
+
     def dissipation(self, xi: Array, smoothing: float = 0.0) -> Array:
         """Smoothed power, shape (N,)."""
-        square = (foot_velocities(self.feet, self.rates, xi) ** 2).sum(-1)
+        square = (self.sliding(xi) ** 2).sum(-1)
         return (self.loads * np.sqrt(square + smoothing**2)).sum(-1)
 
     def _turning_about_one_foot(self) -> tuple[Array, Array]:
@@ -93,6 +135,13 @@ class _Problem:
         r = feet[..., 0] + 1j * feet[..., 1]
         v = rates[..., 0] + 1j * rates[..., 1]
         a, b = v[:, None] - v[..., None], 1j * (r[:, None] - r[..., None])  # (N, i, j)
+        if self.grip is not None:
+            D = self.grip[:, None]
+            a, b = (
+                D[..., 0, 0] * z.real + D[..., 0, 1] * z.imag
+                + 1j * (D[..., 1, 0] * z.real + D[..., 1, 1] * z.imag)
+                for z in (a, b)
+            )  # fmt: skip
         far = np.abs(b) > 0
         z = -a / np.where(far, b, 1.0)
         p, q2 = z.real, z.imag**2
@@ -122,19 +171,22 @@ class _Problem:
         A foot that sticks bears any friction up to its load. Where several stick the
         answer is no unless nothing slides at all: then there is nothing to improve.
         """
-        w = foot_velocities(self.feet, self.rates, xi)
+        w = self.sliding(xi)
         speed = np.linalg.norm(w, axis=-1)
         sliding = (speed > _STICKS) & (self.loads > 0)
         force = self.loads[..., None] * w / np.where(sliding, speed, np.inf)[..., None]
-        needed = np.linalg.norm(force.sum(axis=1), axis=-1)
         alone = ((self.loads > 0) & ~sliding).sum(axis=-1) == 1
         rows = np.arange(len(xi))
+        total = self.gripped(force[..., None]).sum(axis=1)
+        if self.grip is not None:
+            total = np.linalg.solve(self.grip[rows, sticking], total)
+        needed = np.linalg.norm(total[..., 0], axis=-1)
         held = needed <= self.loads[rows, sticking] * (1 + 1e-12)
         return (alone & held) | ~sliding.any(axis=-1)
 
     def improve(self, start: Array) -> Array:
         """Newton's method on ever less smoothed dissipation; the start if worse."""
-        J = foot_jacobians(self.feet)
+        J = self.gripped(foot_jacobians(self.feet))
         xi = start
         for smoothing in _SMOOTHINGS:
             for _ in range(_NEWTON_STEPS):
@@ -147,7 +199,7 @@ class _Problem:
 
     def _newton_step(self, xi: Array, J: Array, smoothing: float) -> Array:
         """Newton's step, halved until the power is lower, and 0 where it never is."""
-        w = foot_velocities(self.feet, self.rates, xi)
+        w = self.sliding(xi)
         s = np.sqrt((w**2).sum(-1) + smoothing**2)[..., None]  # (N, F, 1)
         Jw = np.einsum("nfij,nfi->nfj", J, w / s)
         gradient = (self.loads[..., None] * Jw).sum(axis=1)

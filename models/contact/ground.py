@@ -6,7 +6,7 @@ touch the floor, and the stiffness of a lift joint is that of its servo.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -32,12 +32,29 @@ class Ground:
 
     contact: Array  # compliance of floor and foot, (F,) [m/N]
     servo: Array  # stiffness of the lift joint, (F,) [N m/rad]
-    friction: float
+    friction: float  # where feet differ, that of the roughest
     weight: float  # of the robot [N]
     # Sliding pushes a contact apart by friction * push * speed: a property of the
     # engine's soft contacts, not of Coulomb's law.
     push: float = 0.0  # [s]
     frictions: tuple[float, ...] = ()  # of every foot, where they are read
+
+    @property
+    def shares(self) -> Array:
+        """Friction of every foot over that of the roughest, (F,)."""
+        rubbing = np.array(self.frictions or (1.0,) * len(self.contact))
+        return rubbing / max(float(rubbing.max()), 1e-300)
+
+    def under(self, feet: Array) -> Ground:
+        """The ground under some of the feet, (F,), bool."""
+        own = tuple(np.array(self.frictions)[feet]) if self.frictions else ()
+        return replace(
+            self,
+            contact=self.contact[feet],
+            servo=self.servo[feet],
+            friction=max(own, default=self.friction),
+            frictions=own,
+        )
 
     @classmethod
     def of(cls, robot: Robot, model: mujoco.MjModel) -> Ground:
@@ -61,7 +78,7 @@ class Ground:
         return cls(
             contact=1 / stiffnesses,
             servo=model.actuator_gainprm[lifts, 0],
-            friction=float(np.mean(frictions)),
+            friction=max(frictions),
             weight=robot.weight_in(model),
             push=float(pushes.mean()),
             frictions=tuple(frictions),

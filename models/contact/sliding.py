@@ -30,7 +30,11 @@ _LEAST_COMPLIANCE = 0.1  # of a leg's own, where friction would jam it
 
 
 def sliding_twist(
-    stance: Stance, rates: Array, ground: Ground, speed: float = 0.0
+    stance: Stance,
+    rates: Array,
+    ground: Ground,
+    speed: float = 0.0,
+    grip: Array | None = None,
 ) -> tuple[Array, Array]:
     """The twist (N, 3) at which friction balances, and the feet's shares of the weight.
 
@@ -38,6 +42,8 @@ def sliding_twist(
     (N, F, 2). The speed is what a rate of 1 stands for when sliding pushes feet apart;
     0 leaves that out, as Coulomb's law does. Without a speed friction may jam a leg, at
     one in fifty poses of a hexapod, and then the twist is the closest to balance found.
+    Ellipses of the feet's friction, as in `contact.dissipation`, have shape
+    (N, F, 2, 2).
     """
     fastest = np.linalg.norm(rates, axis=-1).max(axis=-1)
     unit = np.where(fastest > 0, fastest, 1.0)[:, None]
@@ -51,6 +57,7 @@ def sliding_twist(
         arms=np.concatenate([np.ones((*feet.shape[:-1], 1)), feet], axis=-1),
         moments=np.concatenate([np.ones((len(feet), 1)), center], axis=-1),
         gives=stance.gives,
+        grip=grip,
     )
     xi = balance.follow(_SMOOTHINGS)
     rest = np.abs(balance.force(xi, _SMOOTHINGS[-1])).max(axis=-1)
@@ -71,11 +78,14 @@ class _Balance:
     arms: Array  # 1, x, y of each foot, (N, F, 3)
     moments: Array  # 1, x, y of the centre of mass, (N, 3)
     gives: Array  # of the soles by the lift joints, (N, F, 3) [m/rad]
+    grip: Array | None
 
     def take(self, rows: Array) -> _Balance:
         """Some of the configurations."""
-        arrays = {f.name: getattr(self, f.name) for f in fields(self)[1:]}
-        return _Balance(self.ground, **{name: a[rows] for name, a in arrays.items()})
+        names = [f.name for f in fields(self)[1:] if f.name != "grip"]
+        arrays = {name: getattr(self, name)[rows] for name in names}
+        grip = None if self.grip is None else self.grip[rows]
+        return _Balance(self.ground, **arrays, grip=grip)
 
     def follow(self, smoothings: Sequence[float]) -> Array:
         """Twists for friction that is smoothed less and less, shape (N, 3).
@@ -115,7 +125,7 @@ class _Balance:
     def force(self, xi: Array, smoothing: float) -> Array:
         """Sum of friction forces and their moment, shape (N, 3)."""
         loads, direction = self.loads(xi, smoothing)
-        dragging = loads[..., None] * direction  # (N, F, 2)
+        dragging = (loads * self.ground.shares)[..., None] * direction  # (N, F, 2)
         return (dragging[..., None, :] @ self.J)[..., 0, :].sum(axis=-2)
 
     def loads(self, xi: Array, smoothing: float) -> tuple[Array, Array]:
@@ -125,14 +135,19 @@ class _Balance:
         sliding pushes it up, and the body stays plane.
         """
         ground, upward = self.ground, self.gives[..., 2]
+        friction = ground.friction * ground.shares
         w = self.rates + (self.J @ xi[:, None, :, None])[..., 0]
+        if self.grip is not None:
+            w = (self.grip @ w[..., None])[..., 0]
         speed = np.sqrt((w**2).sum(axis=-1) + smoothing**2)
         direction = w / speed[..., None]
-        dragged = ground.friction * (self.gives[..., :2] * direction).sum(axis=-1)
+        if self.grip is not None:
+            direction = (self.grip @ direction[..., None])[..., 0]
+        dragged = friction * (self.gives[..., :2] * direction).sum(axis=-1)
         own = upward**2 / ground.servo + ground.contact
         compliance = upward * (upward - dragged) / ground.servo + ground.contact
         k = 1 / np.maximum(compliance, _LEAST_COMPLIANCE * own) / ground.weight
-        pushed = k * ground.friction * ground.push * self.speed * speed
+        pushed = k * friction * ground.push * self.speed * speed
         standing = np.ones(k.shape, dtype=bool)
         for _ in range(k.shape[-1] - 2):  # at least three feet stand
             loads = self._springs(np.where(standing, [k, pushed], 0))

@@ -8,13 +8,13 @@ is made of polynomials fitted to measurements of each loaded field along its own
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from models.contact.dissipation import least_dissipation_twist
+from models.contact.dissipation import ellipses, least_dissipation_twist
 from models.contact.ground import Ground
 from models.contact.kinematics import Kinematics, Stance
 from models.contact.loads import static_loads
@@ -87,6 +87,7 @@ class QuasiStaticTwists:
     kinematics: Kinematics
     ground: Ground
     swing_speed: float = 0.0  # [rad/s], of the fastest group; 0 for Coulomb's law
+    grip: tuple[float, float] | None = None  # of friction, along and across the legs
 
     def __call__(self, stratum: str, swing: Array, rates: Array) -> Array:
         """Least dissipation under the loads at the actual angles of the legs."""
@@ -98,15 +99,17 @@ class QuasiStaticTwists:
             part[:, on] for part in (whole.feet, whole.rates, whole.gives, whole.height)
         )
         stance = Stance(feet, moves, gives, height, whole.center_of_mass)
+        grip, ground = None, self.ground.under(on)
+        if self.grip is not None:
+            across = moves / np.linalg.norm(moves, axis=-1, keepdims=True)
+            grip = ellipses(across, self.grip[::-1])
         if on.sum() <= 3:
-            loads = static_loads(stance.feet, stance.center_of_mass)
-            return least_dissipation_twist(stance.feet, moved, loads)
-        contact, servo = self.ground.contact[on], self.ground.servo[on]
-        ground = replace(self.ground, contact=contact, servo=servo)
+            loads = static_loads(stance.feet, stance.center_of_mass) * ground.shares
+            return least_dissipation_twist(stance.feet, moved, loads, grip)
         fastest = np.abs(rates).max(axis=-1, keepdims=True)
         unit = np.where(fastest > 0, fastest, 1.0)
         per_radian = moved / unit[..., None]
-        twist, _ = sliding_twist(stance, per_radian, ground, self.swing_speed)
+        twist, _ = sliding_twist(stance, per_radian, ground, self.swing_speed, grip)
         return twist * unit
 
 

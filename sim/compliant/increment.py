@@ -14,14 +14,14 @@ makes the equilibrium unique.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from planner import Array
 from sim.compliant.anatomy import ABSENT, Anatomy
-from sim.compliant.equilibrium import Contact, Give, Lanes, equilibrium, motion
+from sim.compliant.equilibrium import Contact, Found, Give, Lanes, equilibrium, motion
 from sim.compliant.places import UP, Places, Robots, Skeleton, cross, rotation, skew
 
 LEAST = 1e-9  # [s]; of a servo's time, where it has no damping
@@ -106,7 +106,7 @@ class Mechanics:
         contact = self._contact(robots, state, places, spring, heavy, middle, h)
         contact.wrench[:] += (contact.inertia @ coast[..., None])[..., 0]
         give = _give(robots, state, spring, heavy, h)
-        found = equilibrium(contact, coast, state.force, give)
+        found = _solved(contact, coast, state.force, give, _grip(robots, places))
         lever = places.lever
         flat = found.force.reshape(*lever.shape[:3])
         pulled = (flat[:, :, None] @ lever)[:, :, 0]
@@ -168,6 +168,44 @@ class Mechanics:
         own = turned @ self.anatomy.inertia @ np.swapaxes(turned, 1, 2)
         M[:, 3:, 3:] = own - mass * (K @ K)
         return M
+
+
+def _grip(robots: Robots, places: Places) -> Array | None:
+    """Ellipses of friction over its coefficient, (B, F, 3, 3); None where it is alike.
+
+    They lie along and across the line from a leg's first hinge to the foot.
+    """
+    if (robots.across == 1).all():
+        return None
+    x, y, _ = np.moveaxis(places.arm.mean(axis=2) - places.anchor[:, :, 0], -1, 0)
+    side = np.stack([-y, x, 0 * x], axis=-1) / np.hypot(x, y)[..., None]
+    more = (robots.across - 1)[..., None, None]
+    return np.eye(3) + more * side[..., :, None] * side[..., None, :]
+
+
+def _solved(
+    contact: Contact, twist: Array, force: Array, give: Give | None, grip: Array | None
+) -> Found:
+    """The equilibrium; ellipses D of friction become discs for D u and D^-1 f."""
+    if grip is None:
+        return equilibrium(contact, twist, force, give)
+    own = replace(
+        contact,
+        **{
+            name: _gripped(grip, getattr(contact, name))
+            for name in ("reach", "lever", "drift")
+        },
+    )
+    eased = np.linalg.solve(grip[:, :, None], force[..., None])[..., 0]
+    found = equilibrium(own, twist, eased, give)
+    real = (grip[:, :, None] @ found.force[..., None])[..., 0]
+    return found._replace(force=real)
+
+
+def _gripped(grip: Array, rows: Array) -> Array:
+    """Ellipses times the motion of every point, (B, F, 3 K, ...)."""
+    parts = rows.reshape(*rows.shape[:2], -1, 3, int(np.prod(rows.shape[3:])))
+    return (grip[:, :, None] @ parts).reshape(rows.shape)
 
 
 class _Spring(NamedTuple):

@@ -27,7 +27,8 @@ class Robots(Lanes):
     offset: Array  # errors of zeros, (B, F, J) [rad]
     radius: Array  # from the soles' points down to the floor, (B, F, K) [m]
     floor: Array  # compliance under every point, (B, F, K) [m/N]
-    friction: Array  # (B, F, K)
+    friction: Array  # along the legs, (B, F, K)
+    across: Array  # friction across the legs over that along them, (B, F)
     gravity: Array  # (B, 3) [m/s^2]
     body_mass: Array  # (B,) [kg]
     body_center: Array  # (B, 3) [m]

@@ -73,6 +73,7 @@ def phases_of(setup: Setup) -> Phases:
         radius=anatomy.radius[None],
         floor=1 / footing.stiffness[None],
         friction=footing.friction[None],
+        across=np.ones((1, len(anatomy.radius))),
         gravity=footing.gravity[None],
         body_mass=np.array([anatomy.body_mass]),
         body_center=anatomy.body_center[None],

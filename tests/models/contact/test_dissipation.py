@@ -6,9 +6,11 @@ from scipy.optimize import minimize
 
 from models.contact import dissipation as dissipation_module
 from models.contact.dissipation import (
+    ellipses,
     foot_jacobians,
     foot_velocities,
     least_dissipation_twist,
+    viscous_twist,
 )
 from models.contact.kinematics import Kinematics
 from models.contact.loads import static_loads
@@ -172,3 +174,77 @@ def test_where_two_twists_all_but_tie_one_of_them_is_found():
         (twist,) = least_dissipation_twist(*(part[None] for part in case))
         _, unbalanced, outside = certificate(*case, twist)
         assert max(unbalanced, outside) < 1e-6
+
+
+def test_friction_that_depends_on_the_direction_is_minimised_too(many):
+    """No optimiser finds less; equal axes of every ellipse change nothing."""
+    feet, rates, loads = (part[:3] for part in many)
+    turned = np.random.default_rng(7).uniform(-np.pi, np.pi, loads.shape)
+    along = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    alike = least_dissipation_twist(feet, rates, loads)
+    round_ = least_dissipation_twist(feet, rates, loads, ellipses(along, (2.0, 2.0)))
+    assert round_ == pytest.approx(alike, abs=1e-7)
+    grip = ellipses(along, (0.4, 2.0))
+    for i, twist in enumerate(least_dissipation_twist(feet, rates, loads, grip)):
+
+        def power(xi, i=i):
+            v = foot_velocities(feet[i], rates[i], xi)
+            dragged = np.linalg.norm((grip[i] @ v[..., None])[..., 0], axis=-1)
+            return (loads[i] * dragged).sum()
+
+        for start in (twist, alike[i], np.zeros(3)):
+            options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 2000}
+            least = minimize(power, start, method="Nelder-Mead", options=options)
+            assert power(twist) <= least.fun * (1 + 1e-7)
+
+
+def test_a_skate_goes_where_it_rolls():
+    """Two feet that hardly rub along y: pushed along x and y they yield along y."""
+    feet = np.array([[[0.0, 1.0], [0.0, -1.0], [1.0, 0.0]]])
+    rates = np.array([[[1.0, 1.0], [1.0, 1.0], [0.0, 0.0]]])
+    along = np.broadcast_to([0.0, 1.0], feet.shape)
+    grip = ellipses(along, (1e-3, 1.0))
+    grip[:, 2] = np.eye(2)
+    twist = least_dissipation_twist(feet, rates, np.ones((1, 3)), grip)[0]
+    slid = foot_velocities(feet[0], rates[0], twist)
+    assert np.abs(slid[:2, 0]).max() < 1e-3  # what rolling without resistance leaves
+    assert slid[:2, 1] == pytest.approx(1.0, abs=3e-3)
+
+
+# The legs of a quadruped with hips at (+-1, +-1), of length 1 and pointing outwards,
+# stand in pairs. Recomputed at points of the grids of C. Prasad and others, in
+# harrythespartan9/Geometric-Mechanics-for-quasistatic-legged-systems: angles of both
+# legs, the unit direction that keeps the feet's distance, and the body's twist in it.
+PAIRS = (
+    ("12", 0.628318530717959, -0.942477796076938, 0.76910539983894, 0.639121963273509,
+     -0.0143782310566185, -0.0907805781120728, -0.293772121807397),
+    ("13", -0.534070751110265, 0.345575191894877, 0.122646110603679, -0.992450468060643,
+     0.0445269126908759, -0.510942709726072, 0.217857199976089),
+    ("23", -0.534070751110265, 0.345575191894877, 0.728784110160818, 0.684743543800965,
+     0.0514880756721184, 0.233340079094535, -0.211719318108742),
+    ("24", 0.628318530717959, -0.942477796076938, 0.355410184621091, 0.934710436802543,
+     -0.310470915887806, -0.158192832972681, -0.246391113898346),
+    ("34", -0.534070751110265, 0.345575191894877, -0.629218698095848,
+     -0.777228299772059, -0.484683040563235, 0.0814259086436972, 0.33482389134546),
+    ("41", -0.534070751110265, 0.345575191894877, 0.728784110160818, 0.684743543800966,
+     -0.0514880756721184, -0.233340079094535, -0.211719318108742),
+)  # fmt: skip
+HIPS = {"1": (1.0, 1.0), "2": (-1.0, 1.0), "3": (-1.0, -1.0), "4": (1.0, -1.0)}
+
+
+@pytest.mark.parametrize("given", PAIRS, ids=lambda given: given[0])
+def test_the_viscous_law_gives_the_public_grids_of_two_footed_strata(given):
+    pair, angles, way, twist = given[0], given[1:3], np.array(given[3:5]), given[5:]
+    hips = np.array([HIPS[leg] for leg in pair])
+    turned = np.array(angles) + np.where(hips[:, 0] > 0, 0.0, np.pi)
+    across = np.stack([-np.sin(turned), np.cos(turned)], axis=-1)
+    feet = hips + np.stack([np.cos(turned), np.sin(turned)], axis=-1)
+    slope = across @ (feet[0] - feet[1]) * [1.0, -1.0]  # of half the square distance
+    keeping = np.array([slope[1], -slope[0]]) / np.hypot(*slope)
+    assert keeping == pytest.approx(way, abs=1e-14)
+    rates = way[:, None] * across
+    found = viscous_twist(feet[None], rates[None], np.ones((1, 2)))[0]
+    assert found == pytest.approx(twist, abs=1e-14)
+    assert least_dissipation_twist(feet[None], rates[None], np.ones((1, 2)))[
+        0
+    ] == pytest.approx(found, abs=1e-7)  # feet that keep their distance need not slide
