@@ -23,6 +23,7 @@ from sim.evaluation.assessment import Evaluation, evaluate
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import written as feedback_table
 from sim.folder import Pieces, RunFolder, claim
+from sim.logs.log import Log, written
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
 from sim.progress import Progress, silent, stage
@@ -36,6 +37,7 @@ from sim.walking.walker import Walker
 from sim.world.assets import origin
 
 CARD = "model.toml"  # beside model.xml, as a robot's card is
+MOTION = "motion.csv"  # what was played
 DENSE = 10  # compression of the commands; 7.6 was measured
 
 
@@ -56,6 +58,9 @@ class Writer:
         """Model, card, the robot as it was given, and the scenario, undivided."""
         robot, copies = origin(setup.robot)
         card = {CARD: setup.robot.card_text.encode()}
+        if setup.motion is not None:
+            card[MOTION] = written(setup.motion.log).encode()
+            scenario = replace(scenario, motion=MOTION)
         for name, content in (setup.world.files | card | copies).items():
             self.folder.write_bytes(name, content)
         self.settings = dumps(setup.resolved(scenario, robot))
@@ -111,6 +116,7 @@ def run(
     progress: Progress = silent,
     warn: Callable[[str], object] = warnings.warn,
     without: Collection[str] = (),
+    log: Log | None = None,
 ) -> Summary:
     """Carry out a scenario and write everything about it into an empty folder.
 
@@ -120,7 +126,12 @@ def run(
     writer = Writer(folder)
     try:
         simulation = simulate(
-            scenario, robot=robot, progress=progress, witness=writer, without=without
+            scenario,
+            robot=robot,
+            progress=progress,
+            witness=writer,
+            without=without,
+            log=log,
         )
     except SimulationError as error:
         again = folder.path / "scenario.toml"

@@ -18,6 +18,7 @@ from planner.support import limited
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.comparison import describe
 from sim.evaluation.summary import Summary
+from sim.logs.log import Log
 from sim.motion.poses import wrap
 from sim.planning.sharing import walk_cache
 from sim.preparation.effort import check_effort
@@ -106,6 +107,7 @@ def simulate(
     witness: Witness | None = None,
     without: Collection[str] = (),
     shared: Shared | None = None,
+    log: Log | None = None,
 ) -> Simulation:
     """Carry out a scenario.
 
@@ -117,6 +119,7 @@ def simulate(
         without: Comparisons to leave out, which cost physics of their own: the
             prediction `identified`, and `creep_floor`.
         shared: What earlier walks have built.
+        log: What its `motion` is read from otherwise, if it plays one.
 
     Raises:
         PlannerError: If there is no plan.
@@ -134,7 +137,9 @@ def simulate(
     """
     timing = dict.fromkeys(("compile", "plan", "simulate", "evaluate"), 0.0)
     with _timed(timing, "compile"), stage(progress, "compiling"):
-        setup = prepare(scenario, robot, shared)
+        setup = prepare(scenario, robot, shared, log)
+    if setup.motion is not None:
+        return _played(setup, progress, witness, without, timing)
     with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
         problem = ScenarioProblem.ready(setup, progress, shared)
     scenario = problem.scenario
@@ -161,6 +166,32 @@ def simulate(
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
     return Simulation(prepared, evaluation, timing, tuple(missed))
+
+
+def _played(
+    setup: Setup,
+    progress: Progress,
+    witness: Witness | None,
+    without: Collection[str],
+    timing: dict[str, float],
+) -> Simulation:
+    """Play joint motion from elsewhere: there is no plan, and no goal to miss."""
+    with _timed(timing, "plan"):
+        steps = expected_steps(setup, None)
+        check_effort(setup, steps)
+    prepared = Prepared(setup.scenario, setup, None, steps, None)
+    if witness is not None:
+        witness.prepared(prepared)
+    walker = Walker(setup, progress)
+    try:
+        walk = carry_out(walker, None)
+    finally:
+        if witness is not None:
+            witness.walked(walker)
+    timing["simulate"] += walk.seconds["simulate"]
+    with _timed(timing, "evaluate"):
+        evaluation = evaluate(walk, without, None, progress)
+    return Simulation(prepared, evaluation, timing, ())
 
 
 def _prepared(problem: ScenarioProblem) -> Prepared:

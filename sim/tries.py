@@ -70,7 +70,7 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
         return Try(scenario.draw, one_line(error))
     found = {name: q.value(summary, row) for name, (q, row) in MEASURES.items()}
     weighed = summary.weighed
-    off = max(weighed.goal, weighed.farthest) if weighed else None
+    off = max(weighed.goal or 0.0, weighed.farthest) if weighed else None
     return Try(scenario.draw, summary.verdict, **found, off=off)
 
 

@@ -1,9 +1,14 @@
+from .dissipation import (
+    foot_velocities as foot_velocities,
+    least_dissipation_twist as least_dissipation_twist,
+)
 from .kinematics import (
     UPRIGHT as UPRIGHT,
     Lifting as Lifting,
     Stance as Stance,
 )
 from .loads import static_loads as static_loads
+from .sliding import sliding_twist as sliding_twist
 from .soles import (
     covering_core as covering_core,
     find_sole as find_sole,

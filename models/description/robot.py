@@ -118,6 +118,11 @@ class Robot:
             for joint, angles in ((leg.swing, turned), (leg.lift, raised))
         }
 
+    def targets(self, swing: np.ndarray, lift: np.ndarray) -> dict[str, np.ndarray]:
+        """The angles themselves of these joints, shape (...) [rad]."""
+        angles = self.leg_angles(swing, lift)
+        return {joint: self.standing_angle(joint) + a for joint, a in angles.items()}
+
     def joint_angles(
         self, swing: np.ndarray, lift: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:

@@ -11,8 +11,8 @@ from planner.support import did_you_mean
 from sim.errors import UsageError
 
 COMMANDS = (
-    "run", "show", "film", "view", "compare", "sweep", "merge", "study", "design",
-    "plan", "export", "calibrate", "drive", "check", "identify", "fit",
+    "run", "play", "show", "film", "view", "compare", "sweep", "merge", "study",
+    "design", "plan", "export", "calibrate", "drive", "check", "identify", "fit",
     "sensitivities", "figures", "robots", "adopt", "systems", "scenarios", "bench",
     "doctor", "completion", "cite",
 )  # fmt: skip

@@ -32,17 +32,18 @@ if TYPE_CHECKING:
     from sim.folder import RunFolder
     from sim.scenarios.scenario import Scenario
 
+VIDEO = option(
+    "--video",
+    action=argparse.BooleanOptionalAction,
+    help="film the walk; by default if this machine can draw",
+)
 HELP = "plan a scenario, walk it in MuJoCo, compare the two and film it"
 OPTIONS = (
     *scenario_options(),
     option(
         "--out", metavar="DIR", help="run folder to make; otherwise runs/SCENARIO-NNN"
     ),
-    option(
-        "--video",
-        action=argparse.BooleanOptionalAction,
-        help="film the walk; by default if this machine can draw",
-    ),
+    VIDEO,
     *(setting_option(name, whole(0) if name == "draw" else int) for name in OF_RUN),
     TOLERANCE,
     LOOK,
@@ -68,7 +69,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
     warn = partial(notice, kind="warning")
-    look = options.look if _can_film(options.video) else None
+    look = options.look if can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
     folder = claim(folder_of(options), scenario.name)
@@ -81,7 +82,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if robot.opened.files:
         for change in changes(robot, as_drawn):
             notice(f"{change}: {robot.path}")
-    kept = partial(_kept, folder, look, options.out)
+    kept = partial(kept_walk, folder, look, options.out)
     try:
         with bar(quiet=options.json) as progress, keeping(kept):
             summary = run(
@@ -94,7 +95,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
             )
     finally:
         folder.discard_if_empty()
-    print(json.dumps(summary.to_json()) if options.json else _report(summary, folder))
+    print(json.dumps(summary.to_json()) if options.json else report(summary, folder))
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 
@@ -124,7 +125,7 @@ def _walk_tries(
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
-def _kept(folder: RunFolder, look: str | None, out: str | None) -> str:
+def kept_walk(folder: RunFolder, look: str | None, out: str | None) -> str:
     """What is kept of a walk that ends early, and the command that goes on."""
     if (folder.path / "summary.json").exists():
         on = "show" if look is None else "film"
@@ -132,7 +133,7 @@ def _kept(folder: RunFolder, look: str | None, out: str | None) -> str:
     return kept_in(folder.path, out)
 
 
-def _can_film(wanted: bool | None) -> bool:
+def can_film(wanted: bool | None) -> bool:
     """Whether to film; it is an error if a requested film cannot be drawn."""
     if wanted is False:
         return False
@@ -148,7 +149,8 @@ def _can_film(wanted: bool | None) -> bool:
     return True
 
 
-def _report(summary: Summary, folder: RunFolder) -> str:
+def report(summary: Summary, folder: RunFolder) -> str:
+    """What is printed of a walk: its comparison, and where its files are."""
     from sim.evaluation.comparison import describe
 
     lines = [describe(summary), "", f"{'folder':13}{folder.path}"]

@@ -120,6 +120,8 @@ def course_of(
 
 def _headings(setup: Setup, legs: Sequence[Leg]) -> Array:
     """Of the ideal prediction as every phase begins, (P,) [rad]."""
+    if setup.motion is not None:  # of which the rounds of `Phases.follow` make sure
+        return np.zeros(sum(len(leg.schedule.phases) for leg in legs))
     twists, found = IdealTwists(setup.equations), []
     for leg in legs:
         starts = np.array([p.start for p in leg.schedule.phases]) - leg.schedule.start

@@ -16,6 +16,7 @@ from sim.drive.dead_bands import DeadBands
 from sim.drive.feed_forward import FeedForward, carried_torque, leg_actuators
 from sim.drive.lift_counts import LiftCounts
 from sim.errors import SimulationError, UsageError
+from sim.logs.playing import Played
 from sim.motion.schedule import Schedule, command_at, step_of
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import Setup
@@ -198,8 +199,7 @@ class Drive:
         """Commands that are given at steps of a schedule, shape (n, nu)."""
         rehearsed, borne = torques
         channels, joints, lifts = self._setup.channels, self._joints, self._lifts
-        swing, lift = schedule.angles(rows)
-        ctrl = channels.ctrl(swing, lift)
+        ctrl = channels.ctrl(schedule.targets(self._setup.robot, rows))
         lag = bent = np.zeros((len(rows), len(joints)))
         if rehearsed is not None:
             lag = self._damping * self._speed(schedule, rows) / self._stiffness
@@ -209,8 +209,11 @@ class Drive:
             ctrl[:, joints] += self._bands.shifts(borne.at(rows)[:, joints])
         if resolution := self._servo.resolution:
             counts = np.round(ctrl[:, joints] / resolution)
-            loads = bent[:, lifts] if rehearsed is not None else None
-            counts[:, lifts] = self._lift_counts.at(lift, lag[:, lifts], loads)
+            if not isinstance(schedule, Played):
+                lift, loads = schedule.angles(rows)[1], None
+                if rehearsed is not None:
+                    loads = bent[:, lifts]
+                counts[:, lifts] = self._lift_counts.at(lift, lag[:, lifts], loads)
             ctrl[:, joints] = counts * resolution
         ctrl[:, joints] += self._offset
         return ctrl
@@ -219,8 +222,9 @@ class Drive:
         """Intended speed of the joints by differences, (n, J) [rad/s]."""
         last = schedule.stop - schedule.start - 1
         ahead, behind = np.minimum(rows + 1, last), np.maximum(rows - 1, 0)
+        robot, channels = self._setup.robot, self._setup.channels
         later, sooner = (
-            self._setup.channels.ctrl(*schedule.angles(step))[:, self._joints]
+            channels.ctrl(schedule.targets(robot, step))[:, self._joints]
             for step in (ahead, behind)
         )
         seconds = np.maximum(ahead - behind, 1) * self._setup.limits.timestep

@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -31,6 +31,7 @@ from sim.evaluation.motions import (
     commands_along,
     compliant_along,
     predicted_along,
+    rigid_along,
 )
 from sim.evaluation.phases import (
     count_changes,
@@ -53,9 +54,11 @@ from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import COMPLIANT, IDEAL, PREDICTIONS
+from sim.scenarios.predictions import COMPLIANT, PREDICTIONS, QUASI_STATIC
 from sim.versions import versions
 from sim.walking.finished import Walk
+
+OF_MOTIONS = (QUASI_STATIC.key, COMPLIANT.key)  # which have no fields
 
 
 @dataclass(frozen=True)
@@ -97,11 +100,18 @@ class Evaluation:
     @cached_property
     def weighed(self) -> Weighed:
         """What the verdict weighs."""
-        setup, achieved = self.walk.setup, self.achieved.pose[self.judged]
-        path, reach = setup.scenario.path, setup.kinematics.reach
-        scale = Scale.of(path, reach, self.predicted)
+        achieved, scale = self.achieved.pose[self.judged], self.scale
         predicted = self.predicted[scale.prediction].pose[self.judged]
-        return scale.weigh(achieved, predicted, np.array(path.goal))
+        return scale.weigh(achieved, predicted, self.walk.setup.scenario.goal)
+
+    @cached_property
+    def scale(self) -> Scale:
+        """What distances are weighed by: the path, or the way that is predicted."""
+        setup, made = self.walk.setup, self.predicted
+        reach = setup.kinematics.reach
+        if setup.motion is None:
+            return Scale.of(setup.scenario.path, reach, made)
+        return Scale.along(made[QUASI_STATIC.key].pose[self.judged], reach, made)
 
     def least_clearance(self, name: str) -> float | None:
         """Of the walk or of a prediction [m]; None where there are no obstacles."""
@@ -140,17 +150,21 @@ def evaluate(
     )
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
     asked: Collection[str] = walk.setup.scenario.predictions or PREDICTIONS
-    for name in PREDICTIONS:
-        if name in without or (name not in asked and name != IDEAL.key):
+    motion = walk.setup.motion
+    names = tuple(PREDICTIONS) if motion is None else OF_MOTIONS
+    for name in names:
+        if name in without or (name not in asked and name != names[0]):
             unpredicted[name] = "left out"
             continue
         try:
-            alike = follows_commands(walk.setup, name, strata)
+            alike = motion is None and follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
             twists = partial(measured, name, partial(twist_model, walk.setup, name))
             follow: Callable[[], Prediction] = partial(
                 predicted_along, walk, twists, given
             )
+            if motion is not None:
+                follow = partial(rigid_along, walk, motion, given)
             if name == COMPLIANT.key:
                 follow = partial(compliant_along, walk, given)
             with stage(progress, f"following {name.replace('_', '-')}"):
@@ -199,10 +213,17 @@ def summarise(
     walk, achieved = evaluation.walk, evaluation.achieved
     setup, scenario = walk.setup, walk.setup.scenario
     recording, dt = walk.recording, setup.limits.timestep
-    pose, goal = achieved.pose[-1], np.array(scenario.path.goal, dtype=float)
+    pose, goal = achieved.pose[-1], scenario.goal
     swings = [p for p in walk.phases if p.kind == "swing"]
-    peaks = (setup.limits.swing_peak(p.direction, p.amount) for p in swings)
+    peaks: Iterator[float] = (
+        setup.limits.swing_peak(p.direction, p.amount) for p in swings
+    )
     length, walked = scenario.path.length, walk.distance
+    switches = sum(p.kind in ("lift", "land") for p in walk.phases)
+    if setup.motion is not None:
+        length = walked = evaluation.scale.length
+        peaks = iter([setup.motion.log.fastest])
+        switches = count_changes(walk, setup.motion.contact)
     strokes = swing_travel(swings, setup.robot.groups, loaded=True)
     slip, in_swings, judged = achieved.slip[-1], swing_slip(walk), evaluation.judged
     absent = dict.fromkeys(evaluation.unpredicted)
@@ -239,10 +260,10 @@ def summarise(
         optimise=scenario.optimise,
         together=scenario.overlap_recovery,
         correct=scenario.correct,
-        goal=goal.tolist(),
+        goal=None if goal is None else [*goal],
         path_length=length,
         distance_walked=walked,
-        contact_switches=sum(p.kind in ("lift", "land") for p in walk.phases),
+        contact_switches=switches,
         contact_switches_achieved=count_changes(walk),
         swing_travel=strokes,
         air_travel=swing_travel(swings, setup.robot.groups, loaded=False),
@@ -268,7 +289,11 @@ def summarise(
             ),
             creep_floor=evaluation.creep_floor,
         ),
-        error={**errors, **absent, "goal": departure(pose, goal)},
+        error={
+            **errors,
+            **absent,
+            **({} if goal is None else {"goal": departure(pose, np.array(goal))}),
+        },
         error_sources=None if scenario.replan else {**sources, **absent},
         servo=setup.servo.table(setup.world.servo),
         weighed=evaluation.weighed,

@@ -74,7 +74,7 @@ def _on_paper(evidence: Evidence) -> str:
     """A plan that misses the goal by most of what the walk misses it by."""
     scenario, judge = evidence.walk.setup.scenario, evidence.weighed.prediction
     share = evidence.on_paper(judge)
-    if scenario.replan or share <= evidence.weighed.goal / 2:
+    if scenario.replan or share <= (evidence.weighed.goal or 0.0) / 2:
         return ""
     planned = f"the plan itself misses it by {100 * share:.1f} % on paper"
     if (

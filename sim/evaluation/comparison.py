@@ -24,10 +24,13 @@ def describe(summary: Summary) -> str:
     replan = ", replanned" if summary.replan else ""
     if summary.optimise != "none":
         replan = f", optimised for {summary.optimise}"
+    how = (
+        f"{summary.fields} fields, {summary.stance} stance, steered on "
+        f"{summary.steer}{replan}"
+    )
     lines = [
         text[:1].upper() + text[1:],
-        f"{summary.scenario}: {summary.robot}, {summary.fields} fields, "
-        f"{summary.stance} stance, steered on {summary.steer}{replan}",
+        f"{summary.scenario}: {summary.robot}, {how if summary.goal else 'played'}",
         *(f"{label:13}{words}" for label, words in _facts(summary)),
         "",
         HEADER,
@@ -51,12 +54,15 @@ def describe_export(summary: Summary, played: Played, label: str) -> str:
 
 def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     """What was planned, walked and noticed: a label, and words for it."""
-    yield (
-        "planned",
-        f"{summary.segments} segments, {summary.contact_switches} contact switches, "
-        f"{summary.distance_walked:.3f} m to walk for a path of "
-        f"{summary.path_length:.3f} m",
-    )
+    much = f"{summary.contact_switches} contact switches"
+    if summary.goal is None:
+        yield "played", f"{much}, a predicted way of {summary.path_length:.3f} m"
+    else:
+        yield (
+            "planned",
+            f"{summary.segments} segments, {much}, {summary.distance_walked:.3f} m to "
+            f"walk for a path of {summary.path_length:.3f} m",
+        )
     yield (
         "walked",
         f"{summary.contact_switches_achieved} contact switches, "
@@ -79,13 +85,13 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     if found:
         yield "deviation", found
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
-    if seconds is not None:
+    if seconds is not None and strokes:
         yield "a metre", f"takes {seconds:.0f} s and {strokes:.1f} rad of strokes"
     if (sensed := summary.feedback) is not None:
         yield "thought", _thought(sensed)
     if saturated := summary.saturated_segments:
         yield "saturated", f"{saturated} segments scaled down to the joint range"
-    if summary.fastest_swing < CAPPED * summary.swing_speed:
+    if summary.goal and summary.fastest_swing < CAPPED * summary.swing_speed:
         yield (
             "swings",
             f"at {summary.fastest_swing:.3g} rad/s at most: "
@@ -167,7 +173,7 @@ def _lines(summary: Summary) -> Iterator[str]:
 
 def _clearance(summary: Summary) -> Iterator[str]:
     """Distance from obstacles, where there are any."""
-    predicted = summary.predicted[prediction_key(summary.steer)]
+    predicted = summary.predicted.get(prediction_key(summary.steer))
     achieved = summary.achieved.min_clearance
     if achieved is None or predicted is None or predicted.min_clearance is None:
         return

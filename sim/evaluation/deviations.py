@@ -7,7 +7,7 @@ add up to the error exactly. They are summed by stratum and kind of phase.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -31,6 +31,7 @@ from sim.scenarios.predictions import IDEAL, QUASI_STATIC, best, prediction_key
 from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
+SWAY = 0.25  # of the feet's distance from the middle
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -50,6 +51,8 @@ def deviations(
     quasi-static.
     """
     scenario = walk.setup.scenario
+    if walk.setup.motion is not None:
+        return {}
     planned = prediction_key(scenario.steer)
     if planned == IDEAL.key and scenario.optimise != "none":
         planned = QUASI_STATIC.key
@@ -131,15 +134,36 @@ class Scale:
         turns = np.diff(path.curve.at(np.linspace(0, 1, COMPARED))[:, 2])
         return cls(best(made), reach, path.length or reach * float(np.abs(turns).sum()))
 
-    def weigh(self, poses: Array, predicted: Array, goal: Array) -> Weighed:
-        """Poses (T, 3) against the prediction (T, 3) on the way and the goal, (3,)."""
-        ends = departure(poses[-1], goal), departure(poses[-1], predicted[-1])
+    @classmethod
+    def along(cls, poses: Array, reach: float, made: Collection[str]) -> Scale:
+        """That of a motion that is played, by the way that is predicted, (T, 3).
+
+        Back and forth within a quarter of the feet's distance from the middle is no
+        way: the body sways.
+        """
+        mark, length = poses[0, :2], 0.0
+        for place in poses[:, :2]:
+            if (step := float(np.hypot(*(place - mark)))) >= SWAY * reach:
+                mark, length = place, length + step
+        length += float(np.hypot(*(poses[-1, :2] - mark)))
+        yaw = np.unwrap(poses[:, 2])
+        turned = abs(float(yaw[-1] - yaw[0]))
+        return cls(best(made), reach, max(length, reach * turned))
+
+    def weigh(
+        self, poses: Array, predicted: Array, goal: Sequence[float] | None
+    ) -> Weighed:
+        """Poses (T, 3) against the prediction (T, 3) on the way and a goal, (3,)."""
+        wanted = None if goal is None else np.array(goal, dtype=float)
+        ends = [departure(poses[-1], predicted[-1])]
+        if wanted is not None:
+            ends.append(departure(poses[-1], wanted))
         near = all(
             off.position <= NEAR * self.length and off.yaw <= DEGREE for off in ends
         )
         return Weighed(
             **vars(self),
-            goal=self.share(poses[-1], goal, near),
+            goal=None if wanted is None else self.share(poses[-1], wanted, near),
             ended=self.share(poses[-1], predicted[-1], near),
             farthest=self.share(poses, predicted, near),
         )

@@ -11,6 +11,7 @@ import numpy as np
 from models import TwistModel
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction, Leg, foreseen
+from sim.logs.playing import Motion, Played, rigid
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
 from sim.motion.stability import BLOCK, carrying, stability_margin
@@ -67,8 +68,24 @@ def _recorded(walk: Walk, stretch: Stretch) -> Array:
 def commands_along(walk: Walk, stretch: Stretch) -> Iterator[Commanded]:
     """The commands of a stretch at the moments recorded, in blocks."""
     local = _recorded(walk, stretch)
+    schedule, kinematics = stretch.schedule, walk.setup.kinematics
     for rows in np.split(local, range(BLOCK, len(local), BLOCK)):
-        yield commanded(stretch.schedule, rows, walk.setup.kinematics)
+        if isinstance(schedule, Played):
+            yield schedule.commanded(rows, kinematics)
+        else:
+            yield commanded(schedule, rows, kinematics)
+
+
+def rigid_along(
+    walk: Walk, motion: Motion, given: Sequence[Sequence[Commanded]]
+) -> Prediction:
+    """The rigid quasi-static prediction of a motion that is played."""
+    setup, recording = walk.setup, walk.recording
+    time = (recording.during - walk.starts) * setup.limits.timestep
+    blocks = [block for stretch in given for block in stretch]
+    contact = np.concatenate([block.contact for block in blocks])
+    margin = np.concatenate([block.margin for block in blocks])
+    return rigid(motion, setup.ground, contact, margin, time)
 
 
 def predicted_along(

@@ -35,11 +35,12 @@ def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
     """
     moments = walk.recording.moments
     total = moments.slip if slip is None else slip
-    stood, planted = np.zeros(len(walk.setup.robot.legs)), walk.setup.robot.planted
+    robot = walk.setup.robot
+    stood = np.zeros(len(robot.legs))
     for phase in walk.phases:
         if phase.kind == "swing":
             begin, end = moments.step.searchsorted([phase.start, phase.stop])
-            stood += (total[end] - total[begin]) * planted(phase.stratum)
+            stood += (total[end] - total[begin]) * phase.planted(robot)
     return stood
 
 
@@ -80,7 +81,7 @@ def as_planned(walk: Walk, phase: Phase) -> bool:
     left out.
     """
     robot = walk.setup.robot
-    planned = robot.planted(phase.stratum)
+    planned = phase.planted(robot)
     asked = np.ones(len(planned), dtype=bool)
     if phase.kind in ("lift", "land"):
         asked = ~np.isin(robot.group_of_leg, phase.moving)
@@ -105,14 +106,17 @@ def swing_travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -
     )
 
 
-def count_changes(walk: Walk) -> int:
-    """Number of lift-offs and touchdowns of whole groups during the walk, as measured.
+def count_changes(walk: Walk, contact: Array | None = None) -> int:
+    """Number of lift-offs and touchdowns of whole groups during the walk.
+
+    Contacts (T, F) are those that were measured where others are not given.
 
     A group has lifted off when its last foot has left the ground, and touched down when
     its last foot has touched it.
     """
     recording = walk.recording
-    contact = recording.contacts.between(walk.starts, recording.steps)
+    if contact is None:
+        contact = recording.contacts.between(walk.starts, recording.steps)
     changes = 0
     for group in range(len(walk.setup.robot.groups)):
         feet = contact[:, walk.setup.robot.group_of_leg == group]

@@ -99,7 +99,7 @@ class Weighed(Numbers):
     prediction: str  # key of the one that the walk is judged by
     radius: float  # mean distance of the feet from the middle [m]
     length: float  # of the path; where it only turns, of the feet's way [m]
-    goal: float  # from the goal at the end, as a share of that length
+    goal: float | None  # from the goal at the end, as a share of that length
     ended: float  # from the prediction at the end
     farthest: float  # from the prediction at most
 
@@ -110,7 +110,7 @@ class Weighed(Numbers):
         return " and ".join(
             f"{100 * share:.3g} % of its path off {what}"
             for what, share in found.items()
-            if share > tolerance
+            if share is not None and share > tolerance
         )
 
 
@@ -182,7 +182,7 @@ class Summary(Numbers):
     optimise: str = "none"
     together: bool = False  # overlapped recovery; columns of sweeps have this name
     correct: int = 1
-    goal: list[float]
+    goal: list[float] | None = None  # of a motion that is played there is none
     path_length: float  # [m]
     distance_walked: float  # [m]
     contact_switches: int
@@ -222,8 +222,11 @@ class Summary(Numbers):
         inner: dict[str, object] = {
             "predicted": _each(Predicted, table["predicted"]),
             "achieved": Accomplished.read(table["achieved"]),
-            "error": _each(PredictionError, table["error"])
-            | {"goal": Departure.read(table["error"]["goal"])},
+            "error": {
+                key: error
+                and (Departure if key == "goal" else PredictionError).read(error)
+                for key, error in table["error"].items()
+            },
             "weighed": given and Weighed.read(given),
             "deviation": _each(Departure, table.get("deviation", {})),
             "per_metre": PerMetre.read(table.get("per_metre", {})),
@@ -232,11 +235,19 @@ class Summary(Numbers):
             inner["feedback"] = Sensed.read(sensed)
         return super().read({**table, **inner})
 
+    def to_json(self) -> dict[str, object]:
+        """The fields as plain values; without a goal those that need one are absent."""
+        table = super().to_json()
+        if self.goal is None:
+            del table["goal"], table["missed"]
+        return table
+
     @property
     def poses(self) -> dict[str, list[float]]:
         """Where goal, predictions and physics end, by the rows of a comparison."""
         made = {key: found.pose for key, found in self.predicted.items() if found}
-        return {"goal": self.goal, **made, "achieved": self.achieved.pose}
+        goal = {} if self.goal is None else {"goal": self.goal}
+        return {**goal, **made, "achieved": self.achieved.pose}
 
     @property
     def ignored(self) -> str:

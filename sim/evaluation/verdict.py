@@ -55,10 +55,11 @@ def judge(
     """
     best = predicted[weighed.prediction]
     poses = achieved.pose[judged], best.pose[judged]
-    end, goal = achieved.pose[-1], np.array(walk.setup.scenario.path.goal, dtype=float)
+    end, goal = achieved.pose[-1], walk.setup.scenario.goal
     label, off = PREDICTIONS[weighed.prediction].label, departure(end, best.pose[-1])
-    ended = f"{departure(end, goal)} from the goal and {off} from where "
-    ended += f"the {label} prediction has it"
+    ended = f"{off} from where the {label} prediction has it"
+    if goal is not None:
+        ended = f"{departure(end, np.array(goal))} from the goal and {ended}"
     word, how = (
         _fell(walk, achieved, judged)
         or _collided(walk)
@@ -109,14 +110,14 @@ def _collided(walk: Walk) -> Found:
 
 
 def _missed(weighed: Weighed) -> Found:
-    if weighed.goal <= TOLERATED:
+    if weighed.goal is None or weighed.goal <= TOLERATED:
         return None
     return "missed", f"missed its goal by {100 * weighed.goal:.1f} % of the path"
 
 
 def _drifted(weighed: Weighed, achieved: Array, predicted: Array) -> Found:
     """Whether it was off its prediction; where it ended well, the way counts less."""
-    ended_well = max(weighed.goal, weighed.ended) <= NEAR
+    ended_well = max(weighed.goal or 0.0, weighed.ended) <= NEAR
     if weighed.farthest <= (ASTRAY if ended_well else TOLERATED):
         return None
     apart = achieved - predicted

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 from functools import lru_cache
 
-from models import Ground, IdealTwists, QuasiStaticTwists, TwistModel
+from models import IdealTwists, QuasiStaticTwists, TwistModel
 from sim.experiments.identification import identify
 from sim.preparation.setup import Setup, prepare
 
@@ -14,8 +14,7 @@ STATIC = 3  # feet at most whose loads follow from the weight alone
 
 
 def _quasi_static(setup: Setup) -> TwistModel:
-    ground = Ground.of(setup.robot, setup.as_planned.model)
-    return QuasiStaticTwists(setup.kinematics, ground, setup.limits.swing_speed)
+    return QuasiStaticTwists(setup.kinematics, setup.ground, setup.limits.swing_speed)
 
 
 def _identified(setup: Setup) -> TwistModel:

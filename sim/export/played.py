@@ -40,7 +40,7 @@ def play(
     origin = run.arrays[START]
     poses = seen_from(origin, pose_of(moments.qpos[kept], address))
     slip = moments.slip[-1] - recording.slip_after(starts)
-    summary, goal = run.summary, np.array(run.summary.goal)
+    summary, goal = run.summary, run.summary.goal
     lengths = summary.path_length, summary.distance_walked
     predicted = {key: found[walking] for key, found in run.predicted.items()}
     reach = Kinematics(source.robot).reach
@@ -51,7 +51,7 @@ def play(
         slip=float(np.maximum(slip, 0.0).sum()),
         bounces=recording.bounces,
         error={
-            "goal": departure(poses[-1], goal),
+            **({} if goal is None else {"goal": departure(poses[-1], np.array(goal))}),
             **{key: off(poses, found, *lengths) for key, found in predicted.items()},
         },
         weighed=scale.weigh(poses, predicted[scale.prediction], goal),

@@ -54,7 +54,7 @@ def commanded(schedule: Schedule, rows: Array, kinematics: Kinematics) -> Comman
     """Angles, contacts and stability margin at steps (T,) of a schedule, from 0."""
     swing, lift = schedule.angles(rows)
     phase = schedule.phase_of(rows)
-    planted = [kinematics.robot.planted(phase.stratum) for phase in schedule.phases]
+    planted = [phase.planted(kinematics.robot) for phase in schedule.phases]
     contact = np.array(planted)[phase]
     stance = kinematics.stance(swing, lift)
     margin = stability_margin(stance.feet, contact, stance.center_of_mass)

@@ -7,7 +7,7 @@ at steps; `sim.world` assigns them to actuators.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, sqrt
@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from models import Robot
 from planner import Array, Flow
 
 Kind = Literal["hold", "lift", "swing", "land"]
@@ -58,6 +59,11 @@ class Phase:
     steps: int
     segment: int
     field: str = ""
+    feet: tuple[bool, ...] | None = None  # in contact, where that is no stratum's
+
+    def planted(self, robot: Robot) -> Array:
+        """Which feet are in contact throughout, shape (F,), bool."""
+        return robot.planted(self.stratum) if self.feet is None else np.array(self.feet)
 
     @property
     def stop(self) -> int:
@@ -143,6 +149,10 @@ class Schedule:
             begin[phase] + way * change[phase] for begin, change in self.trajectories
         )
         return swing, lift
+
+    def targets(self, robot: Robot, rows: Array) -> Mapping[str, Array]:
+        """Commanded angle of each joint that moves, by its name, shape (T,) [rad]."""
+        return robot.targets(*self.angles(rows))
 
     def phase_of(self, rows: Array) -> Array:
         """Index of the phase that each of the schedule's steps lies in, shape (T,)."""

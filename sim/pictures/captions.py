@@ -28,6 +28,7 @@ from sim.pictures.panel import (
     text,
 )
 from sim.runs.run import Run
+from sim.scenarios.predictions import PREDICTIONS
 
 GAP = 10  # between panels [pixels]
 BAR = 92  # height of the bar at the bottom [pixels]
@@ -76,8 +77,10 @@ def _bar(walk: Run) -> Panel:
     """At the bottom: stratum, feet in contact, and present measurements."""
     width, height = WIDTH - 2 * EDGE, BAR
     still, draw = empty(width, height)
-    off = np.hypot(*(walk.achieved - walk.predicted["ideal"])[:, :2].T)
-    numbers = {"stability margin": walk.margin, "off the ideal prediction": off}
+    first, *_ = walk.drawn
+    off = np.hypot(*(walk.achieved - walk.predicted[first])[:, :2].T)
+    label = f"off the {PREDICTIONS[first].label} prediction"
+    numbers = {"stability margin": walk.margin, label: off}
     if walk.clearance is not None:
         numbers["clear of obstacles"] = walk.clearance
     ends = [width - PAD - i * COLUMN for i in range(len(numbers))]

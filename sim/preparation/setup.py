@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from pathlib import Path
 from typing import Literal
 
 import mujoco
 import numpy as np
 
-from models import Equations, Kinematics, Robot, equations, load
-from planner import Array, Execution, ExtendedSystem, Path, extend
+from models import Equations, Ground, Kinematics, Robot, equations, load
+from planner import Array, Execution, ExtendedSystem, Path as Curve, extend
 from planner.execution import Coordinates, StanceRule
 from sim.errors import UsageError
 from sim.feedback.filter import Feedback
 from sim.feedback.misses import Learnt, Misses
 from sim.feedback.sensing import sensing_of
+from sim.logs.log import Log, read_log
+from sim.logs.playing import Motion, posed
 from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
@@ -49,6 +52,7 @@ class Setup:
     model: mujoco.MjModel
     limits: MotionLimits
     servo: ServoSettings
+    motion: Motion | None = None  # that is played in place of a plan
     goal_offset: GoalOffset = (0.0, 0.0, 0.0)
 
     def __eq__(self, other: object) -> bool:
@@ -142,7 +146,12 @@ class Setup:
         channels = self.channels
         for begin in range(0, count, STRETCH):
             rows = np.arange(begin, min(begin + STRETCH, count))
-            yield channels.ctrl(*schedule.angles(rows))
+            yield channels.ctrl(schedule.targets(self.robot, rows))
+
+    @property
+    def ground(self) -> Ground:
+        """Compliance of floor and servos as they should be."""
+        return Ground.of(self.robot, self.as_planned.model)
 
     def pose(self, qpos: Array) -> Array:
         """Planar pose of the robot's root in the world, shape (..., 3)."""
@@ -164,7 +173,7 @@ class Setup:
         """The same setup, aimed beside the goal."""
         return replace(self, goal_offset=goal_offset)
 
-    def nominal(self) -> Path:
+    def nominal(self) -> Curve:
         """The nominal path as configurations: legs at angle 0, feet on the ground.
 
         Where the walk is aimed beside the goal, the path goes there evenly.
@@ -172,7 +181,7 @@ class Setup:
         path = self.scenario.path.curve
         if any(self.goal_offset):
             step, straight = np.array(self.goal_offset), path
-            path = Path(lambda s: straight.at(s) + s[:, None] * step, straight.corners)
+            path = Curve(lambda s: straight.at(s) + s[:, None] * step, straight.corners)
         return self.equations.configurations(path)
 
     def resolved(self, scenario: Scenario, robot: str) -> Scenario:
@@ -194,7 +203,10 @@ class Setup:
 
 
 def prepare(
-    scenario: Scenario, robot: Robot | None = None, shared: Shared | None = None
+    scenario: Scenario,
+    robot: Robot | None = None,
+    shared: Shared | None = None,
+    log: Log | None = None,
 ) -> Setup:
     """Load the robot, compile its equations, build its world.
 
@@ -202,6 +214,7 @@ def prepare(
         scenario: What to walk.
         robot: The scenario's robot, if it is loaded already.
         shared: What earlier walks have built.
+        log: What its `motion` is read from otherwise, if it plays one.
 
     Raises:
         UnknownRobotError: If there is no such robot.
@@ -226,10 +239,27 @@ def prepare(
         scenario.key("equations"),
         partial(_mathematics, robot, scenario.fields, scenario.degree),
     )
-    require_gait(scenario, robot, described)
+    if scenario.motion is None:
+        require_gait(scenario, robot, described)
+    else:
+        if log is None:
+            log = read_log(Path(scenario.motion), robot.card.joints, robot.legs)
+        robot = posed(robot, log)
+        kinematics = Kinematics(robot)
     servo = servo_settings(scenario, robot.card)
     world, model = shared.world(scenario, robot)
-    lift = lift_angle(kinematics, scenario.lift_height)
+    lift = robot.card.lift_angle
+    if log is None:
+        lift = lift_angle(kinematics, scenario.lift_height)
+    limits = MotionLimits(
+        swing_speed=scenario.swing_speed,
+        swing_acceleration=scenario.swing_acceleration,
+        lift_angle=lift,
+        lift_time=robot.card.lift_time,
+        hold=scenario.hold,
+        timestep=scenario.timestep,
+        groups=robot.groups,
+    )
     setup = Setup(
         scenario=scenario,
         robot=robot,
@@ -239,16 +269,11 @@ def prepare(
         world=world,
         model=model,
         servo=servo,
-        limits=MotionLimits(
-            swing_speed=scenario.swing_speed,
-            swing_acceleration=scenario.swing_acceleration,
-            lift_angle=lift,
-            lift_time=robot.card.lift_time,
-            hold=scenario.hold,
-            timestep=scenario.timestep,
-            groups=robot.groups,
-        ),
+        limits=limits,
+        motion=None if log is None else Motion(log, robot, limits),
     )
+    if setup.motion is not None:
+        return setup
     level = setup.as_planned if scenario.bumps else setup
     check_standing(kinematics, level.model, lift)
     return setup

@@ -14,7 +14,7 @@ from sim.evaluation.summary import Summary
 from sim.runs.arrays import Arrays
 from sim.runs.run import START, Run
 from sim.scenarios.file import dumps
-from sim.scenarios.predictions import IDEAL, PREDICTIONS
+from sim.scenarios.predictions import PREDICTIONS
 from sim.walking.finished import Walk
 
 
@@ -42,31 +42,26 @@ def trajectory(evaluation: Evaluation) -> Arrays:
     """The arrays of trajectory.npz: achieved motion and predictions, row by row."""
     walk, achieved = evaluation.walk, evaluation.achieved
     recording, predicted = walk.recording, evaluation.predicted
-    moments, ideal = recording.moments, predicted["ideal"]
+    moments, planned = recording.moments, next(iter(predicted.values()))
     starts = np.array([phase.start for phase in walk.phases])
     arrays = {
         "time": moments.step * recording.timestep,
         "qpos": moments.qpos,
         "qvel": moments.qvel,
         "achieved_pose": achieved.pose,
-        "predicted_pose": ideal.pose,
         "contact": achieved.contact,
-        "planned_contact": ideal.contact,
+        "planned_contact": planned.contact,
         "slip": achieved.slip,
-        "predicted_slip": ideal.slip,
         "achieved_margin": achieved.margin,
-        "predicted_margin": ideal.margin,
         "contact_point": achieved.point,
         "center_of_mass": achieved.center_of_mass,
         "phase": np.searchsorted(starts, recording.during, side="right") - 1,
     }
     for key, prediction in predicted.items():
-        if key != IDEAL.key:
-            for quantity in ("pose", "slip", "margin"):
-                name = PREDICTIONS[key].array(quantity)
-                arrays[name] = getattr(prediction, quantity)
-            for quantity, array in prediction.further.items():
-                arrays[PREDICTIONS[key].array(quantity)] = array
+        for quantity in ("pose", "slip", "margin"):
+            arrays[PREDICTIONS[key].array(quantity)] = getattr(prediction, quantity)
+        for quantity, array in prediction.further.items():
+            arrays[PREDICTIONS[key].array(quantity)] = array
     for key, clearance in evaluation.clearance.items():
         known = PREDICTIONS.get(key)
         arrays[known.array("clearance") if known else f"{key}_clearance"] = clearance

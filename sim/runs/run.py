@@ -141,7 +141,8 @@ class Run:
     @property
     def drawn(self) -> dict[str, Array]:
         """Poses of the predictions that pictures of the robot show, by their keys."""
-        return {key: self.predicted[key] for key in ("ideal", self.best)}
+        shown = dict.fromkeys(("ideal", self.best))
+        return {key: self.predicted[key] for key in shown if key in self.predicted}
 
     @property
     def best(self) -> str:
@@ -165,7 +166,9 @@ class Run:
 
     @cached_property
     def nominal(self) -> Array:
-        """The nominal path as it is drawn, (N, 3)."""
+        """The nominal path as it is drawn, or the way of a played motion, (N, 3)."""
+        if "motion" in self.settings:
+            return self.predicted[self.best]
         path = body_path.decode(self.settings["path"])
         poses = np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
         return poses if self.frame is None else _in_world(self.frame, poses)

@@ -18,6 +18,7 @@ from models.description import parse_toml, toml_key, toml_text
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
 from sim.scenarios import body_path as nominal, obstacles as shapes
+from sim.scenarios.body_path import START
 from sim.scenarios.declaration import Table
 from sim.scenarios.scenario import Scenario
 from sim.scenarios.settings import FORMER, SETTINGS
@@ -62,6 +63,7 @@ def load_scenario(
     table, where = scenario_table(source)
     given = dict(overrides or {})
     _anchor(given, "robot", Path.cwd(), ".xml")
+    _anchor(given, "motion", Path.cwd())
     return scenario_from(table, given, where)
 
 
@@ -89,12 +91,16 @@ def scenario_from(
     for key in values:
         if key not in KEYS:
             raise UsageError(f"unknown key {key!r}", where, did_you_mean(key, KEYS))
-    if lacking := [key for key in ("name", "path") if key not in values]:
+    if "motion" in values and "path" in values:
+        what = "a motion is played, and a path is planned"
+        raise UsageError(what, where, "give one of motion and path")
+    needed = ("name", "path") if "motion" not in values else ("name",)
+    if lacking := [key for key in needed if key not in values]:
         raise UsageError(f"{lacking[0]} is missing", where, f"give {lacking[0]}")
     if isinstance(file := values.get("learnt"), str):
         values["learnt"] = _learnt(Path(file))
     standing = shapes.decode(values.get("obstacles", ()))
-    path = nominal.decode(values["path"])
+    path = nominal.decode(values["path"]) if "path" in values else nominal.line(START)
     return Scenario(**{**values, "path": path, "obstacles": standing})
 
 
@@ -112,6 +118,7 @@ def anchor(table: Values, folder: Path) -> None:
     """Make the files that a scenario names findable from wherever it is read next."""
     _anchor(table, "robot", folder, ".xml")
     _anchor(table, "learnt", folder)
+    _anchor(table, "motion", folder)
     if isinstance(table.get("path"), dict):
         _anchor(table["path"], "file", folder)
 
@@ -145,7 +152,7 @@ def to_table(scenario: Scenario) -> Values:
     standing = [shapes.encode(obstacle) for obstacle in scenario.obstacles]
     return {
         **{name: value for name, value in values.items() if value is not None},
-        "path": nominal.encode(scenario.path),
+        **({} if scenario.motion else {"path": nominal.encode(scenario.path)}),
         **({"obstacles": standing} if standing else {}),
     }
 
@@ -153,12 +160,15 @@ def to_table(scenario: Scenario) -> Values:
 def dumps(scenario: Scenario) -> str:
     """The scenario as TOML, each setting with its meaning, also those left open."""
     table = to_table(scenario)
-    path, standing = table.pop("path"), table.pop("obstacles", [])
+    path, standing = table.pop("path", None), table.pop("obstacles", [])
     lines = []
     for key, item in SETTINGS.items():
         line = f"{key} = {toml_value(table[key])}" if key in table else f"# {key} ="
         lines.append(f"{line:30}  # {item.about}")
-    for head, inner in (("[path]", path), *(("[[obstacles]]", o) for o in standing)):
+    for head, inner in (
+        *([("[path]", path)] if path else []),
+        *(("[[obstacles]]", o) for o in standing),
+    ):
         lines += ["", head]
         lines += [f"{key} = {toml_value(value)}" for key, value in inner.items()]
     return "\n".join(lines) + "\n"

@@ -64,6 +64,11 @@ class Scenario(Settings):
         return prediction_key("ideal" if self.is_aimed else self.steer)
 
     @property
+    def goal(self) -> tuple[float, float, float] | None:
+        """Pose that it is to reach; None of a motion that is played."""
+        return None if self.motion else self.path.goal
+
+    @property
     def is_aimed(self) -> bool:
         """Whether plans are aimed beside the goal by the compliant prediction."""
         return self.steer == COMPLIANT.label

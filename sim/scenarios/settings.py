@@ -63,6 +63,11 @@ class Settings:
         None,
         "plan",
     )
+    motion: str | None = setting(
+        "a log of joint angles to play in place of a plan, as motion.csv of a run",
+        None,
+        ("world", "motion"),
+    )
     segments: Annotated[int, Range(1, 100_000)] = setting(
         "pieces into which the path is cut; each is planned for itself", 20, "plan"
     )

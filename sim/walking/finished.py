@@ -60,7 +60,7 @@ class Walk:
         """Way of the ideal body centre, back and forth [m]."""
         swings = [phase for phase in self.phases if phase.kind == "swing"]
         stride = self.setup.equations.stride
-        return float(sum(stride(p.field) * abs(p.amount) for p in swings))
+        return float(sum(stride(p.field) * abs(p.amount) for p in swings if p.field))
 
     @property
     def starts(self) -> int:

@@ -12,6 +12,7 @@ from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
 from sim.drive.trial import Beforehand
 from sim.feedback.stops import Followed
+from sim.logs.playing import Motion
 from sim.motion.poses import seen_from
 from sim.motion.prediction import inspections
 from sim.motion.schedule import Schedule, Scheduler
@@ -76,9 +77,12 @@ class Walker:
 
     def stand(self) -> None:
         """Stand still on all feet; the walk starts when the first hold ends."""
-        scheduler = self._scheduler()
+        scheduler, motion = self._scheduler(), self.setup.motion
         scheduler.hold(self.setup.limits.hold)
-        self._play(scheduler.finish())
+        still = scheduler.finish()
+        if motion is not None:
+            still = motion.schedule(still.start, still.stop, standing=True)
+        self._play(still)
         if self._origin is None:
             self._origin = self.setup.pose(self._recorder.engine.state.qpos)
             self._recorder.walk_starts = self.steps
@@ -100,6 +104,11 @@ class Walker:
         if last == count:
             scheduler.hold(self.setup.limits.hold)
         self._play(scheduler.finish(), share=(first / count, last / count))
+
+    def play(self, motion: Motion) -> None:
+        """Carry out joint motion that is no plan's."""
+        schedule = motion.schedule(self.steps, self.steps + motion.steps)
+        self._play(schedule, share=(0.0, 1.0))
 
     def finish(
         self, saturated_segments: int = 0, followed: Followed | None = None

@@ -70,6 +70,9 @@ def carry_out(walker: Walker, planned: Plan | None) -> Walk:
     The walker is at its start; after a failure it holds what was done.
     """
     walker.stand()
+    if (motion := walker.setup.motion) is not None:
+        walker.play(motion)
+        return walker.finish()
     if planned is None:
         return walker.finish(*replanned(walker))
     walker.go(list(planned.segments()))
@@ -119,6 +122,8 @@ def expected_steps(setup: Setup, planned: Plan | None) -> int:
 
     One that is replanned is estimated from its first segment.
     """
+    if setup.motion is not None:
+        return round(setup.limits.hold / setup.limits.timestep) + setup.motion.steps
     segments = 1 if planned is None else setup.scenario.segments
     if planned is None:
         swing = setup.at_rest.swing

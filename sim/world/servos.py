@@ -7,6 +7,7 @@ the same servo on the joint itself, so that commands are angles.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass
 
@@ -189,18 +190,15 @@ class Channels:
     robot: Robot
     model: mujoco.MjModel
 
-    def ctrl(self, swing: np.ndarray, lift: np.ndarray) -> np.ndarray:
-        """Commands (T, nu) for swing and lift angles of the groups, (T, G) each [rad].
+    def ctrl(self, targets: Mapping[str, np.ndarray]) -> np.ndarray:
+        """Commands (T, nu) for angles of joints, by their names, (T,) each [rad].
 
         Actuators of other joints keep the keyframe's value.
         """
-        robot, model = self.robot, self.model
-        rows = np.tile(model.key("start").ctrl, (len(swing), 1))
-        for joint, angle in robot.leg_angles(swing, lift).items():
-            rows[:, actuator_of(model, joint)] = robot.standing_angle(joint) + angle
-        for leg in robot.card.legs.values():
-            for joint in leg.hold:
-                rows[:, actuator_of(model, joint)] = robot.standing_angle(joint)
+        columns = {actuator_of(self.model, j): angle for j, angle in targets.items()}
+        rows = np.tile(self.model.key("start").ctrl, (len([*columns.values()][0]), 1))
+        for column, angle in columns.items():
+            rows[:, column] = angle
         return np.ascontiguousarray(rows)
 
     def swing(self, qpos: np.ndarray) -> np.ndarray:

@@ -55,7 +55,7 @@ def swing_on_all_feet(robot, model, speed):
         scheduler.flow(Flow("12", f"g12_{group + 1}", amount), UNIT[group])
     schedule = scheduler.finish()
     swing, lift = schedule.angles()
-    ctrl = Channels(robot, model).ctrl(swing, lift)
+    ctrl = Channels(robot, model).ctrl(robot.targets(swing, lift))
     engine, sensors = Engine(model), Sensors(model, robot)
     stretches = [ctrl[i : i + STRETCH] for i in range(0, len(ctrl), STRETCH)]
     records = [engine.advance(stretch) for stretch in stretches]

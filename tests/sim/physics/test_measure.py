@@ -81,7 +81,7 @@ def test_force_point_and_slip_of_a_foot_are_those_of_all_its_contacts(walker, sc
     model = load(build(walker, scenario()))
     time = np.arange(600)[:, None] * model.opt.timestep
     swing = 0.15 * np.sin(4 * time) * np.array([1.0, -1.0])
-    ctrl = Channels(walker, model).ctrl(swing, np.zeros_like(swing))
+    ctrl = Channels(walker, model).ctrl(walker.targets(swing, np.zeros_like(swing)))
     record = Engine(model).advance(ctrl)
     found = Sensors(model, walker).read(record.sensordata)
 

@@ -150,7 +150,7 @@ def test_a_joint_without_a_servo_needs_one_on_the_card(tricycle, scenario):
 def test_commands_turn_and_raise_every_leg_of_a_group(hexapod, scenario):
     model = load(build(hexapod, scenario()))
     ctrl = Channels(hexapod, model).ctrl(
-        np.array([[0.1, -0.2]]), np.array([[0.3, 0.0]])
+        hexapod.targets(np.array([[0.1, -0.2]]), np.array([[0.3, 0.0]]))
     )[0]
     for leg in (1, 4, 5):
         assert ctrl[model.actuator(f"swing_{leg}").id] == -0.1  # clockwise from above

@@ -1,0 +1,166 @@
+"""Feet of a robot whose joints move as they like: where they are, which ones stand.
+
+A leg may have any number of joints. Feet that are as low as the lowest one are planned
+to stand; where the weight would not rest on them, those are that the robot comes to
+rest on. The body is moved by the feet that stand, on which it slides as little as dry
+friction under their loads allows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import mujoco
+import numpy as np
+
+from models import Ground, Kinematics, Robot
+from models.contact import (
+    UPRIGHT,
+    Stance,
+    find_sole,
+    foot_velocities,
+    least_dissipation_twist,
+    sliding_twist,
+    static_loads,
+)
+from planner import Array
+from sim.motion.poses import rotate
+
+LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
+LEAST_LIFT = 5e-4  # [m]
+INSIDE = -1e-6  # share of the weight on each of three feet that bear it
+FLAT = 1e-9  # [m^2]; feet on a line make no triangle
+
+
+@dataclass(frozen=True, eq=False)
+class Posture:
+    """Feet and centre of mass of the level body in its own frame at N moments."""
+
+    feet: Array  # where they would touch, (N, F, 3) [m]
+    center_of_mass: Array  # (N, 3) [m]
+    gives: Array  # of the soles by one joint that gives as all of a leg's, (N, F, 3)
+
+    @property
+    def standing(self) -> Array:
+        """Feet that are planned to stand, (N, F), bool."""
+        height = self.feet[..., 2]
+        above = height - height.min(axis=1, keepdims=True)
+        near = max(LIFTED * float(above.max()), LEAST_LIFT)
+        standing = above <= near
+        rests, bearing = _resting(self.feet, self.center_of_mass, near)
+        three = np.array([*combinations(range(height.shape[1]), 3)])
+        inside = _shares(self.feet, self.center_of_mass, three).min(axis=2) >= INSIDE
+        held = (inside & standing[:, three].all(axis=2)).any(axis=1)
+        standing[rests & ~held] = bearing[rests & ~held]
+        return standing
+
+
+def posture(robot: Robot, joints: Sequence[str], angles: Array) -> Posture:
+    """Feet of a robot whose joints are at angles (N, J) [rad], others as it stands."""
+    model, data = robot.model, mujoco.MjData(robot.model)
+    data.qpos[:] = Kinematics(robot).level_qpos
+    mujoco.mj_kinematics(model, data)
+    soles = [find_sole(model, data, leg.foot) for leg in robot.leg_cards]
+    places = [int(model.joint(joint).qposadr[0]) for joint in joints]
+    dofs = [
+        [int(model.joint(joint).dofadr[0]) for joint in leg.joints]
+        for leg in robot.leg_cards
+    ]
+    root = model.body(robot.root).id
+    origin = data.xpos[root] * (1, 1, 0)
+    feet = np.empty((len(angles), len(soles), 3))
+    gives, center = np.empty_like(feet), np.empty((len(angles), 3))
+    jacobian = np.empty((3, model.nv))
+    for row, at in enumerate(angles):
+        data.qpos[places] = at
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        center[row] = data.subtree_com[root] - origin
+        for foot, sole in enumerate(soles):
+            point = sole.touch(data)
+            body = model.geom_bodyid[sole.geoms[0]]
+            mujoco.mj_jac(model, data, jacobian, None, point, body)
+            feet[row, foot] = point - origin
+            gives[row, foot] = _together(jacobian[:, dofs[foot]])
+    return Posture(feet, center, gives)
+
+
+def _together(J: Array) -> Array:
+    """Derivative of a sole by one joint that gives as all joints of the leg do, (3,).
+
+    A force f moves the sole by J J' f; what counts are its upward parts.
+    """
+    upward = float(np.sqrt((J[2] ** 2).sum()))
+    gives: Array = np.append(J[:2] @ J[2] / max(upward, FLAT), upward)
+    return gives
+
+
+def _shares(feet: Array, center: Array, three: Array) -> Array:
+    """Shares of the weight on feet that bear it three by three, (N, C, 3)."""
+    corner = feet[:, three, :2]  # (N, C, 3, 2)
+    spokes = corner - center[:, None, None, :2]
+    after = np.roll(spokes, -1, axis=2)
+    area = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
+    whole = area.sum(axis=2, keepdims=True)
+    whole = np.where(np.abs(whole) > FLAT, whole, np.nan)
+    shares: Array = np.nan_to_num(np.roll(area, -1, axis=2) / whole, nan=-1.0)
+    return shares
+
+
+def _resting(feet: Array, center: Array, near: float) -> tuple[Array, Array]:
+    """Whether the robot comes to rest nearly upright, (N,), and on which feet, (N, F).
+
+    It rests on three feet that bear the weight with all others above their plane.
+    """
+    rests = np.zeros(len(feet), dtype=bool)
+    bearing = np.zeros(feet.shape[:2], dtype=bool)
+    ones = np.ones((*feet.shape[:2], 1))
+    flat = np.concatenate([ones, feet[..., :2]], axis=2)
+    for chosen in combinations(range(feet.shape[1]), 3):
+        three = np.array([chosen])
+        inside = _shares(feet, center, three)[:, 0].min(axis=1) >= INSIDE
+        rows = np.flatnonzero(inside & ~rests)
+        corners = np.ix_(rows, three[0])
+        plane = np.linalg.solve(flat[corners], feet[corners][..., 2:])[..., 0]
+        above = feet[rows, :, 2] - np.einsum("nfi,ni->nf", flat[rows], plane)
+        upright = np.hypot(*plane[:, 1:].T) <= np.tan(UPRIGHT)
+        fits = upright & (above >= -FLAT).all(axis=1)
+        rests[rows[fits]] = True
+        bearing[rows[fits]] = above[fits] <= near
+    return rests, bearing
+
+
+def moved(
+    found: Posture, contact: Array, ground: Ground, step: float
+) -> tuple[Array, Array]:
+    """Poses (N, 3) of the body and slip of every foot so far, (N, F) [m].
+
+    Moments are a step apart [s]; in each of them the feet in contact (N, F) stand that
+    stood before and stand after.
+    """
+    feet, shift = found.feet[..., :2], np.diff(found.feet[..., :2], axis=0)
+    middle = (feet[1:] + feet[:-1]) / 2
+    center = (found.center_of_mass[1:, :2] + found.center_of_mass[:-1, :2]) / 2
+    both = contact[1:] & contact[:-1]
+    on = np.where(both.any(axis=1, keepdims=True), both, contact[1:])
+    twist = np.zeros((len(shift), 3))
+    sets, of = np.unique(on, axis=0, return_inverse=True)
+    for number, stand in enumerate(sets):
+        rows = np.flatnonzero(of.ravel() == number)
+        there = np.ix_(rows, np.flatnonzero(stand))
+        own, by, weight = middle[there], shift[there], center[rows]
+        if stand.sum() <= 3:
+            loads = static_loads(own, weight)
+            twist[rows] = least_dissipation_twist(own, by, loads)
+            continue
+        some = replace(ground, contact=ground.contact[stand], servo=ground.servo[stand])
+        stance = Stance(own, by, found.gives[there], found.feet[there][..., 2], weight)
+        twist[rows] = step * sliding_twist(stance, by / step, some, 1.0)[0]
+    speed = np.linalg.norm(foot_velocities(middle, shift, twist), axis=-1)
+    yaw = np.append(0.0, np.cumsum(twist[:, 2]))
+    way = rotate(twist[:, :2], (yaw[1:] + yaw[:-1]) / 2)
+    place = np.vstack([np.zeros(2), np.cumsum(way, axis=0)])
+    slip = np.vstack([np.zeros(on.shape[1]), np.cumsum(np.where(on, speed, 0), axis=0)])
+    return np.column_stack([place, yaw]), slip

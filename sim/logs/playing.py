@@ -1,0 +1,203 @@
+"""Joint motion as a schedule: the log's commands, with contacts planned from them.
+
+Its phases are the times in which the same feet stand. A played motion has no flows; all
+else that is done with a schedule is done with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from models import Ground, Kinematics, Robot
+from planner import Array
+from sim.logs.feet import Posture, moved, posture
+from sim.logs.log import Log
+from sim.motion.poses import wrap
+from sim.motion.prediction import Commanded, Prediction
+from sim.motion.schedule import LegState, MotionLimits, Phase, Schedule
+from sim.motion.stability import stability_margin
+from sim.scenarios.file import scenario_from
+from sim.scenarios.scenario import Scenario
+
+STEP = 0.005  # [s] between moments at which feet are looked at
+MOST = 20_000  # of these moments
+SHORTEST = 0.02  # [s] of a contact, or of its interruption, that is planned
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a robot is to do by a log, and which of its feet are to stand meanwhile."""
+
+    log: Log
+    robot: Robot
+    limits: MotionLimits
+
+    @cached_property
+    def time(self) -> Array:
+        """Moments that are looked at, evenly spaced, (N,) [s]."""
+        count = min(int(np.ceil(self.log.duration / STEP)), MOST)
+        return np.linspace(0.0, self.log.duration, count + 1)
+
+    @cached_property
+    def posture(self) -> Posture:
+        """Feet at these moments."""
+        return posture(self.robot, self.log.joints, self.log.at(self.time))
+
+    @cached_property
+    def contact(self) -> Array:
+        """Feet that are planned to stand at these moments, (N, F), bool."""
+        standing = self.posture.standing
+        shortest = round(SHORTEST / (self.time[1] - self.time[0]))
+        for foot in standing.T:
+            edges = np.flatnonzero(np.diff(foot)) + 1
+            for begin, end in zip(edges[:-1], edges[1:], strict=True):
+                if end - begin < shortest and foot[begin - 1] != foot[begin]:
+                    foot[begin:end] = foot[begin - 1]
+        return standing
+
+    @cached_property
+    def margin(self) -> Array:
+        """Stability margin of the level body at these moments, (N,) [m]."""
+        center = self.posture.center_of_mass[:, :2]
+        return stability_margin(self.posture.feet[..., :2], self.contact, center)
+
+    def schedule(self, begin: int, end: int, *, standing: bool = False) -> Played:
+        """The commands of physics steps from one to another.
+
+        `standing` holds the first row; otherwise the log begins with the first step.
+        """
+        rest = LegState((0.0,) * len(self.robot.groups), self.robot.card.bottom)
+        phases = self._phases(begin, end, standing)
+        return Played(phases, rest, rest, self.limits, self, standing)
+
+    @property
+    def steps(self) -> int:
+        """Physics steps that it takes."""
+        return round(self.log.duration / self.limits.timestep) + 1
+
+    def _phases(self, begin: int, end: int, standing: bool) -> tuple[Phase, ...]:
+        dt = self.limits.timestep
+        if standing:
+            return (self._phase("hold", 0, begin, end - begin, (0.0, 0.0)),)
+        changes = np.flatnonzero(np.diff(self.contact, axis=0).any(axis=1)) + 1
+        rows = [0, *changes.tolist()]
+        starts = [begin + round(self.time[row] / dt) for row in rows]
+        ends = [*starts[1:], end]
+        return tuple(
+            self._phase(
+                "swing", row, first, last - first, (first - begin, last - begin)
+            )
+            for row, first, last in zip(rows, starts, ends, strict=True)
+            if last > first
+        )
+
+    def _phase(
+        self, kind: str, row: int, start: int, steps: int, span: tuple[float, float]
+    ) -> Phase:
+        feet = tuple(self.contact[row].tolist())
+        inside = np.arange(
+            span[0], span[1] + 1, max(round(STEP / self.limits.timestep), 1)
+        )
+        ways = np.abs(np.diff(self.log.at(inside * self.limits.timestep), axis=0)).sum(
+            0
+        )
+        of_joint = dict(zip(self.log.joints, ways.tolist(), strict=True))
+        groups = self.robot.card.groups.values()
+        swung = [
+            [of_joint.get(self.robot.card.legs[leg].swing, 0.0) for leg in group.legs]
+            for group in groups
+        ]
+        return Phase(
+            kind="hold" if kind == "hold" else "swing",
+            stratum=self._name(feet),
+            direction=tuple(sum(own) / len(own) for own in swung),
+            amount=1.0,
+            start=start,
+            steps=steps,
+            segment=0,
+            feet=feet,
+        )
+
+    def _name(self, feet: tuple[bool, ...]) -> str:
+        """The stratum of whole groups that stand, else the legs that do."""
+        groups, of = self.robot.groups, self.robot.group_of_leg
+        whole = [g for i, g in enumerate(groups) if all(np.array(feet)[of == i])]
+        name = "".join(whole)
+        if (self.robot.planted(name) == feet).all():
+            return name
+        legs = (str(leg) for leg, on in zip(self.robot.legs, feet, strict=True) if on)
+        return f"legs {' '.join(legs)}"
+
+
+@dataclass(frozen=True)
+class Played(Schedule):
+    """A schedule whose commands are those of a log."""
+
+    motion: Motion
+    standing: bool
+
+    def targets(self, robot: Robot, rows: Array) -> Mapping[str, Array]:
+        """Commanded angles of the log's joints at steps (T,), by joint, (T,) [rad]."""
+        log = self.motion.log
+        angles = log.at(self._time(rows))
+        return dict(zip(log.joints, angles.T, strict=True))
+
+    def commanded(self, rows: Array, kinematics: Kinematics) -> Commanded:
+        """Planned contacts and margin at steps (T,); groups have no angles."""
+        motion, phase = self.motion, self.phase_of(rows)
+        contact = np.array([p.feet for p in self.phases], dtype=bool)[phase]
+        margin = np.interp(self._time(rows), motion.time, motion.margin)
+        swing = np.zeros((len(rows), len(kinematics.robot.groups)))
+        return Commanded(phase, swing, contact, margin)
+
+    def _time(self, rows: Array) -> Array:
+        """Time of the log at steps of the schedule, (T,) [s]."""
+        time: Array = rows * (0.0 if self.standing else self.limits.timestep)
+        return time
+
+
+def rigid(
+    motion: Motion, ground: Ground, contact: Array, margin: Array, time: Array
+) -> Prediction:
+    """Rigid quasi-static motion at times (T,) of the log [s], negative before it."""
+    grid = motion.time
+    pose, slip = moved(motion.posture, motion.contact, ground, grid[1] - grid[0])
+    along = [np.interp(time, grid, column) for column in (*pose.T, *slip.T)]
+    *place, yaw = along[:3]
+    return Prediction(
+        pose=np.stack([*place, wrap(yaw)], axis=1),
+        slip=np.stack(along[3:], axis=1),
+        margin=margin,
+        contact=contact,
+    )
+
+
+def posed(robot: Robot, log: Log) -> Robot:
+    """The robot that stands in the first row's posture."""
+    at = dict(zip(log.joints, log.commanded[0].tolist(), strict=True))
+    legs = {
+        number: replace(
+            leg, hold={j: at.get(j, angle) for j, angle in leg.hold.items()}
+        )
+        for number, leg in robot.card.legs.items()
+    }
+    card = replace(robot.card, legs=legs, start={**robot.card.start, **at})
+    return replace(robot, card=card)
+
+
+def scenario_of(robot: Robot, file: Path, settings: Mapping[str, object]) -> Scenario:
+    """The scenario that plays a file on a robot; commands are given as they stand."""
+    name = "".join(c if c.isalnum() or c in "-_" else "-" for c in file.stem)
+    table = {
+        "name": name.strip("-") or "motion",
+        "robot": robot.name if robot.is_shipped else str(robot.path.resolve()),
+        "motion": str(file.resolve()),
+        "segments": 1,
+        "feed_forward": False,
+    }
+    return scenario_from(table, settings, str(file))

@@ -1,0 +1,75 @@
+"""`stratawalk play`: files of joint motion become run folders, in any unit."""
+
+import json
+
+import numpy as np
+import pytest
+
+from sim.cli import main
+
+JOINTS = [f"{kind}_{leg}" for leg in range(1, 7) for kind in ("swing", "lift")]
+
+
+@pytest.fixture
+def gait(tmp_path, monkeypatch):
+    """Write a short gait: tripod 2 is lifted, and tripod 1 strokes."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(scale=1.0, offset=0.0, name="gait.csv"):
+        time = np.arange(41) / 50
+        part = np.clip(time / 0.8, 0, 1)
+        rows = [time]
+        for joint in JOINTS:
+            tripod = 1 if joint[-1] in "145" else 2
+            lift = 0.2 * np.sin(np.pi * part) ** 2 * (tripod == 2)
+            swing = 0.1 * np.sin(np.pi * (part - 0.5)) * (tripod == 1)
+            rows.append(offset + scale * (swing if joint[0] == "s" else lift))
+        names = ",".join(["time", *JOINTS])
+        np.savetxt(
+            tmp_path / name, np.transpose(rows), "%.9g", ",", "\n", names, "", ""
+        )
+        return name
+
+    return make
+
+
+FAST = (
+    "--no-video",
+    "--set",
+    "timestep=0.002",
+    "--set",
+    "predictions=['quasi_static']",
+)
+
+
+def test_a_gait_in_degrees_and_in_counts_is_the_same_motion(gait, capfd):
+    found = []
+    for units, scale, offset in (
+        ("radians", 1.0, 0.0),
+        ("degrees", np.degrees(1), 0.0),
+        ("counts", 4096 / (2 * np.pi), 2048.0),
+    ):
+        file = gait(scale, offset)
+        words = ["play", "hexapod", file, "--units", units, "--out", units, *FAST]
+        assert main([*words, "--json"]) == 0
+        found.append(json.loads(capfd.readouterr().out)["achieved"]["pose"])
+    np.testing.assert_allclose(found[1:], [found[0]] * 2, atol=1e-6)
+    assert abs(found[0][2]) > 0.1
+
+
+def test_a_joint_that_the_robot_lacks_is_named(gait, capfd, tmp_path):
+    text = (tmp_path / gait()).read_text().replace("swing_3", "swnig_3")
+    (tmp_path / "wrong.csv").write_text(text)
+    assert main(["play", "hexapod", "wrong.csv", "--no-video"]) == 2
+    error = capfd.readouterr().err
+    assert (
+        "the robot has no joint 'swnig_3': wrong.csv; did you mean 'swing_3'" in error
+    )
+    assert not (tmp_path / "runs").exists()
+
+
+def test_a_played_motion_beyond_its_tolerance_ends_with_7(gait, capfd):
+    slippery = ["--set", "friction=0.05", "--set", "swing_speed=1"]
+    words = ["play", "hexapod", gait(), *FAST, *slippery, "--tolerance", "1e-6"]
+    assert main(words) == 7
+    assert "off the quasi-static prediction" in capfd.readouterr().err

@@ -1,0 +1,129 @@
+"""Joint motion from elsewhere is walked as plans are, with contacts of its own."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from models import load
+from sim.logs.feet import posture
+from sim.logs.log import Log, of_function, read_log, written
+from sim.logs.playing import Motion, posed, scenario_of
+from sim.motion.schedule import MotionLimits
+from sim.preparation.setup import prepare
+from sim.run_folder import write
+from sim.scenarios.file import load_scenario
+from sim.simulation import simulate
+
+PERIOD = 1.6  # [s]
+SWING = 0.12  # [rad]
+STANCE = 0.0378  # [m/rad], of the hexapod
+
+
+def tripods(t: float) -> dict[str, float]:
+    """A tripod gait of the hexapod: one swings forward in the air, one strokes."""
+    part = (t / PERIOD) % 1.0
+    lift = 0.25 * np.sin(2 * np.pi * part) ** 2
+    swing = SWING * np.cos(2 * np.pi * part)
+    angles = {}
+    for legs, turned, raised in (
+        ((1, 4, 5), swing, lift * (part > 0.5)),
+        ((2, 3, 6), swing, lift * (part < 0.5)),
+    ):
+        for leg in legs:
+            angles |= {f"swing_{leg}": turned, f"lift_{leg}": raised}
+    return angles
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    return of_function(tripods, PERIOD, 100)
+
+
+@pytest.fixture(scope="module")
+def played(log, tmp_path_factory):
+    robot = load("hexapod")
+    file = tmp_path_factory.mktemp("gait") / "tripods.csv"
+    file.write_text(written(log))
+    scenario = scenario_of(robot, file, {"timestep": 0.002})
+    return simulate(scenario, robot=robot, without=("creep_floor",))
+
+
+def test_contacts_are_planned_from_the_lowest_feet(log):
+    robot = load("hexapod")
+    found = posture(robot, log.joints, log.commanded)
+    one, other = [0, 3, 4], [1, 2, 5]
+    quarter = len(log.time) // 4
+    assert found.standing[0].all()
+    assert found.standing[quarter].tolist() == [f in one for f in range(6)]
+    assert found.standing[3 * quarter].tolist() == [f in other for f in range(6)]
+
+
+def test_feet_that_are_not_level_stand_where_the_robot_comes_to_rest():
+    robot = load("hexapod")
+    lowered = {f"lift_{leg}": np.full(1, -0.01 * (leg == 1)) for leg in robot.legs}
+    angles = np.stack([*lowered.values()], axis=1)
+    found = posture(robot, tuple(lowered), angles)
+    lowest = found.feet[0, :, 2] <= found.feet[0, :, 2].min() + 1e-9
+    assert lowest.sum() == 1
+    assert found.standing[0].sum() >= 3
+
+
+def test_the_rigid_prediction_is_the_stroke_times_the_stride(played):
+    """Each half period one tripod strokes by 2 SWING, the first one goes back."""
+    end = played.evaluation.predicted["quasi_static"].pose[-1]
+    assert abs(end[2]) < 2e-3
+    assert np.hypot(*end[:2]) == pytest.approx(4 * SWING * STANCE, rel=0.02)
+
+
+def test_a_played_motion_has_no_goal_and_its_shares_are_of_the_predicted_way(played):
+    summary = played.summary
+    table = json.loads(json.dumps(summary.to_json()))
+    assert not {"goal", "missed"} & table.keys()
+    assert table["error"].keys() == {"quasi_static", "compliant"}
+    assert summary.verdict == "arrived"
+    way = np.hypot(*played.evaluation.predicted["quasi_static"].pose[-1][:2])
+    assert summary.path_length == pytest.approx(way, rel=0.1)
+    assert summary.weighed.goal is None
+    assert summary.contact_switches == summary.contact_switches_achieved == 4
+
+
+def test_physics_and_predictions_of_a_played_gait_agree(played):
+    error = played.summary.error
+    assert error["compliant"].position_per_path < 0.01
+    assert error["quasi_static"].position_per_path < 0.05
+
+
+def test_the_robot_stands_in_the_first_posture_before_time_begins(played):
+    walk = played.walk
+    assert played.summary.walk_starts == 0.5
+    model, card = walk.setup.model, walk.setup.robot.card
+    start = model.key("start").qpos
+    for joint, angle in tripods(0.0).items():
+        assert start[model.joint(joint).qposadr[0]] == pytest.approx(angle, abs=1e-5)
+        assert joint in card.joints
+
+
+def test_a_run_of_a_motion_is_walked_again_from_its_scenario(played, tmp_path):
+    folder = write(played, tmp_path / "run")
+    robot = load("hexapod")
+    again = read_log(folder / "motion.csv", robot.card.joints, robot.legs)
+    np.testing.assert_array_equal(
+        again.commanded, played.walk.setup.motion.log.commanded
+    )
+    scenario = load_scenario(str(folder / "scenario.toml"))
+    np.testing.assert_array_equal(
+        prepare(scenario).motion.log.commanded, again.commanded
+    )
+
+
+def test_a_short_contact_is_no_planned_one(log):
+    robot = posed(load("hexapod"), log)
+    limits = MotionLimits(0.5, 5.0, 0.3, 0.3, 0.5, 0.001, robot.groups)
+    early = replace(log, commanded=log.commanded.copy())
+    row, column = len(log.time) // 4, log.joints.index("lift_2")
+    early.commanded[row, column] = 0.0  # down for a moment in the middle of its lift
+    assert not Motion(early, robot, limits).contact[:, 1].all()
+    contact = Motion(early, robot, limits).contact[:, 1]
+    assert np.count_nonzero(np.diff(contact)) == 2
