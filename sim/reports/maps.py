@@ -126,7 +126,7 @@ def _draw_place(axes: Axes, run: Run) -> list[Key]:
         axes.fill(*(MM * outline.T), color=OBSTACLE.hex, lw=0)
     axes.plot(*(MM * run.nominal[:, :2].T), **NOMINAL.line())
     ring: Style = {"mfc": "none", "mew": 1.4, "color": NOMINAL.colour.hex}
-    axes.plot(*np.multiply(MM, run.summary.goal[:2]), "o", markersize=8, **ring)
+    axes.plot(*(MM * run.nominal[-1, :2]), "o", markersize=8, **ring)
     axes.set_aspect("equal", adjustable="datalim")
     return [Key.of(NOMINAL, "nominal path")]
 
