@@ -5,7 +5,7 @@ docs/numbers.md defines every number. Files are written by `sim.run_folder`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -34,6 +34,7 @@ from sim.evaluation.motions import (
     rigid_along,
 )
 from sim.evaluation.phases import (
+    commanded_pace,
     count_changes,
     foresight,
     moving_time,
@@ -108,10 +109,10 @@ class Evaluation:
     def scale(self) -> Scale:
         """What distances are weighed by: the path, or the way that is predicted."""
         setup, made = self.walk.setup, self.predicted
-        reach = setup.kinematics.reach
         if setup.motion is None:
-            return Scale.of(setup.scenario.path, reach, made)
-        return Scale.along(made[QUASI_STATIC.key].pose[self.judged], reach, made)
+            return Scale.of(setup.scenario.path, setup.kinematics.reach, made)
+        way = made[OF_MOTIONS[0]].pose[self.judged]
+        return Scale.along(way, setup.kinematics.reach, made)
 
     def least_clearance(self, name: str) -> float | None:
         """Of the walk or of a prediction [m]; None where there are no obstacles."""
@@ -144,25 +145,23 @@ def evaluate(
     predicted: dict[str, Prediction] = {}
     unpredicted: dict[str, str] = {}
     caches: dict[str, Cache] = {}
-    cache, measured = walk_cache(walk.setup, shared), world_cache(walk.setup, shared)
+    setup, motion = walk.setup, walk.setup.motion
+    cache, measured = walk_cache(setup, shared), world_cache(setup, shared)
     given = cache(
         "commanded", lambda: [list(commands_along(walk, s)) for s in walk.stretches]
     )
     strata = {phase.stratum for phase in walk.phases if phase.kind == "swing"}
-    asked: Collection[str] = walk.setup.scenario.predictions or PREDICTIONS
-    motion = walk.setup.motion
-    names = tuple(PREDICTIONS) if motion is None else OF_MOTIONS
-    for name in names:
+    asked: Collection[str] = setup.scenario.predictions or PREDICTIONS
+    for name in (names := tuple(PREDICTIONS) if motion is None else OF_MOTIONS):
         if name in without or (name not in asked and name != names[0]):
             unpredicted[name] = "left out"
             continue
         try:
             alike = motion is None and follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
-            twists = partial(measured, name, partial(twist_model, walk.setup, name))
-            follow: Callable[[], Prediction] = partial(
-                predicted_along, walk, twists, given
-            )
+            twists = partial(measured, name, partial(twist_model, setup, name))
+            follow: Callable[[], Prediction]
+            follow = partial(predicted_along, walk, twists, given)
             if motion is not None:
                 follow = partial(rigid_along, walk, motion, given)
             if name == COMPLIANT.key:
@@ -179,9 +178,8 @@ def evaluate(
     unlike = left_out(walk.setup, poses)
     unpredicted |= unlike
     predicted = {key: p for key, p in predicted.items() if key not in unlike}
-    creep = None
+    creep, stand = None, partial(creep_floor, walk.setup, walk.duration)
     if "creep_floor" not in without:
-        stand = partial(creep_floor, walk.setup, walk.duration)
         with stage(progress, "measuring the solver's creep"):
             creep = measured(f"creep in {walk.duration} s", stand)
     return Evaluation(
@@ -215,19 +213,15 @@ def summarise(
     recording, dt = walk.recording, setup.limits.timestep
     pose, goal = achieved.pose[-1], scenario.goal
     swings = [p for p in walk.phases if p.kind == "swing"]
-    peaks: Iterator[float] = (
-        setup.limits.swing_peak(p.direction, p.amount) for p in swings
-    )
+    off_goal = {} if goal is None else {"goal": departure(pose, np.array(goal))}
     length, walked = scenario.path.length, walk.distance
-    switches = sum(p.kind in ("lift", "land") for p in walk.phases)
-    if setup.motion is not None:
+    if goal is None:
         length = walked = evaluation.scale.length
-        peaks = iter([setup.motion.log.fastest])
-        switches = count_changes(walk, setup.motion.contact)
+    switches, fastest = commanded_pace(walk)
     strokes = swing_travel(swings, setup.robot.groups, loaded=True)
     slip, in_swings, judged = achieved.slip[-1], swing_slip(walk), evaluation.judged
-    absent = dict.fromkeys(evaluation.unpredicted)
-    errors = {
+    absent: dict[str, None] = dict.fromkeys(evaluation.unpredicted)
+    errors: dict[str, Departure | None] = {
         name: off(achieved.pose[judged], prediction.pose[judged], length, walked)
         for name, prediction in evaluation.predicted.items()
     }
@@ -272,7 +266,7 @@ def summarise(
         self_contacts=recording.self_contacts,
         saturated_segments=walk.saturated_segments,
         let_down=setup.world.let_down,
-        fastest_swing=max(peaks, default=0.0),
+        fastest_swing=fastest,
         swing_speed=scenario.swing_speed,
         walk_starts=walk.starts * dt,
         predicted={**predicted, **absent},
@@ -289,11 +283,7 @@ def summarise(
             ),
             creep_floor=evaluation.creep_floor,
         ),
-        error={
-            **errors,
-            **absent,
-            **({} if goal is None else {"goal": departure(pose, np.array(goal))}),
-        },
+        error=errors | absent | off_goal,
         error_sources=None if scenario.replan else {**sources, **absent},
         servo=setup.servo.table(setup.world.servo),
         weighed=evaluation.weighed,

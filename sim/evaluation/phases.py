@@ -106,6 +106,16 @@ def swing_travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -
     )
 
 
+def commanded_pace(walk: Walk) -> tuple[int, float]:
+    """Contact switches, and the highest speed of a joint [rad/s], as commanded."""
+    if (motion := walk.setup.motion) is not None:
+        return count_changes(walk, motion.contact), motion.log.fastest
+    peak = walk.setup.limits.swing_peak
+    speeds = (peak(p.direction, p.amount) for p in walk.phases if p.kind == "swing")
+    switches = sum(phase.kind in ("lift", "land") for phase in walk.phases)
+    return switches, max(speeds, default=0.0)
+
+
 def count_changes(walk: Walk, contact: Array | None = None) -> int:
     """Number of lift-offs and touchdowns of whole groups during the walk.
 

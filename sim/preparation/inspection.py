@@ -23,8 +23,8 @@ from models import (
 from models.adoption import servo_for
 from sim.motion.stability import margin_at_rest
 from sim.physics.standing import check_standing
-from sim.preparation.reach import immobile
-from sim.preparation.setup import Setup, lift_angle
+from sim.preparation.reach import immobile, lift_angle
+from sim.preparation.setup import Setup
 from sim.scenarios.scenario import Scenario
 from sim.world.changes import changes, overlaps
 from sim.world.model import build, load as load_world

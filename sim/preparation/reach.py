@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from models import Equations, Mobility, Robot, mobility_of
+from models import Equations, Kinematics, Mobility, Robot, mobility_of
 from models.adoption import propose
 from planner import Array, Gait, Path, PlannerError, StratumError
 from planner.extension import AFFORDABLE
@@ -105,3 +105,17 @@ def require_gait(scenario: Scenario, robot: Robot, described: Equations) -> None
     if scenario.optimise != "none":
         what = f"optimise = {scenario.optimise} chooses the order of strata itself"
         raise UsageError(what, written, "leave out one of the two")
+
+
+def lift_angle(kinematics: Kinematics, height: float | None) -> float:
+    """Angle that raises every foot by a height [m]; the card's own if none is given."""
+    robot, lifting = kinematics.robot, kinematics.lifting
+    if height is None:
+        return robot.card.lift_angle
+    if height > lifting.highest:
+        raise UsageError(
+            f"lift_height = {height} is out of reach of the lift joints",
+            str(robot),
+            f"give at most {lifting.highest:.4f} m",
+        )
+    return lifting.angle(height)

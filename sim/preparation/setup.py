@@ -24,7 +24,7 @@ from sim.motion.poses import pose_of
 from sim.motion.schedule import LegState, MotionLimits, Schedule
 from sim.physics.engine import STRETCH
 from sim.physics.standing import check_standing
-from sim.preparation.reach import explained, require_gait
+from sim.preparation.reach import explained, lift_angle, require_gait
 from sim.preparation.shared import Shared, built
 from sim.scenarios.scenario import Scenario, drawn
 from sim.scenarios.settings import IMPERFECTIONS
@@ -290,17 +290,3 @@ def _mathematics(
         except ValueError as error:
             raise UsageError.at("degree", error) from error
     return described, extended, Kinematics(robot)
-
-
-def lift_angle(kinematics: Kinematics, height: float | None) -> float:
-    """Angle that raises every foot by a height [m]; the card's own if none is given."""
-    robot, lifting = kinematics.robot, kinematics.lifting
-    if height is None:
-        return robot.card.lift_angle
-    if height > lifting.highest:
-        raise UsageError(
-            f"lift_height = {height} is out of reach of the lift joints",
-            str(robot),
-            f"give at most {lifting.highest:.4f} m",
-        )
-    return lifting.angle(height)

@@ -64,9 +64,7 @@ class Settings:
         "plan",
     )
     motion: str | None = setting(
-        "a log of joint angles to play in place of a plan, as motion.csv of a run",
-        None,
-        ("world", "motion"),
+        "log of joint angles to play in place of a plan", None, ("world", "motion")
     )
     segments: Annotated[int, Range(1, 100_000)] = setting(
         "pieces into which the path is cut; each is planned for itself", 20, "plan"
@@ -256,9 +254,7 @@ class Settings:
     )
     min_clearance: Annotated[float, Range(-1, 1)] = setting(
         "least distance from obstacles that a plan may predict; -1 for any",
-        0.002,
-        ("plan", "refusal"),
-        "m",
+        *(0.002, ("plan", "refusal"), "m"),
     )
     allow_unstable: bool = setting(
         "walk plans that are predicted to tip over or to collide", False, "refusal"
