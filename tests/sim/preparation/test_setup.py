@@ -30,7 +30,8 @@ def test_commands_are_those_of_the_whole_schedule_piece_by_piece(setup):
     flows = 2 * [Flow("1", "g1_1", 0.4), Flow("2", "g2_2", -0.4)]
     schedule_flows(setup, scheduler, [flows])
     schedule = scheduler.finish()
-    whole = setup.channels.ctrl(*schedule.angles())
+    rows = np.arange(schedule.stop - schedule.start)
+    whole = setup.channels.ctrl(schedule.targets(setup.robot, rows))
     pieces = list(setup.commands(schedule))
     assert len(pieces) > 1
     assert np.array_equal(np.concatenate(pieces), whole)
