@@ -1,3 +1,4 @@
+from .card import CLOCKS as CLOCKS
 from .card_file import parse_card as parse_card
 from .compiled import (
     ON_JOINT as ON_JOINT,

@@ -59,7 +59,8 @@ def execute(options: argparse.Namespace) -> None:
         with asking:
             answers = _asked(robot, kind, folder, file)
         told = _written(robot, kind, folder, answers)
-    print(json.dumps(told) if options.json else "\n".join(map(str, told.values())))
+    lines = (f"{name:13}{value}" for name, value in told.items())
+    print(json.dumps(told) if options.json else "\n".join(lines))
 
 
 def _kind(robot: Robot) -> ServoKind:
@@ -86,7 +87,7 @@ def _prepare(
     from sim.reports.templates import render
 
     tool = SKETCH if kind.signal == "pulse" else SCRIPT
-    text = files("sim.export").joinpath(tool).read_text()
+    text = files("sim.export").joinpath(tool.replace(".py", ".txt")).read_text()
     rate = kind.command_rate
     numbers = {
         "@CLOCK@": f"{BOARD_CLOCK:.0f}",
@@ -114,6 +115,7 @@ def _prepare(
 
 def _asked(robot: Robot, kind: ServoKind, folder: Path, file: Path) -> Answers:
     """The answers of every joint: those that are kept, and those given now."""
+    from planner.support import unknown
     from sim.export.calibration import Answers, read_answers
     from sim.folder import whole
 
@@ -122,10 +124,11 @@ def _asked(robot: Robot, kind: ServoKind, folder: Path, file: Path) -> Answers:
         try:
             answers = read_answers(file.read_text())
         except (ValueError, OSError) as error:
-            raise UsageError.at(
-                str(file), error, "correct it, or move it away"
-            ) from error
-    _require_known(robot, answers, file)
+            remedy = "correct it, or move it away"
+            raise UsageError.at(str(file), error, remedy) from error
+    for joint in answers.joints.keys() - {*robot.card.joints}:
+        what = f"joint {joint!r} {unknown(joint, robot.card.joints)}"
+        raise UsageError(what, str(file), "give the answers of this robot")
 
     def kept() -> str:
         known = f"{len(answers.joints)} of {len(robot.card.joints)} joints"
@@ -144,18 +147,15 @@ def _asked(robot: Robot, kind: ServoKind, folder: Path, file: Path) -> Answers:
     return answers
 
 
-def _require_known(robot: Robot, answers: Answers, file: Path) -> None:
-    from planner.support import unknown
-
-    for joint in answers.joints.keys() - {*robot.card.joints}:
-        what = f"joint {joint!r} {unknown(joint, robot.card.joints)}"
-        raise UsageError(what, str(file), "answers are those of another robot?")
-
-
 def _clock() -> float | None:
     """The board's clock [Hz]; None where it is not measured."""
+    from models.description import CLOCKS
+
+    low, high = CLOCKS
 
     def read(text: str) -> float | None:
+        if text and not low <= MEGAHERTZ * float(text) <= high:
+            raise ValueError(f"a clock is from {low:g} to {high:g} Hz, not {text} MHz")
         return MEGAHERTZ * float(text) if text else None
 
     return _ask("clock of the board, k in the sketch [MHz, or nothing]: ", read)
@@ -234,20 +234,19 @@ def _written(
             str(source),
             f"move it to {source.with_suffix('.toml')}, and go on: {again()}",
         )
-    own = source.with_suffix(".toml")
     if source.parent == FOLDER:
         source, spec = folder / source.name, robot.read()
         spec.compile()
         with whole(source) as part:
             part.write_text(spec.to_xml())
     card = source.with_suffix(".toml")
-    text = card_with(own.read_text(), robot, answers, kind)
+    text = card_with(robot.card_text, robot, answers, kind)
     parse_card(text, str(card))
     with whole(card) as part:
         part.write_text(text)
     return {
-        "card": f"card         {card}, {len(answers.joints)} servos",
-        "check": f"next         stratawalk calibrate {source} --check",
+        "card": f"{card}, {len(answers.joints)} servos",
+        "next": f"stratawalk calibrate {source} --check",
     }
 
 
@@ -269,17 +268,13 @@ def _check(robot: Robot, kind: ServoKind, folder: Path) -> Mapping[str, str]:
     pulse = kind.signal == "pulse"
     commands, told = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)
-    name = "check.h" if pulse else "check.csv"
-    text = (
-        write_header(commands, table, title="Strokes to check", name="check", file=name)
-        if pulse
-        else write_ticks(commands, table)
-    )
+    name, text = "check.csv", ""
+    if pulse:
+        name, title = "check.h", "Strokes to check"
+        text = write_header(commands, table, title=title, name="check", file=name)
+    text = text or write_ticks(commands, table)
     RunFolder(folder).write_text(name, text)
     numbers = ",".join(str(servo.channel) for servo in table.channels)
-    how = (
-        "its comment has the player" if pulse else f"bus.py MAKE PORT {name} {numbers}"
-    )
-    return {"file": f"file         {folder / name}; {how}"} | {
-        f"stroke_{n}": one for n, one in enumerate(told, start=1)
-    }
+    how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
+    how = "its comment has the player" if pulse else how
+    return {"file": f"{folder / name}; {how}"} | told

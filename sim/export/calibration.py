@@ -134,7 +134,7 @@ def _without_servos(text: str) -> str:
     return "".join(table for table in tables if not own.match(table))
 
 
-def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, list[str]]:
+def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
     """Three strokes that show servos mounted or numbered wrongly, and what to see.
 
     All legs turn anticlockwise and back; all feet rise and come down; the feet rise one
@@ -143,23 +143,24 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, list[str]]:
     joints, kinematics = robot.card.joints, Kinematics(robot)
     rest = np.array([robot.standing_angle(joint) for joint in joints])
     turn, rise = np.zeros(len(joints)), np.zeros((len(robot.legs), len(joints)))
-    for number, (leg, up) in enumerate(
-        zip(robot.leg_cards, robot.raise_sign, strict=True)
-    ):
-        turn[joints.index(leg.swing)] = SWING * np.sign(kinematics.axis(leg.swing)[2])
-        rise[number, joints.index(leg.lift)] = up * robot.card.lift_angle
+    for number, leg in enumerate(robot.leg_cards):
+        room = min(
+            abs(end - rest[joints.index(leg.swing)]) for end in robot.span(leg.swing)
+        )
+        sense = np.sign(kinematics.axis(leg.swing)[2])
+        turn[joints.index(leg.swing)] = sense * min(SWING, room)
+        rise[number, joints.index(leg.lift)] = leg.raise_sign * robot.card.lift_angle
     moves = [turn, rise.sum(axis=0), *rise]
     angles = np.concatenate([rest + move * _bump(rate)[:, None] for move in moves])
     each = len(angles) / len(moves) / rate
-    told = [
-        f"0 to {each:.0f} s: every leg turns anticlockwise, seen from above, and back; "
-        "one that turns the other way has a wrong sign",
-        f"{each:.0f} to {2 * each:.0f} s: every foot rises and comes down; one that "
-        "pushes has a wrong sign",
-        f"{2 * each:.0f} to {len(moves) * each:.0f} s: feet rise in the order "
-        f"{', '.join(map(str, robot.legs))} and come down on their rings, which are a "
-        "degree wide",
-    ]
+    told = {
+        f"0 to {each:.0f} s": "every leg turns anticlockwise, seen from above, and "
+        "back; one that turns the other way has a wrong sign",
+        f"to {2 * each:.0f} s": "every foot rises and comes down; one that pushes "
+        "has a wrong sign",
+        f"to {len(moves) * each:.0f} s": "feet rise in the order of their legs and "
+        "come down on their rings, which are a degree wide",
+    }
     return ServoCommands(tuple(joints), rate, angles), told
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from models.description import actuator_of
 from planner import Array
 from sim.drive.drive import Drive
-from sim.drive.trial import Beforehand
+from sim.drive.rehearsal import Beforehand
 from sim.export.servo_commands import taken
 from sim.feedback.stops import Stop, stop_after
 from sim.motion.schedule import Schedule, Scheduler

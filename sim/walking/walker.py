@@ -10,7 +10,7 @@ import numpy as np
 from planner import Array, Flow
 from sim.drive.drive import Drive
 from sim.drive.feed_forward import FeedForward
-from sim.drive.trial import Beforehand
+from sim.drive.rehearsal import Beforehand
 from sim.feedback.stops import Followed
 from sim.logs.playing import Motion
 from sim.motion.poses import seen_from

@@ -1,6 +1,7 @@
 """Servos found one at a time: a simulated board hides where they are and how."""
 
 import re
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from models import SERVO_KINDS, load
 from models.description import board_divider
 from sim.cli import main
-from sim.export import bus, joint_pictures
+from sim.export import joint_pictures
 from sim.export.calibration import Answer, Answers, marks, read_answers, strokes
 from sim.export.header import read_header
 from sim.export.servo_table import servo_table
@@ -183,10 +184,12 @@ def test_what_is_not_calibrated_is_not_checked(calibrate, capsys):
 
 
 def test_packets_are_those_of_the_makers_manuals():
-    torque, goal = bus.packets("ax-12", 1, 512)[:8], bus.packets("ax-12", 1, 512)[8:]
+    script = Path(joint_pictures.__file__).with_name("bus.txt")
+    packets = runpy.run_path(str(script))["packets"]
+    torque, goal = packets("ax-12", 1, 512)[:8], packets("ax-12", 1, 512)[8:]
     assert torque == bytes.fromhex("ffff01040318 01de")
     assert goal == bytes.fromhex("ffff0105031e0002d6")  # position 512, protocol 1.0
     # the manual of protocol 2.0 writes 512 to address 116 of servo 1 as an example
     written = bytes.fromhex("fffffd000109000374000002 0000cad9".replace("cad9", "ca89"))
-    assert bus.packets("xl-330", 1, 512).endswith(written)
-    assert bus.packets("lx-16a", 1, 512) == bytes.fromhex("555501070100020000f4")
+    assert packets("xl-330", 1, 512).endswith(written)
+    assert packets("lx-16a", 1, 512) == bytes.fromhex("555501070100020000f4")
