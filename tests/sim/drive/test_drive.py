@@ -234,3 +234,38 @@ def test_a_motor_behind_a_proportional_controller_walks_as_the_springs_do(scenar
         ends.append([engine.advance(piece).qpos[-1] for piece in pieces])
     # kicks of a count come to the voltage's limit for single steps: 1e-5 was measured
     assert np.abs(np.subtract(*ends)).max() < 1e-4
+
+
+def test_a_servo_set_to_go_slowly_is_refused_with_its_register(scenario):
+    sts = {"robot": "hexapod-classroom", "servo": "sts3215"}
+    setup = prepare(scenario(**sts))
+    drive, schedule = Drive(setup), swung(setup)
+    nothing = FeedForward(np.zeros((2, setup.model.nu)), 1000)
+    # 400 counts a second are 0.61 rad/s, and legs lift faster than that
+    said = r"go at 0.61 rad/s: servo = 'sts3215'; write \d+ into their speed register"
+    with pytest.raises(UsageError, match=said):
+        drive.require_strength(schedule, nothing)
+    faster = prepare(scenario(**sts, servo_data={"profile_speed": 5.0}))
+    Drive(faster).require_strength(schedule, nothing)
+
+
+def test_numbers_of_a_data_sheet_replace_those_of_the_make(scenario):
+    given = {"stall_torque": 0.3, "no_load_speed": 10.0, "full_error": 0.03}
+    found = prepare(
+        scenario(robot="hexapod-classroom", servo="pulse", servo_data=given)
+    )
+    assert found.servo.stiffness == pytest.approx(0.3 / 0.03)
+    assert (found.servo.torque, found.servo.speed) == (0.3, 10.0)
+    halved = prepare(scenario(robot="hexapod-classroom", servo_data={"volts": 3.0}))
+    make = SERVO_KINDS["mg90"]
+    assert halved.servo.torque == pytest.approx(make.stall_torque / 2)
+    assert halved.servo.speed == pytest.approx(make.no_load_speed / 2)
+    with pytest.raises(UsageError, match="give stall_torque and no_load_speed"):
+        prepare(scenario(robot="hexapod-classroom", servo="bus"))
+
+
+def test_pulses_come_at_the_rate_that_a_board_can_give(scenario):
+    servo = prepare(scenario(robot="hexapod-classroom")).servo
+    make, rate = SERVO_KINDS["mg90"], 25e6 / 4096 / 102
+    assert servo.rate == pytest.approx(rate)  # and not 60
+    assert servo.resolution == pytest.approx(make.resolution * 60 / rate)
