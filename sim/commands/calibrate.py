@@ -7,7 +7,6 @@ import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout
-from dataclasses import replace
 from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -17,8 +16,7 @@ from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
 
 if TYPE_CHECKING:
-    from models import Robot, ServoKind
-    from sim.export.calibration import Answer, Answers
+    from models import JointServo, Robot, ServoKind
 
 HELP = "find the servos of a robot one at a time, and write them into its card"
 BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
@@ -33,9 +31,9 @@ OPTIONS = (
         "--out",
         metavar="FOLDER",
         default="calibration",
-        help="folder of sketch, pictures and answers; calibration if left out",
+        help="folder of sketch and pictures; calibration if left out",
     ),
-    option("--answers", metavar="FILE", help="where answers are kept, and read from"),
+    option("--answers", metavar="FILE", help="read answers, a line each, from a file"),
     option(
         "--check",
         action="store_true",
@@ -51,14 +49,13 @@ def execute(options: argparse.Namespace) -> None:
     robot = robot_of(options, options.robot)
     kind = _kind(robot)
     folder = ensure_folder(Path(options.out))
-    told = _check(robot, kind, folder) if options.check else None
-    if told is None:
-        file = Path(options.answers) if options.answers else folder / "answers.toml"
+    if options.check:
+        told = _check(robot, kind, folder)
+    else:
+        robot = _owned(robot, folder, options)
         _prepare(robot, kind, folder, options)
-        asking = redirect_stdout(sys.stderr) if options.json else nullcontext()
-        with asking:
-            answers = _asked(robot, kind, folder, file)
-        told = _written(robot, kind, folder, answers)
+        with redirect_stdout(sys.stderr) if options.json else nullcontext():
+            told = _calibrated(robot, kind, folder, options)
     lines = (f"{name:13}{value}" for name, value in told.items())
     print(json.dumps(told) if options.json else "\n".join(lines))
 
@@ -113,74 +110,113 @@ def _prepare(
     out.write_text(PAGE, page)
 
 
-def _asked(robot: Robot, kind: ServoKind, folder: Path, file: Path) -> Answers:
-    """The answers of every joint: those that are kept, and those given now."""
-    from planner.support import unknown
-    from sim.export.calibration import Answers, read_answers
+def _owned(robot: Robot, folder: Path, options: argparse.Namespace) -> Robot:
+    """The robot whose card is written: a copy in the folder of one that is shipped."""
+    from models import load
+    from models.description import FOLDER
+    from sim.folder import RunFolder
+
+    source = robot.path
+    if robot.has_card_inside:
+        remedy = f"move it to {source.with_suffix('.toml')}, and go on: {again()}"
+        raise UsageError("the card is inside the robot's file", str(source), remedy)
+    if source.parent != FOLDER:
+        return robot
+    own = folder / source.name
+    if not own.exists():
+        spec = robot.read()
+        spec.compile()
+        RunFolder(folder).write_text(own.with_suffix(".toml").name, robot.card_text)
+        RunFolder(folder).write_text(own.name, spec.to_xml())
+    return load(str(own), allow_external=options.allow_external)
+
+
+def _calibrated(
+    robot: Robot, kind: ServoKind, folder: Path, options: argparse.Namespace
+) -> Mapping[str, str]:
+    """Ask for every servo that the card does not have, and write it at once."""
+    from sim.export.calibration import card_with
     from sim.folder import whole
 
-    answers = Answers({})
-    if file.exists():
-        try:
-            answers = read_answers(file.read_text())
-        except (ValueError, OSError) as error:
-            remedy = "correct it, or move it away"
-            raise UsageError.at(str(file), error, remedy) from error
-    for joint in answers.joints.keys() - {*robot.card.joints}:
-        what = f"joint {joint!r} {unknown(joint, robot.card.joints)}"
-        raise UsageError(what, str(file), "give the answers of this robot")
+    card, file = robot.card, robot.path.with_suffix(".toml")
+    known, pulse = dict(card.joint_servos), kind.signal == "pulse"
+    clock = card.board_clock if "[board]" in robot.card_text else None
+    ask = _Asker(Path(options.answers) if options.answers else None)
 
     def kept() -> str:
-        known = f"{len(answers.joints)} of {len(robot.card.joints)} joints"
-        return f"{file} keeps {known}, go on: {again()}"
+        return (
+            f"{file} keeps {len(known)} of {len(card.joints)} servos, go on: {again()}"
+        )
 
-    tool = folder / (SKETCH if kind.signal == "pulse" else SCRIPT)
     with keeping(kept):
-        if len(answers.joints) < len(robot.card.joints):
+        if len(known) < len(card.joints):
+            tool = folder / (SKETCH if pulse else SCRIPT)
             print(f"start {tool} and open {folder / PAGE}; Ctrl-C keeps what is told")
-        if not answers.joints and answers.clock is None and kind.signal == "pulse":
-            answers = replace(answers, clock=_clock())
-        for joint, answer in _new(robot, kind, answers):
-            answers = replace(answers, joints={**answers.joints, joint: answer})
+        if pulse and not known and clock is None:
+            clock = _clock(ask)
+        for joint, servo in _found(robot, kind, known, clock, ask):
+            known[joint] = servo
             with whole(file) as part:
-                part.write_text(str(answers))
-    return answers
+                part.write_text(card_with(robot.card_text, known, clock))
+    check = f"stratawalk calibrate {robot.path} --check"
+    return {"card": f"{file}, {len(known)} servos", "next": check}
 
 
-def _clock() -> float | None:
+def _clock(ask: _Asker) -> float | None:
     """The board's clock [Hz]; None where it is not measured."""
     from models.description import CLOCKS
 
-    low, high = CLOCKS
-
     def read(text: str) -> float | None:
-        if text and not low <= MEGAHERTZ * float(text) <= high:
-            raise ValueError(f"a clock is from {low:g} to {high:g} Hz, not {text} MHz")
-        return MEGAHERTZ * float(text) if text else None
+        clock, (low, high) = MEGAHERTZ * float(text) if text else None, CLOCKS
+        if clock and not low <= clock <= high:
+            raise ValueError(f"a clock is from {low:g} to {high:g} Hz, not {clock:g}")
+        return clock
 
-    return _ask("clock of the board, k in the sketch [MHz, or nothing]: ", read)
+    return ask("clock of the board, k in the sketch [MHz, or nothing]: ", read)
 
 
-def _new(
-    robot: Robot, kind: ServoKind, answers: Answers
-) -> Iterator[tuple[str, Answer]]:
-    """Joints and answers, channel after channel, until every joint has its servo."""
-    taken = {answer.channel for answer in answers.joints.values()}
-    left = [joint for joint in robot.card.joints if joint not in answers.joints]
+def _found(
+    robot: Robot,
+    kind: ServoKind,
+    known: Mapping[str, JointServo],
+    clock: float | None,
+    ask: _Asker,
+) -> Iterator[tuple[str, JointServo]]:
+    """Servos of joints, channel after channel, until every joint has one."""
+    from models.description import BOARD_CLOCK
+    from sim.export.calibration import joint_servo, marks
+
+    taken = {servo.channel for servo in known.values()}
+    left = [joint for joint in robot.card.joints if joint not in known]
     channels = BOARD_CHANNELS if kind.signal == "pulse" else BUS_NUMBERS
+
+    def which(text: str) -> str:
+        if text not in (*left, NONE):
+            raise ValueError(f"no joint {text!r}; left are {', '.join(left)}")
+        return text
+
+    def servo(joint: str, channel: int) -> JointServo:
+        angles = marks(robot, joint)
+        turned = ask("  from mark 1 to mark 2 as counts grew (+), or back (-)? ", str)
+        first, second = (
+            ask(f"  count at mark {number}, {degrees(angle):.1f} degrees: ", int)
+            for number, angle in enumerate(angles, start=1)
+        )
+        try:
+            return joint_servo(
+                kind, clock or BOARD_CLOCK, channel, turned, (first, second), angles
+            )
+        except ValueError as error:
+            print(f"  {error}")
+            return servo(joint, channel)
+
     for channel in channels:
         if channel in taken or not left:
             continue
-
-        def which(text: str) -> str:
-            if text not in (*left, NONE):
-                raise ValueError(f"no joint {text!r}; left are {', '.join(left)}")
-            return text
-
-        joint = _ask(f"channel {channel}, j {channel}: which joint moved? ", which)
+        joint = ask(f"channel {channel}, j {channel}: which joint moved? ", which)
         if joint != NONE:
+            yield joint, servo(joint, channel)
             left.remove(joint)
-            yield joint, _ask_of(robot, kind, joint, channel)
     if left:
         raise UsageError(
             f"no servo was found for {', '.join(left)}",
@@ -189,65 +225,26 @@ def _new(
         )
 
 
-def _ask_of(robot: Robot, kind: ServoKind, joint: str, channel: int) -> Answer:
-    from sim.export.calibration import Answer, marks, require_likely
+class _Asker:
+    """Asks on the terminal, or reads the lines of a file in place of answers."""
 
-    first, second = marks(robot, joint)
-    while True:
-        turned = _ask("  from mark 1 to mark 2 as counts grew (+), or back (-)? ", str)
-        counts = [
-            _ask(f"  count at mark {number}, {degrees(angle):.1f} degrees: ", int)
-            for number, angle in ((1, first), (2, second))
-        ]
+    def __init__(self, file: Path | None) -> None:
         try:
-            answer = Answer(channel, turned, (counts[0], counts[1]))
-            require_likely(answer, second - first, kind)
-        except ValueError as error:
-            print(f"  {error}")
-            continue
-        return answer
+            self._lines = None if file is None else iter(file.read_text().splitlines())
+        except (OSError, UnicodeDecodeError) as error:
+            remedy = "give a file of answers, a line each"
+            raise UsageError.at(str(file), error, remedy) from error
 
-
-def _ask(question: str, read: Callable[[str], T]) -> T:
-    """What is answered, as `read` makes it of the text; asked again if it refuses."""
-    while True:
-        try:
-            return read(input(question).strip())
-        except EOFError:
-            raise UsageError("answers end", "standard input", way_on()) from None
-        except ValueError as error:
-            print(f"  {error}")
-
-
-def _written(
-    robot: Robot, kind: ServoKind, folder: Path, answers: Answers
-) -> Mapping[str, str]:
-    """Write the card; that of a shipped robot, and its file, into the folder."""
-    from models.description import FOLDER, parse_card
-    from sim.export.calibration import card_with
-    from sim.folder import whole
-
-    source = robot.path
-    if robot.has_card_inside:
-        raise UsageError(
-            f"the card is inside {source}",
-            str(source),
-            f"move it to {source.with_suffix('.toml')}, and go on: {again()}",
-        )
-    if source.parent == FOLDER:
-        source, spec = folder / source.name, robot.read()
-        spec.compile()
-        with whole(source) as part:
-            part.write_text(spec.to_xml())
-    card = source.with_suffix(".toml")
-    text = card_with(robot.card_text, robot, answers, kind)
-    parse_card(text, str(card))
-    with whole(card) as part:
-        part.write_text(text)
-    return {
-        "card": f"{card}, {len(answers.joints)} servos",
-        "next": f"stratawalk calibrate {source} --check",
-    }
+    def __call__(self, question: str, read: Callable[[str], T]) -> T:
+        """What is answered, as `read` has it, which may refuse: asked once more."""
+        while True:
+            try:
+                told = input(question) if self._lines is None else next(self._lines)
+                return read(told.strip())
+            except (EOFError, StopIteration):
+                raise UsageError("answers end", "an answer", way_on()) from None
+            except ValueError as error:
+                print(f"  {error}")
 
 
 def _check(robot: Robot, kind: ServoKind, folder: Path) -> Mapping[str, str]:

@@ -11,7 +11,7 @@ from models import SERVO_KINDS, load
 from models.description import board_divider
 from sim.cli import main
 from sim.export import joint_pictures
-from sim.export.calibration import Answer, Answers, marks, read_answers, strokes
+from sim.export.calibration import joint_servo, marks, strokes
 from sim.export.header import read_header
 from sim.export.servo_table import servo_table
 
@@ -104,7 +104,8 @@ def test_a_hidden_board_is_found_to_half_a_count(calibrate, clock):
 def test_work_that_stops_goes_on_with_what_is_kept(calibrate, capsys):
     board = Board(2)
     assert calibrate(board.owner(stop=7), ROBOT) == 2
-    assert "calibration/answers.toml keeps 1 of 12 joints" in told_of(capsys)
+    said = "calibration/hexapod-classroom.toml keeps 1 of 12 servos, go on: stratawalk"
+    assert said in told_of(capsys)
     asked, answer = [], board.owner()
 
     def owner(question):
@@ -120,12 +121,33 @@ def told_of(capsys):
     return capsys.readouterr().err
 
 
-def test_answers_that_contradict_one_another_are_asked_again():
-    with pytest.raises(ValueError, match=r"turned \+ .* from 400 to 300; look at"):
-        Answer(0, "+", (400, 300))
-    assert str(read_answers(str(Answers({"a b": Answer(3, "-", (400, 300))}, 25e6))))
-    with pytest.raises(ValueError, match="it turned"):
-        read_answers('[servo.a]\nchannel = 1\nturned = "x"\ncounts = [1, 2]')
+@pytest.mark.parametrize(
+    ("turned", "counts", "said"),
+    [
+        ("+", (400, 300), r"turned \+ .* from 400 to 300; look at the marks"),
+        ("x", (300, 400), "it turned \\+ or -, not 'x'"),
+        ("+", (300, 310), "10 counts for 57 degrees, and its make takes 111; look"),
+    ],
+)
+def test_answers_that_cannot_be_are_refused(turned, counts, said):
+    with pytest.raises(ValueError, match=said):
+        joint_servo(MAKE, 25e6, 0, turned, counts, (-0.5, 0.5))
+
+
+def test_answers_are_read_from_a_file(calibrate, tmp_path, capsys):
+    lines, answer = [], Board(6).owner()
+
+    def owner(question):
+        lines.append(answer(question))
+        return lines[-1]
+
+    assert calibrate(owner, ROBOT) == 0
+    card = Path("calibration/hexapod-classroom.toml").read_text()
+    Path("told.txt").write_text("\n".join(lines))
+    assert calibrate(None, ROBOT, "--out", "again", "--answers", "told.txt") == 0
+    assert Path("again/hexapod-classroom.toml").read_text() == card
+    assert calibrate(None, ROBOT, "--out", "new", "--answers", "none.txt") == 2
+    assert "give a file of answers, a line each" in told_of(capsys)
 
 
 def test_counts_that_no_such_servo_needs_are_asked_again(calibrate, capsys):
