@@ -3,12 +3,14 @@
 import shutil
 
 import pytest
+from filelock import FileLock
 
 from models.description.robot import FOLDER
 from models.library import load as load_robot
 from sim.errors import RenderError
 from sim.folder import RunFolder
 from sim.pictures.run_film import check
+from sim.reports.page import NAME
 from sim.run_folder import run
 from sim.scenarios.body_path import line
 from sim.scenarios.scenario import Scenario
@@ -67,12 +69,20 @@ def driver():
 
 
 @pytest.fixture(scope="session")
-def walked(tmp_path_factory):
-    """Run folder of 3 cm straight ahead, 15 s played in a quarter of one."""
-    folder = tmp_path_factory.mktemp("walked")
-    path = line((0.03, 0.0, 0.0))
-    run(Scenario(name="short", segments=2, path=path, playback=60.0), RunFolder(folder))
-    return folder
+def walked(tmp_path_factory, worker_id):
+    """Run folder of 3 cm straight ahead, 15 s played in a quarter of one.
+
+    It is walked once, and copied by each of the processes that share the tests.
+    """
+    own = tmp_path_factory.getbasetemp()
+    made = (own if worker_id == "master" else own.parent) / "made"
+    with FileLock(made.with_suffix(".lock")):
+        if not (made / NAME).exists():
+            shutil.rmtree(made, ignore_errors=True)
+            made.mkdir()
+            short = {"segments": 2, "path": line((0.03, 0.0, 0.0)), "playback": 60.0}
+            run(Scenario(name="short", **short), RunFolder(made))
+    return shutil.copytree(made, own / "walked")
 
 
 @pytest.fixture
