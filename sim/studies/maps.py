@@ -15,14 +15,13 @@ from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.studies.results import LIMITS, NO_WALK, Results
+from sim.studies.results import LIMITS, NO_WALK, SEPARATE, Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SMALLEST_SHARE = 1e-6  # share of the path; what is smaller is drawn there
 MOST_MAPS = 12  # maps
-FEW = 12  # values at most that are places of a table
 CELL = 0.92  # of the way from one place to the next
 SHAPE = "geometry."
 UNITS = {
@@ -120,7 +119,7 @@ def _place(axes: Axes, results: Results, key: str, way: str) -> list[float]:
 def _is_table(values: Sequence[object]) -> bool:
     """Whether values are few, or words, and get places side by side."""
     words = not all(type(value) in (int, float) for value in values)
-    return words or len(set(values)) <= FEW
+    return words or len(set(values)) <= SEPARATE
 
 
 def _named(key: str) -> str:

@@ -28,7 +28,7 @@ LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions hold."""
 CLASSES = ("within 1 %", "within 3 %", "within 10 %", "beyond", "fell", "no walk")
 FELL, NO_WALK = 4, 5
-FEW = 12  # values, of which each is a group of its own
+SEPARATE = 12  # values, of which each is a group of its own
 BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
 ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
@@ -134,7 +134,7 @@ def group(values: Sequence[object]) -> Array:
     distinct = sorted(set(comparable))
     place = {value: number for number, value in enumerate(distinct)}
     ranks = np.array([place[value] for value in comparable], dtype=int)
-    if len(distinct) <= FEW:
+    if len(distinct) <= SEPARATE:
         return ranks
     bins = int(np.clip(len(ranks) // EACH, *BINS))
     return ranks * bins // len(distinct)

@@ -1,6 +1,8 @@
 """Figures in metres, drawn from short walks in real physics."""
 
 import json
+from concurrent.futures import Future
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -193,7 +195,20 @@ def test_sheets_are_written_one_by_one(tmp_path):
     assert page.index(first.name) < page.index("fig1-mechanism-metres")
 
 
-def test_the_command_draws_one_figure_and_says_where(tmp_path, capsys):
+def test_the_command_draws_one_figure_and_says_where(
+    walks, tmp_path, capsys, monkeypatch
+):
+    """Of walks that are made already."""
+
+    @contextmanager
+    def begun(jobs, progress):
+        assert jobs == stability.WALKS
+        futures = {name: Future() for name in jobs}
+        for name, future in futures.items():
+            future.set_result(walks["stability"][name])
+        yield futures
+
+    monkeypatch.setattr("sim.figures.sheet.begun", begun)
     out = tmp_path / "drawn"
     code = main(["figures", "--only", "stability", "--out", str(out), "--json"])
     assert code == 0
