@@ -1,7 +1,6 @@
 """Whatever ends a process, finished points stay finished and torn lines do no harm."""
 
 import json
-import multiprocessing
 import os
 import signal
 import time
@@ -11,6 +10,7 @@ import pytest
 from sim.errors import FilesError, UsageError
 from sim.sweeps.folder import sole_owner
 from sim.sweeps.ledger import OK, Outcome, _sealed, opened, read_ledger
+from tests.commands import FORKS
 
 FIRST, SECOND = (Outcome(code, OK, {"x": 0.1}, {"mujoco": "1"}) for code in "ab")
 
@@ -112,9 +112,8 @@ def hold(path, held):
 @pytest.fixture
 def owner(tmp_path):
     """Another process that holds the lock of a folder."""
-    spawn = multiprocessing.get_context("spawn")
-    held = spawn.Event()
-    process = spawn.Process(target=hold, args=(tmp_path / "x.lock", held))
+    held = FORKS.Event()
+    process = FORKS.Process(target=hold, args=(tmp_path / "x.lock", held))
     process.start()
     assert held.wait(60)
     yield process
