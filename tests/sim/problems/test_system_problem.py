@@ -1,6 +1,7 @@
 """Optimised plans of systems without a body keep to what the path prescribes."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -21,6 +22,13 @@ def problem(name, free=(), segments=4):
     return SystemProblem(given, objective="time", free=free)
 
 
+@cache
+def solved(name):
+    """A problem and its solution, found once."""
+    asked = problem(name)
+    return asked, asked.solve()
+
+
 def apart(asked, plan, coordinate):
     """Farthest from the path in a coordinate, beside the point nearest in place."""
     found = rollout(plan, FLOW_SAMPLES)
@@ -34,8 +42,7 @@ def test_what_the_path_prescribes_stays_as_near_as_in_the_stratified_plan(
 ):
     """Also angles that a field moves alone at a constant rate."""
     pytest.importorskip("casadi")
-    asked = problem(name)
-    found = asked.solve()
+    asked, found = solved(name)
     assert found.fallback is None
     own = apart(asked, asked.stratified, coordinate)
     assert apart(asked, found.plan, coordinate) <= own * ROUNDED
@@ -43,8 +50,8 @@ def test_what_the_path_prescribes_stays_as_near_as_in_the_stratified_plan(
 
 def test_a_coordinate_that_is_freed_departs_farther_and_saves_time():
     pytest.importorskip("casadi")
-    held, freed = problem("unicycle"), problem("unicycle", free=("theta",))
-    plans = held.solve().plan, freed.solve().plan
+    (held, found), freed = solved("unicycle"), problem("unicycle", free=("theta",))
+    plans = found.plan, freed.solve().plan
     assert apart(held, plans[1], 2) > 2 * apart(held, plans[0], 2)
     assert freed.worth(plans[1]) < 0.8 * held.worth(plans[0])
 
