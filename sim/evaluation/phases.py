@@ -109,7 +109,8 @@ def swing_travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -
 def commanded_pace(walk: Walk) -> tuple[int, float]:
     """Contact switches, and the highest speed of a joint [rad/s], as commanded."""
     if (motion := walk.setup.motion) is not None:
-        return count_changes(walk, motion.contact), motion.log.fastest
+        planned = np.vstack([motion.low, motion.contact])
+        return count_changes(walk, planned), motion.log.fastest
     peak = walk.setup.limits.swing_peak
     speeds = (peak(p.direction, p.amount) for p in walk.phases if p.kind == "swing")
     switches = sum(phase.kind in ("lift", "land") for phase in walk.phases)

@@ -9,7 +9,7 @@ friction under their loads allows.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 
 import mujoco
@@ -43,14 +43,28 @@ class Posture:
     gives: Array  # of the soles by one joint that gives as all of a leg's, (N, F, 3)
 
     @property
-    def standing(self) -> Array:
-        """Feet that are planned to stand, (N, F), bool."""
+    def height(self) -> Array:
+        """Of each foot above the lowest one, (N, F) [m]."""
         height = self.feet[..., 2]
-        above = height - height.min(axis=1, keepdims=True)
-        near = max(LIFTED * float(above.max()), LEAST_LIFT)
-        standing = above <= near
+        above: Array = height - height.min(axis=1, keepdims=True)
+        return above
+
+    @property
+    def near(self) -> float:
+        """Height up to which a foot is as low as the lowest one [m]."""
+        return max(LIFTED * float(self.height.max()), LEAST_LIFT)
+
+    @property
+    def standing(self) -> Array:
+        """Feet that are planned to stand, (N, F), bool: low ones that stay as low.
+
+        Those that rise or sink are about to swing, or have swung.
+        """
+        above, near = self.height, self.near
+        rise = np.abs(np.gradient(above, axis=0)) if len(above) > 1 else above * 0.0
+        standing = (above <= near) & (rise <= max(LIFTED * float(rise.max()), FLAT))
         rests, bearing = _resting(self.feet, self.center_of_mass, near)
-        three = np.array([*combinations(range(height.shape[1]), 3)])
+        three = np.array([*combinations(range(above.shape[1]), 3)])
         inside = _shares(self.feet, self.center_of_mass, three).min(axis=2) >= INSIDE
         held = (inside & standing[:, three].all(axis=2)).any(axis=1)
         standing[rests & ~held] = bearing[rests & ~held]
@@ -151,13 +165,13 @@ def moved(
         rows = np.flatnonzero(of.ravel() == number)
         there = np.ix_(rows, np.flatnonzero(stand))
         own, by, weight = middle[there], shift[there], center[rows]
+        below = ground.under(stand)
         if stand.sum() <= 3:
-            loads = static_loads(own, weight)
+            loads = static_loads(own, weight) * below.shares
             twist[rows] = least_dissipation_twist(own, by, loads)
             continue
-        some = replace(ground, contact=ground.contact[stand], servo=ground.servo[stand])
         stance = Stance(own, by, found.gives[there], found.feet[there][..., 2], weight)
-        twist[rows] = step * sliding_twist(stance, by / step, some, 1.0)[0]
+        twist[rows] = step * sliding_twist(stance, by / step, below, 1.0)[0]
     speed = np.linalg.norm(foot_velocities(middle, shift, twist), axis=-1)
     yaw = np.append(0.0, np.cumsum(twist[:, 2]))
     way = rotate(twist[:, :2], (yaw[1:] + yaw[:-1]) / 2)

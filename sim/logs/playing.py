@@ -60,6 +60,12 @@ class Motion:
                     foot[begin:end] = foot[begin - 1]
         return standing
 
+    @property
+    def low(self) -> Array:
+        """Feet that are down in the first row's posture, (F,), bool."""
+        down: Array = self.contact[0] | (self.posture.height[0] <= self.posture.near)
+        return down
+
     @cached_property
     def margin(self) -> Array:
         """Stability margin of the level body at these moments, (N,) [m]."""
@@ -99,7 +105,8 @@ class Motion:
     def _phase(
         self, kind: str, row: int, start: int, steps: int, span: tuple[float, float]
     ) -> Phase:
-        feet = tuple(self.contact[row].tolist())
+        standing = self.low if kind == "hold" else self.contact[row]
+        feet = tuple(standing.tolist())
         inside = np.arange(
             span[0], span[1] + 1, max(round(STEP / self.limits.timestep), 1)
         )

@@ -55,7 +55,6 @@ def test_contacts_are_planned_from_the_lowest_feet(log):
     found = posture(robot, log.joints, log.commanded)
     one, other = [0, 3, 4], [1, 2, 5]
     quarter = len(log.time) // 4
-    assert found.standing[0].all()
     assert found.standing[quarter].tolist() == [f in one for f in range(6)]
     assert found.standing[3 * quarter].tolist() == [f in other for f in range(6)]
 
@@ -86,7 +85,7 @@ def test_a_played_motion_has_no_goal_and_its_shares_are_of_the_predicted_way(pla
     way = np.hypot(*played.evaluation.predicted["quasi_static"].pose[-1][:2])
     assert summary.path_length == pytest.approx(way, rel=0.1)
     assert summary.weighed.goal is None
-    assert summary.contact_switches == summary.contact_switches_achieved == 4
+    assert (summary.contact_switches, summary.contact_switches_achieved) == (3, 4)
 
 
 def test_physics_and_predictions_of_a_played_gait_agree(played):

@@ -1,0 +1,97 @@
+"""The default tripod gait of RARL's hexapod, as a file for `stratawalk play`.
+
+    python -m scripts.hardware CHECKOUT FILE
+
+reads hips and lengths of the legs from the URDF in a checkout of
+github.com/chrismailer/hexapod-sim and writes 5 s of joint angles, 240 a second. Nothing
+of the checkout is executed. The gait's parameters are those of its makers' experiment;
+docs/hardware.md says what came of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from planner.support import read_file
+
+URDF = Path("urdf/hexapod_simplified.urdf")
+RATE, DURATION, PERIOD = 240, 5.0, 1.0  # [1/s], [s], [s]
+SPEED, HEIGHT = 0.3, 0.14  # of the body [m/s], [m]
+RADIUS, STEP = 0.15, 0.05  # of the foot from its hip, and of its lift [m]
+TIBIA = 0.14735  # from the knee to the tip, which the URDF has as a mesh [m]
+FORWARD = -np.pi / 6  # between two legs [rad]
+TURNS = ((1, 0.5), (2, 0.0), (3, 0.5), (4, 0.0), (5, 0.5), (6, 0.0))  # leg, phase
+
+
+def lengths(checkout: Path) -> tuple[float, float, float]:
+    """Length of the coxa and of the femur, and the drop of the hips [m]."""
+    root = ElementTree.fromstring(read_file(checkout / URDF).decode())
+    origins = {
+        joint.get("name"): [float(n) for n in origin.get("xyz", "").split()]
+        for joint in root.iter("joint")
+        if (origin := joint.find("origin")) is not None
+    }
+    return (
+        origins["joint_1_2"][0],
+        origins["joint_1_3"][0],
+        -origins["joint_1_1"][2],
+    )
+
+
+def foot(leg: int, part: np.ndarray, drop: float) -> np.ndarray:
+    """Place of a foot from its hip at parts of a period, (N, 3) [m].
+
+    It goes back on a line at constant speed for half a period, and returns through its
+    middle, raised by a step, on the polynomial of degree six that begins and ends at
+    rest and without acceleration.
+    """
+    direction = FORWARD - (leg - 1) * np.pi / 3
+    along = np.array([np.cos(direction), np.sin(direction), 0.0])
+    middle = np.array([RADIUS, 0.0, drop - HEIGHT])
+    half = SPEED * PERIOD / 4
+    stance = half * (1 - 4 * part)
+    u = np.clip(2 * part - 1, 0.0, 1.0)
+    back = half * (2 * (10 * u**3 - 15 * u**4 + 6 * u**5) - 1)
+    raised = STEP * 64 * (u * (1 - u)) ** 3
+    way = np.where(part < 0.5, stance, back)
+    return middle + way[:, None] * along + raised[:, None] * [0.0, 0.0, 1.0]
+
+
+def angles(place: np.ndarray, coxa: float, femur: float) -> np.ndarray:
+    """Angles of a leg's three joints, knee up, (N, 3) [rad]."""
+    x, y, z = place.T
+    out = np.hypot(x, y) - coxa
+    bend = (out**2 + z**2 - femur**2 - TIBIA**2) / (2 * femur * TIBIA)
+    knee = -np.arccos(np.clip(bend, -1.0, 1.0))
+    raised = np.arctan2(z, out) - np.arctan2(
+        TIBIA * np.sin(knee), femur + TIBIA * np.cos(knee)
+    )
+    return np.stack([np.arctan2(y, x), raised, knee], axis=1)
+
+
+def main(argv: list[str] | None = None) -> None:
+    """Write the gait."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("checkout", type=Path, help="of chrismailer/hexapod-sim")
+    parser.add_argument("file", type=Path, help="CSV to write")
+    options = parser.parse_args(argv)
+    coxa, femur, drop = lengths(options.checkout)
+    time = np.arange(round(DURATION * RATE) + 1) / RATE
+    columns = {"time": time}
+    for leg, phase in TURNS:
+        part = (time / PERIOD - phase) % 1.0
+        for number, column in enumerate(
+            angles(foot(leg, part, drop), coxa, femur).T, 1
+        ):
+            columns[f"joint_{leg}_{number}"] = column
+    table = np.stack([*columns.values()], axis=1)
+    head = ",".join(columns)
+    np.savetxt(options.file, table, "%.9g", ",", header=head, comments="")
+
+
+if __name__ == "__main__":
+    main()
