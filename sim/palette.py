@@ -116,6 +116,7 @@ PREDICTED: Mapping[str, PathMark] = {
     "compliant": PathMark(
         "compliant prediction", Colour(210, 29, 195), 0.008, 0.8, (6.0, 1.2)
     ),
+    "measured": PathMark("measured path", Colour(196, 24, 24), 0.008, 1.6),
 }
 
 # Sizes on the floor, in units of the robot's reach.

@@ -102,6 +102,7 @@ def _log(
 ) -> Log:
     """The log in the files, in radians."""
     from sim.errors import UsageError
+    from sim.logs.alignment import together
     from sim.logs.log import read_log
 
     angles: Reader | str = options.units
@@ -109,7 +110,8 @@ def _log(
         angles = _by_servo_table(robot, scenario, pulses=options.units == UNITS[3])
     logs = [read_log(file, robot.card.joints, robot.legs, angles) for file in files]
     try:
-        return logs[0].repeated(options.repeat) if options.repeat > 1 else logs[0]
+        log = together(logs)
+        return log.repeated(options.repeat) if options.repeat > 1 else log
     except ValueError as error:
         raise UsageError.at(str(files[0]), error) from error
 

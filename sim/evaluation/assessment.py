@@ -30,36 +30,31 @@ from sim.evaluation.motions import (
     clearances,
     commands_along,
     compliant_along,
+    measured_along,
     predicted_along,
     rigid_along,
 )
 from sim.evaluation.phases import (
     commanded_pace,
     count_changes,
-    foresight,
+    foreseen,
     moving_time,
+    real_robot,
     swing_slip,
     swing_travel,
 )
-from sim.evaluation.summary import (
-    Accomplished,
-    Departure,
-    Predicted,
-    Summary,
-    Weighed,
-)
+from sim.evaluation.summary import Accomplished, Departure, Summary, Weighed
 from sim.evaluation.verdict import Verdict, judge
 from sim.experiments.creep import creep_floor
 from sim.experiments.predictions import follows_commands, twist_model
+from sim.logs.alignment import Measured
 from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache, walk_cache, world_cache
 from sim.preparation.shared import Shared
 from sim.progress import Progress, silent, stage
-from sim.scenarios.predictions import COMPLIANT, PREDICTIONS, QUASI_STATIC
+from sim.scenarios.predictions import COMPLIANT, OF_MOTIONS, PREDICTIONS
 from sim.versions import versions
 from sim.walking.finished import Walk
-
-OF_MOTIONS = (QUASI_STATIC.key, COMPLIANT.key)  # which have no fields
 
 
 @dataclass(frozen=True)
@@ -97,6 +92,11 @@ class Evaluation:
         """What became of the walk."""
         given = self.walk, self.achieved, self.predicted, self.weighed, self.judged
         return judge(*given)
+
+    @cached_property
+    def measured(self) -> Measured | None:
+        """What a log says of a real robot, at every recorded moment."""
+        return measured_along(self.walk, self.predicted)
 
     @cached_property
     def weighed(self) -> Weighed:
@@ -146,7 +146,7 @@ def evaluate(
     unpredicted: dict[str, str] = {}
     caches: dict[str, Cache] = {}
     setup, motion = walk.setup, walk.setup.motion
-    cache, measured = walk_cache(setup, shared), world_cache(setup, shared)
+    cache, of_world = walk_cache(setup, shared), world_cache(setup, shared)
     given = cache(
         "commanded", lambda: [list(commands_along(walk, s)) for s in walk.stretches]
     )
@@ -159,7 +159,7 @@ def evaluate(
         try:
             alike = motion is None and follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
-            twists = partial(measured, name, partial(twist_model, setup, name))
+            twists = partial(of_world, name, partial(twist_model, setup, name))
             follow: Callable[[], Prediction]
             follow = partial(predicted_along, walk, twists, given)
             if motion is not None:
@@ -181,7 +181,7 @@ def evaluate(
     creep, stand = None, partial(creep_floor, walk.setup, walk.duration)
     if "creep_floor" not in without:
         with stage(progress, "measuring the solver's creep"):
-            creep = measured(f"creep in {walk.duration} s", stand)
+            creep = of_world(f"creep in {walk.duration} s", stand)
     return Evaluation(
         walk=walk,
         achieved=achieved,
@@ -213,6 +213,7 @@ def summarise(
     recording, dt = walk.recording, setup.limits.timestep
     pose, goal = achieved.pose[-1], scenario.goal
     swings = [p for p in walk.phases if p.kind == "swing"]
+    off_goal: dict[str, Departure]
     off_goal = {} if goal is None else {"goal": departure(pose, np.array(goal))}
     length, walked = scenario.path.length, walk.distance
     if goal is None:
@@ -226,14 +227,7 @@ def summarise(
         for name, prediction in evaluation.predicted.items()
     }
     predicted = {
-        name: Predicted(
-            pose=prediction.pose[-1].tolist(),
-            min_margin=float(prediction.margin[judged].min()),
-            slip=float(prediction.slip[-1].sum()),
-            min_clearance=evaluation.least_clearance(name),
-            ignores=PREDICTIONS[name].ignored(scenario),
-            **foresight(walk, prediction),
-        )
+        name: foreseen(walk, name, prediction, judged, evaluation.least_clearance(name))
         for name, prediction in evaluation.predicted.items()
     }
     sources = {  # of an error that adds up: no segment was planned from a new pose
@@ -241,6 +235,8 @@ def summarise(
         for name, prediction in evaluation.predicted.items()
         if not scenario.replan
     }
+    if (real := evaluation.measured) is not None:
+        off_goal["measured"] = off(pose[None], real.pose[-1:], length, walked)
     return Summary(
         verdict=evaluation.verdict.word,
         verdict_text=evaluation.verdict.text,
@@ -289,6 +285,7 @@ def summarise(
         weighed=evaluation.weighed,
         deviation=evaluation.deviation,
         feedback=sensed(walk),
+        measured=real_robot(walk, real),
         per_metre=per_metre(length, moving_time(walk), strokes),
         simulated_time=recording.steps * dt,
         timestep=dt,

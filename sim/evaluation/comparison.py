@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import degrees
 
 from sim.evaluation.quantities import ACHIEVED, GOAL, OF_ROWS, OF_WALKS, ROWS
-from sim.evaluation.summary import Departure, Played, Sensed, Summary
+from sim.evaluation.summary import Departure, Played, Real, Sensed, Summary
 from sim.scenarios.predictions import QUASI_STATIC, prediction_key
 
 CAPPED = 0.9  # of the speed asked for; strokes that come to less are mentioned
@@ -87,6 +87,8 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
     if seconds is not None and strokes:
         yield "a metre", f"takes {seconds:.0f} s and {strokes:.1f} rad of strokes"
+    if (real := summary.measured) is not None:
+        yield from (("measured", words) for words in _measured(real))
     if (sensed := summary.feedback) is not None:
         yield "thought", _thought(sensed)
     if saturated := summary.saturated_segments:
@@ -106,6 +108,19 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
             f"parts of the robot touched each other {summary.self_contacts} times, "
             "which no prediction takes into account",
         )
+
+
+def _measured(real: Real) -> Iterator[str]:
+    """What was measured on a real robot, beside where it ended."""
+    yield from real.done
+    if real.spread is not None:
+        x, y, yaw = real.spread
+        how = f"{1e3 * x:.1f} and {1e3 * y:.1f} mm, {degrees(yaw):.2f} degrees"
+        yield f"standard error of its end {how}"
+    if real.joints is not None:
+        yield f"joints {degrees(real.joints):.2f} degrees rms off the simulated ones"
+    if real.contact is not None:
+        yield f"contacts are those of the physics in {100 * real.contact:.0f} %"
 
 
 def _thought(sensed: Sensed) -> str:

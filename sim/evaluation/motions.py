@@ -11,6 +11,7 @@ import numpy as np
 from models import TwistModel
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction, Leg, foreseen
+from sim.logs.alignment import Measured, measured
 from sim.logs.playing import Motion, Played, rigid
 from sim.motion.poses import rotate, seen_from, wrap
 from sim.motion.prediction import Commanded, Prediction, Predictor, commanded
@@ -119,6 +120,14 @@ def compliant_along(
     found = foreseen(told, legs, rows, times, contact)
     before = found.slip[moments.step.searchsorted(walk.starts)]
     return replace(found, slip=np.maximum(found.slip - before, 0.0))
+
+
+def measured_along(walk: Walk, predicted: Mapping[str, Prediction]) -> Measured | None:
+    """What was measured on a real robot, at every recorded moment, if anything."""
+    if (motion := walk.setup.motion) is None:
+        return None
+    time = (walk.recording.during - walk.starts) * walk.setup.limits.timestep
+    return measured(motion.log, time, next(iter(predicted.values())).pose)
 
 
 def clearances(walk: Walk, predicted: Mapping[str, Prediction]) -> dict[str, Array]:

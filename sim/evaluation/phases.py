@@ -10,8 +10,11 @@ import numpy as np
 from planner import Array
 from sim.compliant.prediction import CompliantPrediction
 from sim.evaluation.flows import WalkedPhase
+from sim.evaluation.summary import Predicted, Real
+from sim.logs.alignment import Measured
 from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
+from sim.scenarios.predictions import PREDICTIONS
 from sim.walking.finished import Walk
 
 
@@ -44,7 +47,21 @@ def standing_slip(walk: Walk, slip: Array | None = None) -> Array:
     return stood
 
 
-def foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
+def foreseen(
+    walk: Walk, name: str, prediction: Prediction, judged: Array, clear: float | None
+) -> Predicted:
+    """What a prediction says of a whole walk; `clear` of obstacles [m]."""
+    return Predicted(
+        pose=prediction.pose[-1].tolist(),
+        min_margin=float(prediction.margin[judged].min()),
+        slip=float(prediction.slip[-1].sum()),
+        min_clearance=clear,
+        ignores=PREDICTIONS[name].ignored(walk.setup.scenario),
+        **_foresight(walk, prediction),
+    )
+
+
+def _foresight(walk: Walk, prediction: Prediction) -> dict[str, Any]:
     """What a prediction says of slip by phase and of feet that let go, if anything.
 
     A foot lets go where it bears no load for a while, though it should stand while legs
@@ -103,6 +120,42 @@ def swing_travel(swings: Sequence[Phase], groups: Sequence[str], loaded: bool) -
         for phase in swings
         for i in phase.moving
         if (groups[i] in phase.stratum) == loaded
+    )
+
+
+def real_robot(walk: Walk, real: Measured | None) -> Real | None:
+    """What was measured on a real robot, and how the simulated one is unlike it."""
+    motion, moments = walk.setup.motion, walk.recording.moments
+    joints = contact = None
+    if motion is None or real is None:
+        return None
+    log, model = motion.log, walk.setup.model
+    time = (moments.step - walk.starts) * walk.setup.limits.timestep
+    on = (time >= 0) & (time <= log.duration)
+    if log.measured is not None:
+        places = [int(model.joint(joint).qposadr[0]) for joint in log.joints]
+        columns = zip(moments.qpos[on][:, places].T, log.measured.T, strict=True)
+        apart = [
+            angle - np.interp(time[on], log.time[there], column[there])
+            for angle, column in columns
+            if (there := np.isfinite(column)).any()
+        ]
+        joints = float(np.sqrt(np.mean(np.square(apart))))
+    if log.contact:
+        legs = walk.setup.robot.legs
+        rows = np.clip(log.time.searchsorted(time[on]), 0, len(log.time) - 1)
+        alike = [
+            (moments.contact[on][:, legs.index(leg)] == (column[rows] > 0))
+            for leg, column in log.contact.items()
+        ]
+        contact = float(np.mean(alike))
+    spread = None if real.spread is None else real.spread[-1].tolist()
+    return Real(
+        pose=real.pose[-1].tolist(),
+        spread=spread,
+        joints=joints,
+        contact=contact,
+        done=[*log.done, *real.done],
     )
 
 

@@ -14,11 +14,12 @@ from sim.scenarios.predictions import PREDICTIONS
 
 MINUS = "\N{MINUS SIGN}"
 NONE = "\N{EN DASH}"
-GOAL, ACHIEVED = "goal", "achieved"
+GOAL, ACHIEVED, MEASURED = "goal", "achieved", "measured"
 ROWS: Mapping[str, str] = {  # of a comparison: label by key
     GOAL: "goal",
     **{key: name.label for key, name in PREDICTIONS.items()},
     ACHIEVED: "achieved",
+    MEASURED: "measured",
 }
 
 

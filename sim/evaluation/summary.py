@@ -156,6 +156,17 @@ class Sensed(Numbers):
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Real(Numbers):
+    """What was measured on a real robot that moved its joints alike."""
+
+    pose: list[float]  # at the end
+    spread: list[float] | None = None  # standard error of that, of several trials
+    joints: float | None = None  # of its angles off the simulated ones, rms [rad]
+    contact: float | None = None  # share in which contacts are those of the physics
+    done: list[str] = field(default_factory=list)  # to bring it onto this frame
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class PerMetre(Numbers):
     """What a metre of the nominal path takes; None where it has no length."""
 
@@ -206,6 +217,7 @@ class Summary(Numbers):
     weighed: Weighed | None = None
     deviation: Mapping[str, Departure | None] = field(default_factory=dict)
     feedback: Sensed | None = None  # of a walk that is told its pose with noise
+    measured: Real | None = None  # on a real robot
     per_metre: PerMetre = field(default_factory=PerMetre)
     simulated_time: float  # [s]
     timestep: float  # [s]
@@ -233,6 +245,8 @@ class Summary(Numbers):
         }
         if (sensed := table.get("feedback")) is not None:
             inner["feedback"] = Sensed.read(sensed)
+        if (real := table.get("measured")) is not None:
+            inner["measured"] = Real.read(real)
         return super().read({**table, **inner})
 
     def to_json(self) -> dict[str, object]:
@@ -240,6 +254,8 @@ class Summary(Numbers):
         table = super().to_json()
         if self.goal is None:
             del table["goal"], table["missed"]
+        if self.measured is None:
+            del table["measured"]
         return table
 
     @property
@@ -247,7 +263,8 @@ class Summary(Numbers):
         """Where goal, predictions and physics end, by the rows of a comparison."""
         made = {key: found.pose for key, found in self.predicted.items() if found}
         goal = {} if self.goal is None else {"goal": self.goal}
-        return {**goal, **made, "achieved": self.achieved.pose}
+        real = {} if self.measured is None else {"measured": self.measured.pose}
+        return {**goal, **made, "achieved": self.achieved.pose, **real}
 
     @property
     def ignored(self) -> str:

@@ -2,8 +2,9 @@
 
 A file is a table of numbers with a line of names. `time` [s] and a column a joint, by
 its name, hold the commands. What was measured may stand beside them: `measured.JOINT`,
-`body.x`, `body.y` [m], `body.yaw`, `body.roll`, `body.pitch`, and `contact.LEG` (0 or
-1). Empty cells are gaps. What is in a file is numbers alone; nothing is carried out.
+`body.x`, `body.y` [m], `body.yaw`, `body.roll`, `body.pitch`, the standard errors
+`body.x.error`, `body.y.error`, `body.yaw.error`, and `contact.LEG` (0 or 1).
+Empty cells are gaps. What is in a file is numbers alone; nothing is carried out.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ LARGEST = 10**8  # bytes
 MOST_ROWS = 10**6
 TIME, MEASURED, BODY, CONTACT = "time", "measured.", "body.", "contact."
 POSE, LEAN = ("x", "y", "yaw"), ("roll", "pitch")
+SPREAD = ".error"  # of a column with its standard error
 TURNED = ("yaw", *LEAN)  # columns of the body that are angles
 
 Reader = Callable[[str, Array], Array]  # angles [rad] of a joint's numbers
@@ -49,6 +51,7 @@ class Log:
     measured: Array | None = None  # angles of the same joints, (n, J) [rad]
     pose: Array | None = None  # of the body: x, y [m], yaw [rad], (n, 3)
     lean: Array | None = None  # roll, pitch [rad], (n, 2)
+    spread: Array | None = None  # standard error of the pose, (n, 3)
     contact: Mapping[int, Array] = field(default_factory=dict)  # 0 or 1 a leg, (n,)
     done: tuple[str, ...] = ()  # what was done to it, a line each
 
@@ -195,6 +198,7 @@ def _log(
         *joints,
         *(MEASURED + joint for joint in joints),
         *(BODY + part for part in (*POSE, *LEAN)),
+        *(BODY + part + SPREAD for part in POSE),
         *(f"{CONTACT}{leg}" for leg in legs),
     ]
     for name in columns:
@@ -228,6 +232,7 @@ def _log(
         commanded=np.stack(asked, axis=1),
         measured=_parts(measured, commanded),
         pose=_parts(body, POSE),
+        spread=_parts(columns, [BODY + part + SPREAD for part in POSE]),
         lean=_parts(body, LEAN),
         contact={
             leg: columns[name] for leg in legs if (name := f"{CONTACT}{leg}") in columns
@@ -252,7 +257,8 @@ def written(log: Log) -> str:
     if log.measured is not None:
         names = (MEASURED + joint for joint in log.joints)
         columns |= zip(names, log.measured.T, strict=True)
-    for parts, values in ((POSE, log.pose), (LEAN, log.lean)):
+    errors = tuple(part + SPREAD for part in POSE)
+    for parts, values in ((POSE, log.pose), (LEAN, log.lean), (errors, log.spread)):
         if values is not None:
             names = (BODY + part for part in parts)
             columns |= zip(names, values.T, strict=True)

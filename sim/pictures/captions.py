@@ -77,7 +77,7 @@ def _bar(walk: Run) -> Panel:
     """At the bottom: stratum, feet in contact, and present measurements."""
     width, height = WIDTH - 2 * EDGE, BAR
     still, draw = empty(width, height)
-    first, *_ = walk.drawn
+    first = next(name for name in walk.drawn if name in walk.predicted)
     off = np.hypot(*(walk.achieved - walk.predicted[first])[:, :2].T)
     label = f"off the {PREDICTIONS[first].label} prediction"
     numbers = {"stability margin": walk.margin, label: off}

@@ -47,7 +47,9 @@ def plan_view(run: Run) -> Drawing:
         axes.plot(*_thin(achieved).T, **ACHIEVED.line(alpha=0.55))
         keys.append(Key.of(ACHIEVED, "achieved"))
         for name, path in paths.items():
-            mark, label = PREDICTED[name], f"predicted, {PREDICTIONS[name].label}"
+            mark, label = PREDICTED[name], name
+            if name in PREDICTIONS:
+                label = f"predicted, {PREDICTIONS[name].label}"
             axes.plot(*_thin(path).T, **mark.line())
             keys.append(Key.of(mark, label))
         for outline in run.thought:

@@ -62,6 +62,8 @@ def trajectory(evaluation: Evaluation) -> Arrays:
             arrays[PREDICTIONS[key].array(quantity)] = getattr(prediction, quantity)
         for quantity, array in prediction.further.items():
             arrays[PREDICTIONS[key].array(quantity)] = array
+    if (real := evaluation.measured) is not None:
+        arrays["measured_pose"] = real.pose
     for key, clearance in evaluation.clearance.items():
         known = PREDICTIONS.get(key)
         arrays[known.array("clearance") if known else f"{key}_clearance"] = clearance

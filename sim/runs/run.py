@@ -141,8 +141,15 @@ class Run:
     @property
     def drawn(self) -> dict[str, Array]:
         """Poses of the predictions that pictures of the robot show, by their keys."""
-        shown = dict.fromkeys(("ideal", self.best))
-        return {key: self.predicted[key] for key in shown if key in self.predicted}
+        shown = {**self.measured, **self.predicted}
+        names = dict.fromkeys((*self.measured, "ideal", self.best))
+        return {name: shown[name] for name in names if name in shown}
+
+    @cached_property
+    def measured(self) -> dict[str, Array]:
+        """Poses of a real robot that moved its joints alike, if there are, (T, 3)."""
+        name = "measured_pose"
+        return {"measured": self.arrays[name]} if name in self.arrays else {}
 
     @property
     def best(self) -> str:

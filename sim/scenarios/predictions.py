@@ -44,6 +44,7 @@ IDENTIFIED = PredictionName(  # measured in the same world, by plain commands
 )
 COMPLIANT = PredictionName("compliant", "compliant", "compliant", ignores=None)
 PREDICTIONS = {name.key: name for name in (IDEAL, QUASI_STATIC, IDENTIFIED, COMPLIANT)}
+OF_MOTIONS = (QUASI_STATIC.key, COMPLIANT.key)  # that are played and have no fields
 LABELS = tuple(name.label for name in PREDICTIONS.values())
 JUDGES = (COMPLIANT, QUASI_STATIC, IDEAL)
 """Predictions that walks are judged by, the best first; the first that could be made

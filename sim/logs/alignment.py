@@ -1,0 +1,116 @@
+"""What was measured on a real robot, brought onto the frame and the clock of a walk.
+
+Poses are seen from the first one. A camera that is turned against the robot is turned
+back: the direction in which the body moves, as the body sees it, is that of the
+prediction on average, however much the robot veers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import degrees, radians
+
+import numpy as np
+
+from planner import Array
+from sim.logs.log import Log
+from sim.motion.poses import relative, rotate, seen_from, wrap
+
+TURNED = radians(5)  # from which on a frame is taken to be turned
+PIECES = 20  # of the way, over which directions are compared
+MOVED = 0.01  # [m] in all, without which nothing is known of directions
+SAME = radians(1)  # by which commands of trials may differ
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The pose of a real robot in the start frame, and what was done to get it."""
+
+    pose: Array  # (T, 3), finite
+    spread: Array | None  # standard error of the mean of trials, (T, 3)
+    done: tuple[str, ...]
+
+
+def together(logs: Sequence[Log]) -> Log:
+    """Trials of one motion as one log: commands of the first, means of poses.
+
+    Raises:
+        ValueError: They command other joints.
+    """
+    first, *others = logs
+    if not others:
+        return first
+    done, poses = list(first.done), []
+    for number, log in enumerate(logs, 1):
+        if {*log.joints} != {*first.joints}:
+            raise ValueError(f"trial {number} commands other joints than the first")
+        order = [log.joints.index(joint) for joint in first.joints]
+        off = float(np.abs(log.at(first.time)[:, order] - first.commanded).max())
+        if off > SAME:
+            done.append(
+                f"trial {number} commands up to {degrees(off):.2g} degrees else; the "
+                "commands of the first are played"
+            )
+        if log.pose is not None:
+            poses.append(_finite(first.time, log.time, log.pose))
+    if len(poses) < 2:
+        return replace(first, done=(*done, "fewer than two trials have a pose"))
+    stack = np.stack([seen_from(pose[0], pose) for pose in poses])
+    yaw = np.unwrap(stack[..., 2], axis=1)
+    stack = np.concatenate([stack[..., :2], yaw[..., None]], axis=2)
+    spread = stack.std(axis=0, ddof=1) / np.sqrt(len(stack))
+    done.append(f"mean of {len(stack)} trials, with its standard error")
+    return replace(first, pose=stack.mean(axis=0), spread=spread, done=tuple(done))
+
+
+def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
+    """What the log measured at times (T,) [s], beside a prediction (T, 3).
+
+    None where it has no positions.
+    """
+    if log.pose is None or not np.isfinite(log.pose[:, 0]).any():
+        return None
+    done: list[str] = []
+    missing = ~np.isfinite(log.pose[:, 0])
+    if missing.any():
+        done.append(f"{missing.sum()} rows without a pose are bridged")
+    pose = _finite(time, log.time, log.pose)
+    if not np.isfinite(pose[:, 2]).all():
+        pose[:, 2] = predicted[:, 2]
+        done.append("no yaw was measured; the prediction's stands for it")
+    seen = seen_from(pose[0], pose)
+    turned = _turned(seen, predicted)
+    if abs(turned) > TURNED:
+        seen[:, :2] = rotate(seen[:, :2], -turned)
+        done.append(
+            f"its frame is turned by {degrees(turned):.1f} degrees against the robot, "
+            "and was turned back"
+        )
+    spread = None
+    if log.spread is not None:
+        spread = _finite(time, log.time, log.spread)
+    return Measured(seen, spread, tuple(done))
+
+
+def _turned(pose: Array, predicted: Array) -> float:
+    """Angle from the prediction's directions of motion to the measured ones [rad]."""
+    rows = np.linspace(0, len(pose) - 1, PIECES + 1).round().astype(int)
+    ways = [relative(p[rows[:-1]], p[rows[1:]])[:, :2] for p in (predicted, pose)]
+    one, other = (way[:, 0] + 1j * way[:, 1] for way in ways)
+    if min(np.abs(one).sum(), np.abs(other).sum()) < MOVED:
+        return 0.0
+    return float(wrap(np.angle((np.conj(one) * other).sum())))
+
+
+def _finite(time: Array, when: Array, rows: Array) -> Array:
+    """Rows at other times, evenly across gaps; columns without numbers stay so."""
+    columns = []
+    for number, column in enumerate(rows.T):
+        there = np.isfinite(column)
+        if not there.any():
+            columns.append(np.full(len(time), np.nan))
+            continue
+        known = np.unwrap(column[there]) if number == 2 else column[there]
+        columns.append(np.interp(time, when[there], known))
+    return np.stack(columns, axis=1)

@@ -1,0 +1,75 @@
+"""Logs of several trials and of turned cameras are brought onto one frame."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.logs.alignment import measured, together
+from sim.logs.log import Log
+from sim.motion.poses import compose
+
+TIME = np.linspace(0, 2, 41)
+WAY = np.stack([0.1 * TIME, 0.02 * TIME**2, 0.1 * TIME], axis=1)  # x, y, yaw
+
+
+def log(pose, time=TIME):
+    return Log(time, ("hip",), np.zeros((len(time), 1)), pose=pose)
+
+
+def test_a_camera_that_is_shifted_and_turned_with_the_tag_sees_the_same_way():
+    camera = np.array([0.4, -0.2, 2.0])
+    seen = measured(log(compose(camera, WAY)), TIME, WAY)
+    np.testing.assert_allclose(seen.pose, WAY, atol=1e-12)
+    assert seen.done == ()
+
+
+def test_a_camera_whose_axes_are_turned_against_the_yaw_is_turned_back_and_said():
+    turned = compose(np.array([1.0, 0.0, 0.7]), WAY)
+    turned[:, 2] = WAY[:, 2]  # of a gyroscope, which begins at 0
+    seen = measured(log(turned), TIME, WAY)
+    np.testing.assert_allclose(seen.pose, WAY, atol=1e-12)
+    (said,) = seen.done
+    assert said.startswith("its frame is turned by 40.1 degrees against the robot")
+
+
+def test_a_robot_that_veers_is_not_turned_back():
+    veering = np.stack([0.1 * np.sin(TIME), 0.1 * (1 - np.cos(TIME)), TIME], axis=1)
+    straight = np.stack([0.1 * TIME, 0 * TIME, 0 * TIME], axis=1)
+    seen = measured(log(veering), TIME, straight)
+    np.testing.assert_allclose(seen.pose, veering, atol=1e-12)
+
+
+def test_gaps_are_bridged_and_a_yaw_that_nobody_measured_is_the_predictions():
+    holes = WAY.copy()
+    holes[5:8] = np.nan
+    holes[:, 2] = np.nan
+    seen = measured(log(holes), TIME, WAY)
+    np.testing.assert_allclose(seen.pose, WAY, atol=2e-4)
+    assert seen.done == (
+        "3 rows without a pose are bridged",
+        "no yaw was measured; the prediction's stands for it",
+    )
+
+
+def test_trials_become_their_mean_and_its_standard_error():
+    offsets = np.array([-0.01, 0.0, 0.01])
+    logs = [
+        log(WAY + TIME[:, None] * [offset / 2, 0, 0], TIME * (1 + 1e-9 * k))
+        for k, offset in enumerate(offsets)
+    ]
+    mean = together(logs)
+    np.testing.assert_allclose(mean.pose, WAY, atol=1e-9)
+    assert mean.spread[-1, 0] == pytest.approx(0.01 / np.sqrt(3), rel=1e-6)
+    assert mean.done == ("mean of 3 trials, with its standard error",)
+
+
+def test_trials_of_other_commands_are_told_apart():
+    other = replace(log(WAY), commanded=np.full((41, 1), 0.1))
+    assert "commands up to 5.7 degrees else" in together([log(WAY), other]).done[0]
+    with pytest.raises(ValueError, match="trial 2 commands other joints"):
+        together([log(WAY), replace(log(WAY), joints=("knee",))])
+
+
+def test_a_log_without_poses_measured_nothing():
+    assert measured(log(None), TIME, WAY) is None
