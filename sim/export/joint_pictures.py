@@ -111,7 +111,7 @@ def sheet(robot: Robot, path: Path) -> None:
         axes.plot(
             *np.transpose([low + SHEET_EDGE, low + SHEET_EDGE + (0.05, 0)]), color="k"
         )
-        axes.annotate("50 mm; print at 100 %", low + SHEET_EDGE + (0, 0.002), size=8)
+        axes.annotate("50 mm ahead; print at 100 %", low + SHEET_EDGE + (0, 0.002), size=8)
         figure.savefig(path, metadata={"Date": None})
 
 

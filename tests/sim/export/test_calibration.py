@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from models import SERVO_KINDS, load
+from models import SERVO_KINDS, Kinematics, load
 from models.description import board_divider
 from sim.cli import main
 from sim.export import joint_pictures
@@ -215,3 +216,30 @@ def test_packets_are_those_of_the_makers_manuals():
     written = bytes.fromhex("fffffd000109000374000002 0000cad9".replace("cad9", "ca89"))
     assert packets("xl-330", 1, 512).endswith(written)
     assert packets("lx-16a", 1, 512) == bytes.fromhex("555501070100020000f4")
+
+
+@pytest.mark.full
+@pytest.mark.render
+@pytest.mark.usefixtures("driver")
+def test_each_joint_is_drawn_at_both_marks_in_colour(tmp_path):
+    robot = load(ROBOT)
+    joint_pictures.draw(robot, tmp_path, allow_external=False)
+    for joint in robot.card.joints:
+        picture = np.asarray(Image.open(tmp_path / f"{joint}.png")).astype(int)
+        red = picture[..., 0] > picture[..., 1:].max(axis=-1) + 60
+        left, right = np.split(red, 2, axis=1)
+        assert left.any()
+        assert right.any()
+        assert (left != right).any()  # the joint has moved
+        assert red.mean() < 0.05  # and nothing else is red
+
+
+def test_the_sheet_has_its_size_and_a_ring_of_a_degree_for_each_foot(tmp_path):
+    robot = load(ROBOT)
+    joint_pictures.sheet(robot, tmp_path / "feet.svg")
+    text = (tmp_path / "feet.svg").read_text()
+    points = [float(n) for n in re.findall(r'(?:width|height)="([\d.]+)pt"', text)]
+    feet = Kinematics(robot).standing.feet
+    edge = 4 * joint_pictures.SHEET_EDGE  # two on every side
+    assert np.array(points) / 72 * 0.0254 == pytest.approx(np.ptp(feet, axis=0) + edge)
+    assert text.count("leg ") >= 6
