@@ -62,7 +62,7 @@ def test_the_classroom_robot_arrives_without_a_bounce(classroom):
     _, summary = classroom
     assert summary["segments"] == 40
     goal = summary["error"]["goal"]["position"]
-    assert goal < 0.01 * summary["path_length"]  # 0.0019 measured
+    assert goal < 0.01 * summary["path_length"]  # 0.0010 measured
     assert summary["bounces"] == 0
     assert summary["achieved"]["min_margin"] > 0.03  # 0.042 measured
 
