@@ -108,10 +108,9 @@ def sheet(robot: Robot, path: Path) -> None:
             axes.plot(*np.array([hip, foot]).T, linewidth=0.5, color="0.5")
             angle = np.degrees(np.arctan2(*(foot - hip)[::-1]))
             axes.annotate(f"leg {leg}, {angle:.0f}°", foot + (0.004, 0.004), size=8)
-        axes.plot(
-            *np.transpose([low + SHEET_EDGE, low + SHEET_EDGE + (0.05, 0)]), color="k"
-        )
-        axes.annotate("50 mm ahead; print at 100 %", low + SHEET_EDGE + (0, 0.002), size=8)
+        corner = low + SHEET_EDGE
+        axes.plot(*np.transpose([corner, corner + (0.05, 0)]), color="k")
+        axes.annotate("50 mm ahead; print at 100 %", corner + (0, 0.002), size=8)
         figure.savefig(path, metadata={"Date": None})
 
 
