@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 HELP = "print what to cite: the program and the paper, or all that a run has used"
 OPTIONS = (option("run", metavar="RUN", nargs="?", help="folder of a finished run"),)
 ALWAYS = ("stratawalk", "goodwine2000")
-OF_PREDICTIONS = {"quasi_static": "murphey2006", "compliant": "alart1991"}
+OF_PREDICTIONS = {
+    "quasi_static": ("murphey2006", "hatton2025"),
+    "compliant": ("alart1991",),
+}
 
 
 def execute(options: argparse.Namespace) -> None:
@@ -49,7 +52,7 @@ def _used(run: Run) -> Iterator[str]:
     else:
         yield from ("andersson2019", "waechter2006")
     yield "todorov2012"
-    predicted = run.summary.predicted
-    yield from (key for name, key in OF_PREDICTIONS.items() if predicted.get(name))
+    for name, keys in OF_PREDICTIONS.items():
+        yield from keys if run.summary.predicted.get(name) else ()
     if run.scenario.obstacles:
         yield "sucan2012"

@@ -18,6 +18,7 @@ from models import Ground, Robot
 from models.contact import find_sole
 from models.description import actuator_of
 from planner import Array
+from sim.compliant.equilibrium import Lanes
 from sim.world.dead_bands import BAND, BRAKE
 from sim.world.imperfections import BACKLASH
 
@@ -50,24 +51,28 @@ class Anatomy:
 
 
 @dataclass(frozen=True, eq=False)
-class Servos:
-    """The joints' springs; each bears its torque in series with what is loose."""
+class Robots(Lanes):
+    """What may differ from lane to lane, (B, ...); one anatomy for all."""
 
-    stiffness: Array  # (F, J) [N m/rad]
-    damping: Array  # (F, J) [N m s/rad]
-    torque: Array  # the largest, (F, J) [N m]
-    slack: Array  # width of the range without torque, (F, J) [rad]
-    rub: Array  # damping within that range, (F, J) [N m s/rad]
+    stiffness: Array  # of the servos, (B, F, J) [N m/rad]
+    damping: Array  # (B, F, J) [N m s/rad]
+    torque: Array  # the largest, (B, F, J) [N m]
+    slack: Array  # range without torque, (B, F, J) [rad]
+    rub: Array  # damping within it, (B, F, J) [N m s/rad]
+    offset: Array  # errors of zeros, (B, F, J) [rad]
+    radius: Array  # from the soles' points down to the floor, (B, F, K) [m]
+    floor: Array  # compliance under every point, (B, F, K) [m/N]
+    friction: Array  # along the legs, (B, F, K)
+    across: Array  # friction across the legs over that along them, (B, F)
+    gravity: Array  # (B, 3) [m/s^2]
+    body_mass: Array  # (B,) [kg]
+    body_center: Array  # (B, 3) [m]
+    mass: Array  # of the whole robot, (B,) [kg]
 
-
-@dataclass(frozen=True, eq=False)
-class Footing:
-    """What the feet stand on; a foot's points share its spring."""
-
-    stiffness: Array  # of the floor under every point, (F, K) [N/m]
-    friction: Array  # (F, K)
-    gravity: Array  # (3,) [m/s^2]
-    height: float  # of the floor [m]
+    @property
+    def weight(self) -> Array:
+        """Of the whole robot, (B,) [N]."""
+        return self.mass * np.linalg.norm(self.gravity, axis=1)
 
 
 def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
@@ -117,29 +122,36 @@ def anatomy_of(robot: Robot, model: mujoco.MjModel) -> Anatomy:
     )
 
 
-def servos_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Servos:
-    """Read the servos of the leg joints, with their backlash and dead bands."""
-    names = [
-        model.joint(j).name for j in model.actuator_trnid[anatomy.actuator.flat, 0]
-    ]
-    shape, real = anatomy.start.shape, anatomy.axis.any(axis=-1)
-    slack, rub, braking = np.array([_slack(model, name) for name in names]).T
-    at = anatomy.actuator
-    dofs = model.jnt_dofadr[model.actuator_trnid[at, 0]]
-    limited = model.actuator_forcelimited[at].astype(bool)
-    return Servos(
-        stiffness=np.where(real, model.actuator_gainprm[at, 0], 1.0),
-        damping=np.where(
-            real,
-            -model.actuator_biasprm[at, 2]
-            + model.dof_damping[dofs]
-            + np.reshape(braking, shape),
-            0.0,
-        ),
-        torque=np.where(real & limited, model.actuator_forcerange[at, 1], FREE),
-        slack=np.where(real, np.reshape(slack, shape), 0.0),
-        rub=np.reshape(rub, shape),
-    )
+def robots_of(robot: Robot, model: mujoco.MjModel, anatomy: Anatomy) -> Robots:
+    """Read the servos, with their backlash and dead bands, and the floor: one lane.
+
+    The floor's springs are the engine's own for feet that just touch.
+    """
+    at, real = anatomy.actuator, anatomy.axis.any(axis=-1)
+    joints, ground = model.actuator_trnid[at, 0], Ground.of(robot, model)
+    dofs, (feet, points) = model.jnt_dofadr[joints], anatomy.radius.shape
+    loose = [_slack(model, model.joint(number).name) for number in joints.flat]
+    slack, rub, braking = np.reshape(np.transpose(loose), (3, *at.shape))
+    damping = -model.actuator_biasprm[at, 2] + model.dof_damping[dofs] + braking
+    limited = real & model.actuator_forcelimited[at].astype(bool)
+    share = (anatomy.radius > ABSENT).sum(axis=1)  # points that share a foot's spring
+    one = {
+        "stiffness": np.where(real, model.actuator_gainprm[at, 0], 1.0),
+        "damping": np.where(real, damping, 0.0),
+        "torque": np.where(limited, model.actuator_forcerange[at, 1], FREE),
+        "slack": np.where(real, slack, 0.0),
+        "rub": rub,
+        "offset": np.zeros(at.shape),
+        "radius": anatomy.radius,
+        "floor": np.repeat((ground.contact * share)[:, None], points, axis=1),
+        "friction": np.repeat(np.transpose([ground.frictions]), points, axis=1),
+        "across": np.ones(feet),
+        "gravity": model.opt.gravity,
+        "body_mass": anatomy.body_mass,
+        "body_center": anatomy.body_center,
+        "mass": anatomy.mass,
+    }
+    return Robots(**{name: np.array([value]) for name, value in one.items()})
 
 
 def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
@@ -157,21 +169,6 @@ def _slack(model: mujoco.MjModel, joint: str) -> tuple[float, float, float]:
         width += float(np.ptp(model.joint(loose).range))
         rub = float(model.joint(loose).damping[0])
     return width, rub, brake
-
-
-def footing_of(
-    robot: Robot, model: mujoco.MjModel, anatomy: Anatomy, floor: str
-) -> Footing:
-    """Read the floor: its springs are the engine's own for feet that just touch."""
-    ground, height = Ground.of(robot, model), model.geom(floor).pos[2]
-    points = (anatomy.radius > ABSENT).sum(axis=1, keepdims=True)
-    shape = anatomy.radius.shape
-    return Footing(
-        stiffness=np.broadcast_to(1 / (ground.contact[:, None] * points), shape),
-        friction=np.broadcast_to(np.transpose([ground.frictions]), shape),
-        gravity=model.opt.gravity.copy(),
-        height=float(height),
-    )
 
 
 def _chain(model: mujoco.MjModel, joints: tuple[str, ...]) -> list[int]:

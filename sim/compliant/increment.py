@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from planner import Array
-from sim.compliant.anatomy import ABSENT, Anatomy
+from sim.compliant.anatomy import ABSENT, Anatomy, Robots
 from sim.compliant.equilibrium import Contact, Found, Give, Lanes, equilibrium, motion
-from sim.compliant.places import UP, Places, Robots, Skeleton, cross, rotation, skew
+from sim.compliant.places import UP, Places, Skeleton, cross, rotation, skew
 
 LEAST = 1e-9  # [s]; of a servo's time, where it has no damping
 STOP_STIFFNESS = 5e3  # [N m/rad]; stiffness at the ends of backlash

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from planner import Array
+from sim.compliant.anatomy import Robots
 from sim.compliant.commands import SLACK, Commands
 from sim.compliant.increment import Done, Mechanics, State
-from sim.compliant.places import Robots
 
 TIPPED = np.cos(np.deg2rad(30))  # of the body's tilt, beyond which it has tipped over
 

@@ -8,36 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from planner import Array
-from sim.compliant.anatomy import Anatomy
-from sim.compliant.equilibrium import Lanes
+from sim.compliant.anatomy import Anatomy, Robots
 
 UP = np.array([0.0, 0.0, 1.0])
 SMALL = 1e-4  # [rad], below which a rotation is a polynomial
-
-
-@dataclass(frozen=True, eq=False)
-class Robots(Lanes):
-    """What may differ from lane to lane, (B, ...); one anatomy for all."""
-
-    stiffness: Array  # of the servos, (B, F, J) [N m/rad]
-    damping: Array  # (B, F, J) [N m s/rad]
-    torque: Array  # the largest, (B, F, J) [N m]
-    slack: Array  # range without torque, (B, F, J) [rad]
-    rub: Array  # damping within it, (B, F, J) [N m s/rad]
-    offset: Array  # errors of zeros, (B, F, J) [rad]
-    radius: Array  # from the soles' points down to the floor, (B, F, K) [m]
-    floor: Array  # compliance under every point, (B, F, K) [m/N]
-    friction: Array  # along the legs, (B, F, K)
-    across: Array  # friction across the legs over that along them, (B, F)
-    gravity: Array  # (B, 3) [m/s^2]
-    body_mass: Array  # (B,) [kg]
-    body_center: Array  # (B, 3) [m]
-    mass: Array  # of the whole robot, (B,) [kg]
-
-    @property
-    def weight(self) -> Array:
-        """Of the whole robot, (B,) [N]."""
-        return self.mass * np.linalg.norm(self.gravity, axis=1)
 
 
 @dataclass(frozen=True, eq=False)

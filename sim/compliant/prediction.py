@@ -13,11 +13,10 @@ import numpy as np
 
 from models import IdealTwists
 from planner import Array
-from sim.compliant.anatomy import anatomy_of, footing_of, servos_of
+from sim.compliant.anatomy import anatomy_of, robots_of
 from sim.compliant.commands import Commands, changes
 from sim.compliant.increment import LOADED, Mechanics
 from sim.compliant.phases import Course, Phases
-from sim.compliant.places import Robots
 from sim.motion.poses import wrap
 from sim.motion.prediction import Prediction, Predictor
 from sim.motion.schedule import Schedule
@@ -60,26 +59,9 @@ class CompliantPrediction(Prediction):
 def phases_of(setup: Setup) -> Phases:
     """The robot of a setup in its world, of whose phases nothing is known yet."""
     robot, model = setup.robot, setup.model
-    anatomy = anatomy_of(robot, model)
-    servos = servos_of(robot, model, anatomy)
-    footing = footing_of(robot, model, anatomy, setup.world.floor)
-    one = Robots(
-        stiffness=servos.stiffness[None],
-        damping=servos.damping[None],
-        torque=servos.torque[None],
-        slack=servos.slack[None],
-        rub=servos.rub[None],
-        offset=np.zeros((1, *anatomy.start.shape)),
-        radius=anatomy.radius[None],
-        floor=1 / footing.stiffness[None],
-        friction=footing.friction[None],
-        across=np.ones((1, len(anatomy.radius))),
-        gravity=footing.gravity[None],
-        body_mass=np.array([anatomy.body_mass]),
-        body_center=anatomy.body_center[None],
-        mass=np.array([anatomy.mass]),
-    )
-    return Phases(Mechanics(anatomy, footing.height), one)
+    anatomy, floor = anatomy_of(robot, model), model.geom(setup.world.floor)
+    mechanics = Mechanics(anatomy, float(floor.pos[2]))
+    return Phases(mechanics, robots_of(robot, model, anatomy))
 
 
 def course_along(

@@ -16,8 +16,8 @@ import numpy as np
 
 from planner import Array
 from planner.support import did_you_mean
+from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Motion, Phases
-from sim.compliant.places import Robots
 from sim.compliant.prediction import course_along, phases_of
 from sim.errors import UsageError
 from sim.preparation.setup import prepare
