@@ -226,9 +226,12 @@ class _Law(Lanes):
         off = np.abs(wrong)
         ways = off[..., :2].max(axis=-1) / np.where(sticks, WAY * self.tangent, FORCE)
         gaps = off[..., 2] / np.where(on, WAY * self.normal, FORCE)
+        rubbing = np.sqrt((force[..., :2] ** 2).sum(axis=-1))
+        beyond = rubbing - contact.friction * np.maximum(force[..., 2], 0.0)
+        law = np.maximum(np.maximum(ways, gaps), beyond / FORCE)
         turned = np.abs(unbalanced[:, 3:]).max(axis=1) / ARM
         balance = np.maximum(np.abs(unbalanced[:, :3]).max(axis=1), turned) / FORCE
-        error = np.maximum(np.maximum(ways, gaps).max(axis=(1, 2)), balance)
+        error = np.maximum(law.max(axis=(1, 2)), balance)
         return _State(
             wrong, unbalanced, error, sticks, slides, ~on, along, bound / safe
         )

@@ -19,11 +19,11 @@ from sim.evaluation.deviations import (
     departure,
     deviations,
     error_sources,
+    left_out,
     off,
     per_metre,
     sensed,
 )
-from sim.evaluation.holding import left_out
 from sim.evaluation.motions import (
     Achieved,
     achieved_motion,

@@ -26,12 +26,21 @@ from sim.motion.path_deviation import path_deviation
 from sim.motion.poses import compose, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache
+from sim.preparation.setup import Setup
 from sim.scenarios.body_path import NominalPath
-from sim.scenarios.predictions import IDEAL, QUASI_STATIC, best, prediction_key
+from sim.scenarios.predictions import (
+    IDEAL,
+    IDENTIFIED,
+    PREDICTIONS,
+    QUASI_STATIC,
+    best,
+    prediction_key,
+)
 from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 SWAY = 0.25  # of the feet's distance from the middle
+UNLIKE = 2.0  # times the distance from the walk of the prediction that judges it
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -221,3 +230,31 @@ def error_sources(
         name = f"{phase.kind} S{phase.stratum}"
         sources[name] = sources.get(name, np.zeros(3)) + part
     return {name: part.tolist() for name, part in sources.items()}
+
+
+def left_out(setup: Setup, poses: Mapping[str, Array]) -> dict[str, str]:
+    """Measured predictions that do not hold for a walk, and why; not one steered on.
+
+    They were made from single strokes, and the walk is others, often several at a time.
+
+    Given are poses of what was `achieved` and of the predictions, (T, 3) each.
+    """
+    scenario, name = setup.scenario, IDENTIFIED.key
+    if name not in poses or scenario.steered_on == name:
+        return {}
+    scale = Scale.of(scenario.path, setup.kinematics.reach, poses)
+    why = does_not_hold(scale, name, poses)
+    return {name: why} if why else {}
+
+
+def does_not_hold(scale: Scale, name: str, poses: Mapping[str, Array]) -> str:
+    """Why a measured prediction does not hold for a walk; empty if it does."""
+    achieved, judge = poses["achieved"], scale.prediction
+    off, usual = (scale.share(achieved, poses[key]) for key in (name, judge))
+    if off <= max(NEAR, UNLIKE * usual):
+        return ""
+    label = PREDICTIONS[judge].label
+    return (
+        f"left out: made from single strokes, it is up to {100 * off:.1f} % of the "
+        f"path off this walk, and the {label} one {100 * usual:.1f} %"
+    )

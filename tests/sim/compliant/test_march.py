@@ -5,8 +5,9 @@ import pytest
 
 from models import MeasurementError
 from sim.compliant import increment
-from sim.compliant.equilibrium import equilibrium
+from sim.compliant.equilibrium import Found, equilibrium
 from sim.compliant.march import march
+from tests.equilibria import require_equilibrium
 from tests.planned import course
 
 
@@ -45,6 +46,23 @@ def test_no_increment_is_accepted_that_is_no_equilibrium(short, monkeypatch):
     assert len(track.time) == 1
     with pytest.raises(MeasurementError, match=r"finds no equilibrium at 0\.00 s"):
         short[1].follow(short[2])
+
+
+def test_every_accepted_increment_of_a_walk_is_an_equilibrium(short, monkeypatch):
+    """Through lift-offs, strokes and touchdowns, checked in newtons and metres."""
+    slid = []
+
+    def checked(contact, twist, force, give=None):
+        found = equilibrium(contact, twist, force, give)
+        own = np.flatnonzero(found.holds)
+        part = Found(*(values[own] for values in found))
+        slid.append(len(own) and require_equilibrium(contact.take(own), part))
+        return found
+
+    monkeypatch.setattr(increment, "equilibrium", checked)
+    track, _ = marched(short, 6.0)
+    assert len(track.time) > 300
+    assert sum(slid) > 10
 
 
 def test_a_leg_in_the_air_follows_its_servo_exactly(short):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from sim.evaluation.deviations import Scale
-from sim.evaluation.holding import does_not_hold
+from sim.evaluation.deviations import Scale, does_not_hold
 
 
 @pytest.mark.parametrize(
