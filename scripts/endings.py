@@ -1,109 +1,110 @@
-"""Run a command in a folder of its own, and look how it ends.
+"""Run something in a process and a folder of its own, and look how it ends.
 
-A command that does not end in time is killed with all that it started.
+What does not end in time is killed with all that it started.
 """
 
 from __future__ import annotations
 
 import math
+import multiprocessing
 import os
 import re
 import resource
 import signal
-import subprocess
+import sys
 import tempfile
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO, NoReturn
 
 ROOT = Path(__file__).resolve().parents[1]
 CODES = {0, 2, 3, 4, 6, 7, 8}  # that an input alone may lead to
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
+FORK = multiprocessing.get_context("fork")
 
 
 @dataclass(frozen=True)
 class Ending:
-    """How a command ended."""
+    """How a process ended."""
 
     code: int | None  # None if it did not end in time
     printed: str
     warned: list[str]  # lines on standard error, but for those about progress
 
-
-def ending(
-    words: Sequence[str],
-    folder: str | Path,
-    seconds: float,
-    env: Mapping[str, str],
-    begin: Callable[[], object] | None = None,
-) -> Ending:
-    """Run a command in a folder and wait for its end, for so many seconds at most.
-
-    `begin` is called in the new process before the program begins.
-    """
-    with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as warned:
-        process = subprocess.Popen(
-            words,
-            cwd=folder,
-            env=env,
-            stdin=subprocess.DEVNULL,
-            stdout=printed,
-            stderr=warned,
-            start_new_session=True,
-            preexec_fn=begin,
-        )
-        code = None
-        try:
-            for _ in range(math.ceil(seconds / SLICE)):
-                with suppress(subprocess.TimeoutExpired):
-                    code = process.wait(SLICE)
-                    break
-        finally:
-            end_session(process.pid)  # with what it left in the background
-            process.wait()
-        for file in (printed, warned):
-            file.seek(0)
-        out, err = (f.read().decode(errors="replace") for f in (printed, warned))
-        return Ending(code, out, lines_of(err))
-
-
-def end_session(leader: int | None) -> None:
-    """End all processes of a session, if it has begun and there are any left."""
-    with suppress(ProcessLookupError):
-        if leader:
-            os.killpg(leader, signal.SIGKILL)
+    @property
+    def wrong(self) -> str | None:
+        """What is wrong with the exit code and the lines of a command, or None."""
+        said = " ".join(self.warned)[:300]
+        if self.code is None:
+            return "does not end in time"
+        if self.code not in CODES:
+            return f"ends with {self.code}: {said}"
+        if len(self.warned) != (self.code != 0):
+            return f"says {len(self.warned)} lines with code {self.code}: {said}"
+        return None
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What a case may take."""
+    """What a process and those that it starts may take."""
 
-    seconds: float = 60.0  # on the processor
+    seconds: float = 60.0  # on the processor, each
     memory: int = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
 
-
-def limit_process(bounds: Bounds) -> None:
-    """Let this process and those that it starts take no more than that from now on."""
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    end = math.ceil(used.ru_utime + used.ru_stime + bounds.seconds) + 1
-    _, most = resource.getrlimit(resource.RLIMIT_CPU)
-    resource.setrlimit(resource.RLIMIT_CPU, (end, most))
-    _, most = resource.getrlimit(resource.RLIMIT_DATA)
-    resource.setrlimit(resource.RLIMIT_DATA, (bounds.memory, most))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    def hold(self) -> None:
+        """Let this process take no more from now on."""
+        _, most = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (math.ceil(self.seconds), most))
+        _, most = resource.getrlimit(resource.RLIMIT_DATA)
+        resource.setrlimit(resource.RLIMIT_DATA, (self.memory, most))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def lines_of(text: str) -> list[str]:
-    """Lines on standard error, but for those about the progress of long work."""
-    return [line for line in text.splitlines() if not PROGRESS.match(line)]
+def ending(act: Callable[[], int], folder: str | Path, seconds: float) -> Ending:
+    """How a process forked from this one ends, in so many seconds at most.
+
+    `act` is called in it, and returns its exit code.
+    """
+    with tempfile.TemporaryFile() as printed, tempfile.TemporaryFile() as warned:
+        files = printed, warned
+        process = FORK.Process(target=_begun, args=(act, folder, files))
+        process.start()
+        try:
+            for _ in range(math.ceil(seconds / SLICE)):
+                process.join(SLICE)
+                if process.exitcode is not None:
+                    break
+            code = process.exitcode
+        finally:
+            with suppress(ProcessLookupError):  # of what it left in the background
+                os.killpg(process.pid or 0, signal.SIGKILL)
+            process.kill()
+            process.join()
+        for file in files:
+            file.seek(0)
+        out, err = (file.read().decode(errors="replace") for file in files)
+        said = [line for line in err.splitlines() if not PROGRESS.match(line)]
+        return Ending(code, out, said)
 
 
-def judged(code: int, warned: Sequence[str]) -> str | None:
-    """What is wrong with an exit code and the lines on standard error, or None."""
-    if code not in CODES:
-        return f"ends with {code}: {' '.join(warned)[:300]}"
-    if len(warned) > 1 or (len(warned) == 1) != (code != 0):
-        return f"says {len(warned)} lines with code {code}: {warned[:2]}"
-    return None
+def _begun(
+    act: Callable[[], int], folder: str | Path, files: Sequence[IO[bytes]]
+) -> NoReturn:
+    os.setsid()
+    os.chdir(folder)
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
+    for number, file in enumerate(files, start=1):
+        os.dup2(file.fileno(), number)
+    sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+    warnings.simplefilter("ignore")  # as the command does
+    sys.exit(act())
+
+
+def become(words: Sequence[str], env: Mapping[str, str]) -> NoReturn:
+    """Run another program in this process."""
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as a shell would have it
+    os.execvpe(words[0], words, env)

@@ -10,49 +10,29 @@ with an unknown code, or not within a minute; within 10 s and 2 GB for what othe
 but 35 s to adopt. `--patience` gives it longer on a busy machine, but no longer on the
 processor.
 
-The cases run one after another in a process beside this one, whose memory and time are
-limited, and which is ended and replaced where it does not answer in time or does not
-survive. It compiles models itself and not in a process of their own, so that a case
-takes some hundredths of a second. What seems wrong there is run once more, by the real
-command in a process of its own, and that decides. Failed cases are kept in a folder,
-each with its files.
+Every case has a process of its own with limits, forked from this one, which has loaded
+all libraries. It compiles models itself, so that a case takes some hundredths of a
+second; what seems wrong there is run once more by the real command, and that decides.
+Failed cases are kept in a folder, each with its files.
 """
 
 from __future__ import annotations
 
-import contextlib
-import functools
-import io
 import json
-import math
-import multiprocessing
 import os
 import random
 import shutil
-import signal
 import sys
 import tempfile
 import time
-import warnings
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from importlib import import_module
-from multiprocessing.connection import Connection
 from pathlib import Path
 
 from models import ModelError
-from scripts.endings import (
-    ROOT,
-    SLICE,
-    Bounds,
-    end_session,
-    ending,
-    judged,
-    limit_process,
-    lines_of,
-)
+from scripts.endings import ROOT, Bounds, become, ending
 from scripts.fuzz_foreign import FOREIGN
 from scripts.fuzz_inputs import OWN_KINDS
 from scripts.pages import parser_of
@@ -61,73 +41,53 @@ OWN = Bounds()  # of cases that we make ourselves, and of those that others send
 THEIRS = Bounds(10.0, 2 * 10**9)
 ADOPTED = replace(THEIRS, seconds=35.0)  # the command gives itself 30 s
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
-START = 100.0  # [s] a process may take to begin
 KINDS = OWN_KINDS | FOREIGN
-FRESH = 1000  # cases after which libraries have kept enough for another process
+LOADED = (  # before processes are forked
+    *("sim.commands.systems", "sim.figures.from_above", "sim.reports.page"),
+    *("sim.sweeps.sweeping", "sim.studies.maps", "sim.export.played"),
+)
 
 
-class Worker(contextlib.AbstractContextManager["Worker"]):
-    """One process that runs cases, and the next one where it fails."""
+def fault(
+    words: list[str],
+    folder: str | Path,
+    bounds: Bounds = OWN,
+    patience: float = OWN.seconds,
+) -> str | None:
+    """What is wrong with how the command ends in a folder, or None."""
+    seems = answer(words, folder, bounds, patience)
+    wrong = seems and decided(words, folder, bounds, patience)
+    return wrong and f"{wrong} (first: {seems})"
 
-    def __init__(self, patience: float = OWN.seconds) -> None:
-        """Let a case take so long in all [s], whatever the machine does beside."""
-        self.patience = patience
-        self._process: multiprocessing.process.BaseProcess | None = None
-        self._left = 0
 
-    def fault(self, words: list[str], folder: str, bounds: Bounds = OWN) -> str | None:
-        """What is wrong with how the command ends in a folder, or None."""
-        if (seems := self.answer(words, folder, bounds)) is None:
-            return None
-        wrong = decided(words, folder, bounds, self.patience)
-        return wrong and f"{wrong} (first: {seems})"
+def answer(
+    words: list[str],
+    folder: str | Path,
+    bounds: Bounds = OWN,
+    patience: float = OWN.seconds,
+) -> str | None:
+    """What seems wrong where a process forked from this one is the command."""
 
-    def answer(self, words: list[str], folder: str, bounds: Bounds = OWN) -> str | None:
-        """What seems wrong where one case is run after another, or None."""
-        if self._process is None or not self._left:
-            self._begin()
-        self._left -= 1
-        try:
-            self._cases.send((folder, words, bounds))
-            if self._comes(self.patience):
-                found: str | None = self._cases.recv()
-                return found
-            answer = f"does not answer in {self.patience:g} s"
-        except (EOFError, OSError):
-            answer = "does not survive it"
-        self.end()
-        return answer
+    def command() -> int:
+        bounds.hold()
+        inspection = import_module("models.description.inspection")
+        inspection._tried = _tried  # type: ignore[attr-defined]  # no door leads there
+        return int(import_module("sim.cli").main(words))
 
-    def _begin(self) -> None:
-        self.end()
-        spawn = multiprocessing.get_context("spawn")
-        self._cases, theirs = spawn.Pipe()
-        self._process = spawn.Process(target=serve, args=(theirs,), daemon=True)
-        self._process.start()
-        theirs.close()
-        if not self._comes(START + self.patience) or not self._cases.recv():
-            raise RuntimeError("the process that runs the cases did not begin")
-        self._left = FRESH
+    return ending(command, folder, patience).wrong
 
-    def _comes(self, seconds: float) -> bool:
-        return any(self._cases.poll(SLICE) for _ in range(math.ceil(seconds / SLICE)))
 
-    def __exit__(self, *error: object) -> None:
-        self.end()
-
-    def end(self) -> None:
-        """End the process and all that it started."""
-        if self._process is not None:
-            end_session(self._process.pid)
-            self._process.kill()
-            self._process.join()
-            self._cases.close()
-        self._process = None
+def _tried(path: Path, limits: object) -> list[str]:
+    """The files that a model opens, compiled in this process."""
+    report = import_module("models.description.trial").report(path)
+    if "files" not in report:
+        raise ModelError(str(report.get("wrong", "too large")))
+    return list(report["files"])
 
 
 def decided(
     words: list[str],
-    folder: str,
+    folder: str | Path,
     bounds: Bounds = OWN,
     patience: float = OWN.seconds,
 ) -> str | None:
@@ -135,72 +95,13 @@ def decided(
 
     It may take what the bounds say besides loading, and `patience` seconds in all.
     """
-    bounds = replace(bounds, seconds=bounds.seconds + LOADING)
-    command = [sys.executable, "-m", "sim.cli", *words]
-    env = os.environ | {"PYTHONPATH": str(ROOT)}
-    end = ending(command, folder, patience, env, partial(limit_process, bounds))
-    if end.code in (None, -signal.SIGXCPU):
-        return f"takes {bounds.seconds:g} s, or {patience:g} s in all"
-    return judged(end.code, end.warned)
 
+    def command() -> int:
+        replace(bounds, seconds=bounds.seconds + LOADING).hold()
+        env = os.environ | {"PYTHONPATH": str(ROOT)}
+        become([sys.executable, "-m", "sim.cli", *words], env)
 
-def serve(cases: Connection) -> None:
-    """Answer a folder and the words of a command to run there with what is wrong.
-
-    It goes on until the other end closes, or a case has computed to its bounds.
-    """
-    os.setsid()
-    quicken()
-    cases.send("ready")
-    with tempfile.TemporaryFile() as below, contextlib.suppress(EOFError):
-        for stream in (sys.stdout, sys.stderr):
-            os.dup2(below.fileno(), stream.fileno())
-        while True:
-            folder, words, bounds = cases.recv()
-            limit_process(bounds)
-            os.chdir(folder)
-            begin = below.seek(0, io.SEEK_END)
-            wrong = fault(words)
-            below.seek(begin)
-            lines = below.read().decode(errors="replace").splitlines()
-            cases.send(wrong or (f"a library says: {lines[:2]}" if lines else None))
-            os.chdir("/")
-
-
-def quicken() -> None:
-    """Try models in this process, and make the parser of the command line once.
-
-    No door leads to the parts that are replaced.
-    """
-    cli = import_module("sim.cli")
-    cli.parser = functools.cache(cli.parser)  # type: ignore[attr-defined]
-    inspection = import_module("models.description.inspection")
-    trial = import_module("models.description.trial")
-
-    def tried(path: Path, limits: object) -> list[str]:
-        report = trial.report(path)
-        if "files" not in report:
-            raise ModelError(str(report.get("wrong", "too large")))
-        return list(report["files"])
-
-    inspection._tried = tried  # type: ignore[attr-defined]
-
-
-def fault(words: list[str]) -> str | None:
-    """What is wrong with how the command ends in this process, or None."""
-    warned = io.StringIO()
-    try:
-        with (
-            contextlib.redirect_stderr(warned),
-            contextlib.redirect_stdout(io.StringIO()),
-            warnings.catch_warnings(action="ignore"),  # as the command does
-        ):
-            code = import_module("sim.cli").main(words)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        return f"raises {type(error).__name__}: {error}"
-    return judged(code, lines_of(warned.getvalue()))
+    return ending(command, folder, patience).wrong
 
 
 @dataclass
@@ -213,14 +114,17 @@ class Found:
 
 
 def search(
-    worker: Worker,
     kinds: Sequence[str],
     rng: random.Random,
     seconds: float,
     cases: float,
     keep: Path,
+    patience: float = OWN.seconds,
 ) -> Found:
     """Run cases of some kinds until time or number is up, and keep those that fail."""
+    import_module("sim.pictures.gl").choose()
+    for name in LOADED:
+        import_module(name)
     found, end = Found(), time.monotonic() + seconds
     while time.monotonic() <= end and found.done.total() < cases:
         kind, seed = rng.choice(kinds), rng.randrange(2**32)
@@ -233,7 +137,7 @@ def search(
             except Exception as error:  # of what is tried in this process
                 words = f"raises {type(error).__name__}: {error}"
             known = isinstance(words, str)
-            wrong = words or None if known else worker.fault(words, folder, bounds)
+            wrong = words or None if known else fault(words, folder, bounds, patience)
             took = round(time.monotonic() - began, 1)
             if wrong is not None:
                 found.faults += 1
@@ -257,15 +161,9 @@ def main() -> int:
     parser.add_argument("--patience", type=float, default=OWN.seconds, help="[s]")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
-    with Worker(patience=asked.patience) as worker:
-        found = search(
-            worker,
-            asked.kinds,
-            random.Random(asked.seed),
-            asked.seconds,
-            asked.cases,
-            Path(asked.keep).resolve(),
-        )
+    rng, keep = random.Random(asked.seed), Path(asked.keep).resolve()
+    limits = asked.seconds, asked.cases
+    found = search(asked.kinds, rng, *limits, keep, asked.patience)
     print(f"{found.done.total()} cases, {found.faults} faults: {dict(found.done)}")
     print(f"longest, in seconds, and their seeds: {found.longest}")
     return int(found.faults > 0)

@@ -14,7 +14,7 @@ import shutil
 import struct
 import tempfile
 from collections.abc import Callable
-from contextlib import redirect_stdout, suppress
+from contextlib import suppress
 from functools import cache, partial
 from importlib import import_module
 from itertools import pairwise
@@ -23,9 +23,12 @@ from pathlib import Path
 import numpy as np
 
 from scripts.adoptees import ADOPTEES
-from scripts.fuzz_inputs import NASTY, mutated
+from scripts.endings import ending
+from scripts.fuzz_inputs import NASTY, mutated, write
 
-SHORT = ("--segments", "1", "--set", "path.goal=[0.005, 0, 0]")
+RUN = "run line --segments 1 --set path.goal=[0.005,0,0] --no-video"
+SWEPT = "sweep mine.toml --workers 1"
+MAKING = 600.0  # [s] that these may take
 SWEEP = """scenario = "line"
 without = ["identified", "creep_floor"]
 [set]
@@ -39,7 +42,15 @@ slope = { from = [0.0, 0.0], to = [0.1, 3.0] }
 [keep]
 points = [1]
 """
-SMALL = '[grid]\nfriction = [0.5, 1.0]\nstance = ["centred", "paper"]\n'
+SMALL = """scenario = "line"
+without = ["identified", "creep_floor"]
+[set]
+segments = 1
+path.goal = [0.005, 0, 0]
+[grid]
+friction = [0.5, 1.0]
+stance = ["centred", "paper"]
+"""
 OBJ = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
 SHAPE = (
     '<asset><mesh name="part" file="part.{}"/></asset><worldbody>'
@@ -63,7 +74,7 @@ def flipped(content: bytes, rng: random.Random) -> bytes:
 def adopted(folder: Path, rng: random.Random, urdf: bool) -> list[str]:
     """A robot to adopt, in MJCF or URDF."""
     path = rng.choice([a for a in ADOPTEES if a.urdf == urdf]).write(folder)
-    _write(path, mutated(path.read_text().replace("><", ">\n<"), rng))
+    write(path, mutated(path.read_text().replace("><", ">\n<"), rng))
     return ["adopt", path.name]
 
 
@@ -82,16 +93,16 @@ def mesh(folder: Path, rng: random.Random) -> list[str]:
 
 def sweep(folder: Path, rng: random.Random) -> list[str]:
     """The file of a sweep, which is read as far as its folder, which exists."""
-    _write(folder / "mine.toml", mutated(SWEEP, rng))
+    write(folder / "mine.toml", mutated(SWEEP, rng))
     return ["sweep", "mine.toml", "--out", "."]
 
 
 def ledger(folder: Path, rng: random.Random) -> list[str]:
     """What a sweep has done; lines of its ledger may be sealed again."""
-    shutil.copytree(_swept(), folder / "mine")
+    shutil.copytree(_made(SWEPT), folder / "mine")
     path = folder / "mine" / rng.choice(("ledger.jsonl", "ledger.jsonl", "sweep.json"))
     if path.suffix == ".json":
-        _write(path, _json(path.read_text(), rng))
+        write(path, _json(path.read_text(), rng))
     else:
         lines = path.read_bytes().splitlines(keepends=True)
         at = rng.randrange(len(lines))
@@ -102,7 +113,7 @@ def ledger(folder: Path, rng: random.Random) -> list[str]:
 
 def table(folder: Path, rng: random.Random) -> list[str]:
     """The table of a sweep."""
-    content = (_swept() / "table.parquet").read_bytes()
+    content = (_made(SWEPT) / "table.parquet").read_bytes()
     (folder / "table.parquet").write_bytes(flipped(content, rng))
     return ["study", "table.parquet"]
 
@@ -111,14 +122,14 @@ def servos(folder: Path, rng: random.Random) -> list[str]:
     """A table of servos that a walk is exported for."""
     card = import_module("models").load("hexapod").card
     text = "".join(SERVO.format(name, n) for n, name in enumerate(card.joints))
-    _write(folder / "servos.yaml", mutated(text, rng))
+    write(folder / "servos.yaml", mutated(text, rng))
     words = ("--format", "dynamixel", "--no-play", "--out", "walk")
-    return ["export", str(_run()), *words, "--servo-table", "servos.yaml"]
+    return ["export", str(_made(RUN)), *words, "--servo-table", "servos.yaml"]
 
 
 def run_folder(folder: Path, rng: random.Random) -> list[str]:
     """A finished run, one of whose files is mutated."""
-    shutil.copytree(_run(), folder / "mine")
+    shutil.copytree(_made(RUN), folder / "mine")
     path = folder / "mine" / rng.choice(FILES)
     if path.suffix == ".npz":
         content = path.read_bytes()
@@ -126,7 +137,7 @@ def run_folder(folder: Path, rng: random.Random) -> list[str]:
         path.write_bytes(change(content, rng))
     else:
         change = _json if path.suffix == ".json" else mutated
-        _write(path, change(path.read_text(), rng))
+        write(path, change(path.read_text(), rng))
     return [*rng.choice(READERS), "mine"]
 
 
@@ -182,46 +193,16 @@ def _said(rng: random.Random, kind: int) -> bytes:
     return struct.pack("<IB3x", 8 + len(body), kind) + body
 
 
-def _write(path: Path, text: str) -> None:
-    path.write_bytes(text.encode("utf-8", errors="surrogateescape"))
-
-
 @cache
-def _run() -> Path:
-    """A finished run folder."""
-    folder = Path(SCRATCH.name, "run")
-    words = ["run", "line", *SHORT, "--no-video", "--out", str(folder), "--json"]
-    with redirect_stdout(io.StringIO()):
-        import_module("sim.cli").main(words)
-    return folder
-
-
-@cache
-def _swept() -> Path:
-    """A finished sweep, each of whose points has the numbers of one run."""
-    folder, names = (
-        Path(SCRATCH.name, "swept"),
-        ("sweeping", "ledger", "folder", "worker"),
-    )
-    sweeping, ledgers, folders, worker = (
-        import_module(f"sim.sweeps.{n}") for n in names
-    )
-    file = Path(SCRATCH.name, "sweep.toml")
-    file.write_text('scenario = "line"\n' + SMALL)
-    points = sweeping.points_of(
-        import_module("sim.sweeps.file").read_sweep(str(file)), folders.Shard()
-    )
-    found = dict(worker.numbers(json.loads((_run() / "summary.json").read_text())))
-    known = [
-        ledgers.Outcome(digest, ledgers.OK, found, worker.software())
-        for digest in points.digests.values()
-    ]
-    made = folders.claim(folder, folders.Shard(), False)
-    with ledgers.opened(made.ledger) as open_ledger:
-        open_ledger.add(known)
-    made.write_about(folders.About.of(points.sweep))
-    sweeping.carry_on(points, made)
-    return folder
+def _made(command: str) -> Path:
+    """The folder `made` of what a command has done."""
+    folder = Path(tempfile.mkdtemp(dir=SCRATCH.name))
+    (folder / "mine.toml").write_text(SMALL)
+    words = [*command.split(), "--out", "made"]
+    end = ending(lambda: int(import_module("sim.cli").main(words)), folder, MAKING)
+    if end.code:
+        raise RuntimeError(" ".join(end.warned))
+    return folder / "made"
 
 
 def _sealed(line: bytes, rng: random.Random) -> bytes:

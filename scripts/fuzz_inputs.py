@@ -51,6 +51,11 @@ def mutated(text: str, rng: random.Random) -> str:
     return text
 
 
+def write(path: Path, text: str) -> None:
+    """Write a text that need not be Unicode."""
+    path.write_bytes(text.encode("utf-8", errors="surrogateescape"))
+
+
 def _number(text: str, rng: random.Random) -> str:
     if not (places := list(NUMBER.finditer(text))):
         return text
@@ -100,7 +105,7 @@ def scenario(folder: Path, rng: random.Random) -> list[str]:
     text = f"segments = 6\nplan_time = {PLAN_TIME}\n" + re.sub(
         r"segments = \d+\n", "", _read("sim", "scenarios", f"{name}.toml")
     )
-    _write(folder / "mine.toml", mutated(text, rng))
+    write(folder / "mine.toml", mutated(text, rng))
     return ["plan", "mine.toml"]
 
 
@@ -109,13 +114,13 @@ def robot(folder: Path, rng: random.Random, spoilt: str) -> list[str]:
     for name in ("hexapod.xml", "hexapod.toml", "scene.xml"):
         text = _read("models", "robots", name)
         text = mutated(text, rng) if name == spoilt else text
-        _write(folder / name.replace("hexapod", "mine"), text)
+        write(folder / name.replace("hexapod", "mine"), text)
     return [rng.choice(("robots", "check")), "mine.xml"]
 
 
 def system(folder: Path, rng: random.Random) -> list[str]:
     """A mutated system."""
-    _write(folder / "mine.toml", mutated(SYSTEM, rng))
+    write(folder / "mine.toml", mutated(SYSTEM, rng))
     return [rng.choice(("check", "plan")), "mine.toml"]
 
 
@@ -135,7 +140,7 @@ def _plan() -> str:
 
 def archive(folder: Path, rng: random.Random) -> list[str]:
     """A mutated plan that was saved."""
-    _write(folder / "mine.json", mutated(_plan(), rng))
+    write(folder / "mine.json", mutated(_plan(), rng))
     return ["plan", "mine.json"]
 
 
@@ -154,7 +159,3 @@ OWN_KINDS: dict[str, Callable[[Path, random.Random], list[str]]] = {
     "archive": archive,
     "options": options,
 }
-
-
-def _write(path: Path, text: str) -> None:
-    path.write_bytes(text.encode("utf-8", errors="surrogateescape"))
