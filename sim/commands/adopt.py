@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import robot_options
+from sim.commands.options import report, robot_options
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def execute(options: argparse.Namespace) -> None:
     )
     with processor_time(BUDGET, too_long):
         adopted = _adopted(options)
-    _report(*adopted, as_json=options.json)
+    _report(options, *adopted)
 
 
 def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
@@ -77,21 +76,24 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
 
 
 def _report(
-    source: Source, draft: Draft, setup: Setup, written: list[Path], *, as_json: bool
+    options: argparse.Namespace,
+    source: Source,
+    draft: Draft,
+    setup: Setup,
+    written: list[Path],
 ) -> None:
     from sim.preparation.inspection import Inspected, describe, facts
 
     found, files = facts(Inspected.of(setup)), [str(path) for path in written]
-    if as_json:
-        report = {"written": files, "guesses": draft.guesses, "robot": found}
-        print(json.dumps(report, indent=1))
-        return
-    print(describe(found), end="\n\n")
-    for head, lines in {"guessed": draft.guesses, "written": files}.items():
-        for number, line in enumerate(lines):
-            print(f"{'' if number else head:12}{line}")
+    lines = [
+        f"{'' if number else head:12}{line}"
+        for head, lines in {"guessed": draft.guesses, "written": files}.items()
+        for number, line in enumerate(lines)
+    ]
     trust = " --allow-external" if setup.robot.opened.external else ""
-    print(
+    to_do = (
         f"{'to do':12}read the card, correct what is wrong, and walk: "
         f"stratawalk run line --robot {source.path}{trust}"
     )
+    written_down = {"written": files, "guesses": draft.guesses, "robot": found}
+    report(options, written_down, describe(found), "", *lines, to_do)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import subprocess
 import sys
 from dataclasses import asdict
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 from sim.errors import ROOT, UsageError
 
 HELP = "measure speed and memory, side by side with what they are compared to"
@@ -37,7 +36,7 @@ def execute(options: argparse.Namespace) -> None:
         from sim.bench.speed import measure
     rows = measure()
     if options.json:
-        print(json.dumps([asdict(row) for row in rows], indent=1))
+        report(options, [asdict(row) for row in rows])
         return
     for row in rows:
         print(row, flush=True)

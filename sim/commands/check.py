@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
-from sim.commands.options import TRUST, option, robot_of, set_option, settings_of
+from sim.commands.options import (
+    TRUST,
+    option,
+    report,
+    robot_of,
+    set_option,
+    settings_of,
+)
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -57,32 +63,30 @@ def execute(options: argparse.Namespace) -> None:
         refused(options.system),
     ):
         at = coordinates(options.at or (), "--at")
-        report = gait_controllability(
+        found = gait_controllability(
             system,
             gait,
             configuration(system, "--at", at, start).tolist(),
             MAX_DEPTH if options.depth is None else options.depth,
         )
     with bar(quiet=options.json) as progress, stage(progress, "finding the strokes"):
-        costs = _costs(subject, report) if report.controllable else ()
+        costs = _costs(subject, found) if found.controllable else ()
     theory = [cost.direction for cost in costs if cost.in_theory_only]
-    if options.json:
-        facts = asdict(report) | {
-            "controllable": report.controllable and not theory,
-            "in_theory_only": theory,
-            "strokes": {cost.direction: asdict(cost) for cost in costs},
-            "static_stability": subject.static_stability,
-        }
-        print(json.dumps({"system": options.system, **facts}))
-        return
-    print(_describe(options.system, report, theory))
-    print(*_describe_costs(costs), sep="\n", end="\n" * bool(costs))
+    facts = asdict(found) | {
+        "controllable": found.controllable and not theory,
+        "in_theory_only": theory,
+        "strokes": {cost.direction: asdict(cost) for cost in costs},
+        "static_stability": subject.static_stability,
+    }
+    lines = [_describe(options.system, found, theory), *_describe_costs(costs)]
     if loads := subject.static_stability:
         shares = (
             f"S{stratum} {max(rest, 0):.2f} at rest, {max(best, 0):.2f} at best"
             for stratum, (rest, best) in loads.items()
         )
-        print(f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)")
+        load = f"{'least load':12}{'; '.join(shares)} (share of the weight on a foot)"
+        lines.append(load)
+    report(options, {"system": options.system, **facts}, *lines)
 
 
 @dataclass(frozen=True)

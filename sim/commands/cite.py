@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 
 if TYPE_CHECKING:
     from sim.runs.run import Run
@@ -38,7 +37,7 @@ def execute(options: argparse.Namespace) -> None:
     entries = {_key(part): f"@{part.strip()}" for part in parts}
     chosen = [entries[key].replace("{VERSION}", f"{{{made}}}") for key in keys]
     bibtex = "\n".join(chosen)
-    print(json.dumps({"keys": keys, "bibtex": bibtex}) if options.json else bibtex)
+    report(options, {"keys": keys, "bibtex": bibtex}, bibtex)
 
 
 def _key(entry: str) -> str:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -52,20 +51,18 @@ def execute(options: argparse.Namespace) -> None:
             path = Path(options.out)
             shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
             shelf.write_text(path.name, text)
-    if options.json:
-        tables = {
-            "settings": compared.differences,
-            "results": compared.results,
-            "drift": compared.drift,
-        }
-        facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}
-        print(json.dumps(facts | {"page": options.out}))
-        return
-    print(_text(compared.differences), _text(compared.results), sep="\n\n")
+    tables = {
+        "settings": compared.differences,
+        "results": compared.results,
+        "drift": compared.drift,
+    }
+    facts = {key: _by_run(table, names(runs)) for key, table in tables.items()}
+    lines = [_text(compared.differences), _text(compared.results)]
     if compared.drift.rows:
-        print(f"\n{_text(compared.drift)}")
+        lines.append(_text(compared.drift))
     if options.out is not None:
-        print(f"\n{'page':13}{options.out}")
+        lines.append(f"{'page':13}{options.out}")
+    report(options, facts | {"page": options.out}, "\n\n".join(lines))
 
 
 def _by_run(table: Table, names: list[str]) -> list[dict[str, str]]:

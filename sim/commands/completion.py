@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import json
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 
 HELP = "print a script that completes this command's words in a shell"
 SHELLS = ("bash", "zsh", "tcsh")
@@ -29,7 +28,7 @@ def execute(options: argparse.Namespace) -> None:
     shipped = {"SCENARIO": shipped_scenarios(), "SYSTEM": tuple(SYSTEMS)}
     _name_what_is_shipped(commands, shipped | {"ROBOT": robots, "NAME": robots})
     script = shtab.complete(commands, shell)
-    print(json.dumps({"shell": shell, "script": script}) if options.json else script)
+    report(options, {"shell": shell, "script": script}, script)
 
 
 def _name_what_is_shipped(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from itertools import islice
@@ -13,6 +12,7 @@ from typing import Any
 from sim.commands.options import (
     needs_extra,
     option,
+    report,
     robot_of,
     robot_options,
     whole,
@@ -59,10 +59,7 @@ def execute(options: argparse.Namespace) -> None:
     if options.out is not None:
         about = {"robot": options.robot, "software": software()}
         write_table(Path(options.out), rows, about)
-    if options.json:
-        print(json.dumps(rows))
-    else:
-        print(*_table(rows), sep="\n")
+    report(options, rows, *_table(rows))
 
 
 def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from sim.commands.options import report
 from sim.errors import ExitCode, FilesError, RenderError, one_line
 
 OPTIONS = ()
@@ -48,13 +48,12 @@ def execute(options: argparse.Namespace) -> int:
         for name, check in CHECKS.items():
             with stage(progress, f"trying {name}"):
                 findings[name] = _examined(check)
-    if options.json:
-        print(json.dumps({name: asdict(found) for name, found in findings.items()}))
-    else:
-        for name, found in findings.items():
-            print(f"{name:11}{'works' if found.works else 'fails':8}{found.detail}")
-            if found.repair:
-                print(f"{'':11}{'repair':8}{found.repair}")
+    lines = []
+    for name, found in findings.items():
+        lines.append(f"{name:11}{'works' if found.works else 'fails':8}{found.detail}")
+        if found.repair:
+            lines.append(f"{'':11}{'repair':8}{found.repair}")
+    report(options, {key: asdict(one) for key, one in findings.items()}, *lines)
     codes = (check.code for name, check in CHECKS.items() if not findings[name].works)
     return next(codes, ExitCode.OK)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 from collections.abc import Mapping
 from contextlib import nullcontext
@@ -18,6 +17,7 @@ from sim.commands.options import (
     notice,
     option,
     real,
+    report,
     robot_of,
     scenario_of,
     scenario_options,
@@ -90,19 +90,16 @@ def execute(options: argparse.Namespace) -> ExitCode:
         notice(COARSE.format(rate=read.rate))
     if summary.verdict != "arrived":
         notice(f"the walk that was exported {summary.verdict_text}", "warning")
-    if options.json:
-        facts = {
-            "file": options.out,
-            "format": options.format,
-            "commands": len(commands.angles),
-            "rate": commands.rate,
-            "joints": list(commands.joints),
-            "exported": None,
-            **{name: one.to_json() for name, one in played.items()},
-        }
-        print(json.dumps(facts))
-    else:
-        print(_report(options, source, read, played, coarse))
+    facts = {
+        "file": options.out,
+        "format": options.format,
+        "commands": len(commands.angles),
+        "rate": commands.rate,
+        "joints": list(commands.joints),
+        "exported": None,
+        **{name: one.to_json() for name, one in played.items()},
+    }
+    report(options, facts, _report(options, source, read, played, coarse))
     weighed = {f"the walk as {name}": one.weighed for name, one in played.items()}
     remedy = f"{options.out} is written; correct the walk before servos carry it out"
     return judged(summary, options.tolerance, remedy, weighed)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 from functools import partial
 
-from sim.commands.options import folder_of, kept_in, option
+from sim.commands.options import folder_of, kept_in, option, report
 from sim.endings import keeping
 from sim.figures import NAMES
 
@@ -34,7 +33,5 @@ def execute(options: argparse.Namespace) -> None:
                     print(f"{sheet.name:26}{sheet.title}", flush=True)
     finally:
         folder.discard_if_empty()
-    if options.json:
-        print(json.dumps({"folder": str(folder.path), "figures": facts}, indent=1))
-        return
-    print(f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it")
+    where = f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it"
+    report(options, {"folder": str(folder.path), "figures": facts}, where)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 from pathlib import Path
 
-from sim.commands.options import LOOK, RUN, option, run_of
+from sim.commands.options import LOOK, RUN, option, report, run_of
 from sim.errors import UsageError
 
 HELP = "film a finished run, or a stretch of it, from any side"
@@ -50,7 +49,7 @@ def execute(options: argparse.Namespace) -> None:
             path=path,
             progress=lambda part: progress("filming", part),
         )
-    print(json.dumps({"film": str(film)}) if options.json else film)
+    report(options, {"film": str(film)}, film)
 
 
 def _target(out: str | None) -> Path | None:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import json
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import robot_of, robot_options, set_option
+from sim.commands.options import report, robot_of, robot_options, set_option
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,11 +36,7 @@ def execute(options: argparse.Namespace) -> None:
         with stage(progress, "compiling"):
             setup = prepare(scenario, robot)
         found = fields(setup, progress)
-    if options.json:
-        print(json.dumps(found, indent=1))
-        return
-    for field in found:
-        print(_describe(field))
+    report(options, found, *map(_describe, found))
 
 
 def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:

@@ -28,5 +28,4 @@ def execute(options: argparse.Namespace) -> ExitCode:
     folders = [Path(folder) for folder in options.folders]
     out = folders[0] if options.out is None else Path(options.out)
     result, table = merge(folders, out)
-    print_result(result, table, options.json)
-    return ExitCode.SWEEP if result.failed else ExitCode.OK
+    return print_result(options, result, table)

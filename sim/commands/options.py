@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import os
 import sys
@@ -254,6 +255,11 @@ def robot_of(options: argparse.Namespace, name: str) -> Robot:
         taken = ", ".join(map(str, robot.opened.external))
         notice(f"taken from outside the folder of {robot.path}: {taken}")
     return robot
+
+
+def report(options: argparse.Namespace, facts: object, *lines: object) -> None:
+    """Print facts as JSON alone where that is asked for, and lines elsewhere."""
+    print(*([json.dumps(facts, indent=1)] if options.json else lines), sep="\n")
 
 
 def notice(text: str, kind: str = "notice") -> None:

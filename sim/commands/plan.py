@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import time
 from collections.abc import Mapping
@@ -14,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from sim.commands.options import (
     option,
+    report,
     robot_of,
     scenario_of,
     scenario_options,
@@ -105,13 +105,10 @@ def execute(options: argparse.Namespace) -> None:
     if options.save:
         with refused(options.save):
             save_plan(planned, options.save)
-    if options.json:
-        flows = {"flows": planned.flows} if options.flows else {}
-        print(json.dumps(facts | flows))
-        return
     if options.flows:
-        print(*planned.flows, "", sep="\n")
-    print(*lines, sep="\n")
+        facts["flows"] = planned.flows
+        lines = [*map(str, planned.flows), "", *lines]
+    report(options, facts, *lines)
 
 
 def _is_for_systems(options: argparse.Namespace) -> bool:

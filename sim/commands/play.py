@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,13 +13,14 @@ from sim.commands.options import (
     folder_of,
     notice,
     option,
+    report,
     robot_of,
     robot_options,
     set_option,
     settings_of,
     whole,
 )
-from sim.commands.run import VIDEO, can_film, kept_walk, report
+from sim.commands.run import VIDEO, account, can_film, kept_walk
 from sim.endings import keeping
 from sim.errors import ExitCode
 
@@ -93,7 +93,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
             )
     finally:
         folder.discard_if_empty()
-    print(json.dumps(summary.to_json()) if options.json else report(summary, folder))
+    report(options, summary.to_json(), account(summary, folder))
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 

@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import json
-from typing import TYPE_CHECKING
 
-from sim.commands.options import robot_of, robot_options
-
-if TYPE_CHECKING:
-    from models import Card
+from sim.commands.options import report, robot_of, robot_options
 
 HELP = "list the shipped robots, or check one and show it in numbers"
 OPTIONS = robot_options(
@@ -25,13 +20,18 @@ def execute(options: argparse.Namespace) -> None:
     from models import load, shipped_robots
 
     cards = {name: load(name).card for name in shipped_robots()}
-    if options.json:
-        print(
-            json.dumps([_facts(name, card) for name, card in cards.items()], indent=1)
-        )
-        return
-    for name, card in cards.items():
-        print(f"{name:20}{len(card.legs)} legs  {card.description}")
+    facts = [
+        {
+            "name": name,
+            "description": card.description,
+            "legs": sorted(card.legs),
+            "groups": {group: sorted(of.legs) for group, of in card.groups.items()},
+            "gait": list(card.gait),
+        }
+        for name, card in cards.items()
+    ]
+    lines = (f"{n:20}{len(c.legs)} legs  {c.description}" for n, c in cards.items())
+    report(options, facts, *lines)
 
 
 def _show(options: argparse.Namespace) -> None:
@@ -42,14 +42,4 @@ def _show(options: argparse.Namespace) -> None:
     scenario = load_scenario("line", {"robot": options.robot})
     with bar(quiet=options.json) as progress, stage(progress, "trying it out"):
         found = facts(inspected(scenario, robot_of(options, scenario.robot)))
-    print(json.dumps(found, indent=1) if options.json else describe(found))
-
-
-def _facts(name: str, card: Card) -> dict[str, object]:
-    return {
-        "name": name,
-        "description": card.description,
-        "legs": sorted(card.legs),
-        "groups": {group: sorted(of.legs) for group, of in card.groups.items()},
-        "gait": list(card.gait),
-    }
+    report(options, found, describe(found))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import asdict, replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -17,6 +16,7 @@ from sim.commands.options import (
     kept_in,
     notice,
     option,
+    report,
     robot_of,
     scenario_of,
     scenario_options,
@@ -95,7 +95,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
             )
     finally:
         folder.discard_if_empty()
-    print(json.dumps(summary.to_json()) if options.json else report(summary, folder))
+    report(options, summary.to_json(), account(summary, folder))
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 
@@ -117,11 +117,8 @@ def _walk_tries(
 
     with bar(quiet=options.json) as progress, keeping(kept):
         tries = walk_tries(scenario, robot, folder, draws, progress)
-    if options.json:
-        print(json.dumps([asdict(one) for one in tries]))
-    else:
-        length = scenario.path.length
-        print(f"{describe(tries, length)}\n\n{'folder':13}{folder.path}")
+    text = f"{describe(tries, scenario.path.length)}\n\n{'folder':13}{folder.path}"
+    report(options, [asdict(one) for one in tries], text)
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
@@ -149,7 +146,7 @@ def can_film(wanted: bool | None) -> bool:
     return True
 
 
-def report(summary: Summary, folder: RunFolder) -> str:
+def account(summary: Summary, folder: RunFolder) -> str:
     """What is printed of a walk: its comparison, and where its files are."""
     from sim.evaluation.comparison import describe
 

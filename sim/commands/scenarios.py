@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-import json
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 
 HELP = "list the shipped scenarios, or print one with all its settings"
 OPTIONS = (
@@ -19,11 +18,8 @@ def execute(options: argparse.Namespace) -> None:
 
     if options.scenario:
         one = load_scenario(options.scenario)
-        print(json.dumps(to_table(one)) if options.json else dumps(one).rstrip())
+        report(options, to_table(one), dumps(one).rstrip())
         return
-    scenarios = [load_scenario(name) for name in shipped_scenarios()]
-    if options.json:
-        print(json.dumps([to_table(scenario) for scenario in scenarios], indent=1))
-        return
-    for one in scenarios:
-        print(f"{one.name:12}{one.segments:4} segments  {one.description}")
+    all = [load_scenario(name) for name in shipped_scenarios()]
+    lines = (f"{s.name:12}{s.segments:4} segments  {s.description}" for s in all)
+    report(options, [to_table(scenario) for scenario in all], *lines)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,13 +35,13 @@ def execute(options: argparse.Namespace) -> None:
         found = rows(run)
     if options.out is not None:
         draw(run, found, Path(options.out))
-    if options.json:
-        print(json.dumps(found))
-        return
-    print(f"{'a change by one':38}{'moves the end by x, y [mm]':>28}{'yaw [mrad]':>12}")
-    for row in found:
-        x, y, yaw = (1e3 * row[key] for key in POSE)
-        print(f"{row['unit']:7}{row['what']:31}{x:18.2f}{y:10.2f}{yaw:12.2f}")
+    head = f"{'a change by one':38}{'moves the end by x, y [mm]':>28}{'yaw [mrad]':>12}"
+    report(options, found, head, *map(_line, found))
+
+
+def _line(row: dict[str, Any]) -> str:
+    x, y, yaw = (1e3 * row[key] for key in POSE)
+    return f"{row['unit']:7}{row['what']:31}{x:18.2f}{y:10.2f}{yaw:12.2f}"
 
 
 def rows(run: Run) -> list[dict[str, Any]]:

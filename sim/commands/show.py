@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 
-from sim.commands.options import BROWSER, RUN, notice, run_of
+from sim.commands.options import BROWSER, RUN, notice, report, run_of
 
 HELP = "draw the report of a finished run, and open it where there is a display"
 OPTIONS = (RUN, BROWSER)
@@ -23,7 +22,7 @@ def execute(options: argparse.Namespace) -> None:
     folder = run_of(options)
     with bar(quiet=options.json) as progress, blamed_on(folder):
         path = write_report(read_run(folder), progress)
-    print(json.dumps({"report": str(path)}) if options.json else path)
+    report(options, {"report": str(path)}, path)
     open_page(path.as_uri(), options.browser)
 
 

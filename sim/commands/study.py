@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 from dataclasses import asdict
 from pathlib import Path
 
-from sim.commands.options import needs_extra, option
+from sim.commands.options import needs_extra, option, report
 from sim.scenarios.predictions import LABELS, prediction_key
 
 HELP = "map where the predictions of a sweep hold, and tell which settings matter"
@@ -45,9 +44,5 @@ def execute(options: argparse.Namespace) -> None:
         blamed_on(given, "give the table that a sweep has written"),
     ):
         found, drawn = findings(results), draw_maps(results, folder)
-    if options.json:
-        print(json.dumps(asdict(found) | {"maps": [str(path) for path in drawn]}))
-        return
-    print(found)
-    for path in drawn:
-        print(f"{'map':8}{path}")
+    facts = asdict(found) | {"maps": [str(path) for path in drawn]}
+    report(options, facts, found, *(f"{'map':8}{path}" for path in drawn))

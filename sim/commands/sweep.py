@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import needs_extra, notice, option
+from sim.commands.options import needs_extra, notice, option, report
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 
@@ -102,8 +101,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
         )
         for line in write_run_folders(points, folder):
             notice(f"no run folder, {line}", "warning")
-    print_result(result, folder.table, options.json)
-    return ExitCode.SWEEP if result.failed else ExitCode.OK
+    return print_result(options, result, folder.table)
 
 
 @contextmanager
@@ -156,18 +154,20 @@ def _workers(options: argparse.Namespace) -> int:
     return int(options.workers)
 
 
-def print_result(result: Result, table: Path, as_json: bool) -> None:
-    """Say what became of a sweep."""
-    if as_json:
-        counts = {key: getattr(result, key) for key in ("points", "failed", "walked")}
-        reasons = dict(result.reasons)
-        print(json.dumps({**counts, "reasons": reasons, "table": str(table)}))
-        return
-    print(f"{result.points} points, {result.walked} walked now, {result.failed} failed")
-    for reason, count in list(result.reasons.items())[:PRINTED]:
-        print(f"{count:6}  {reason}")
-    print(f"{'table':8}{table}")
-    if result.failed:
+def print_result(options: argparse.Namespace, result: Result, table: Path) -> ExitCode:
+    """Say what became of a sweep; the code that it ends with."""
+    counts = {key: getattr(result, key) for key in ("points", "failed", "walked")}
+    reasons = dict(result.reasons)
+    shown = list(reasons.items())[:PRINTED]
+    report(
+        options,
+        {**counts, "reasons": reasons, "table": str(table)},
+        f"{result.points} points, {result.walked} walked now, {result.failed} failed",
+        *(f"{count:6}  {reason}" for reason, count in shown),
+        f"{'table':8}{table}",
+    )
+    if result.failed and not options.json:
         line = f"{result.failed} of {result.points} points failed"
         where = f"{table}; the column status says why"
         notice(f"{line}: {where}", "error")
+    return ExitCode.SWEEP if result.failed else ExitCode.OK

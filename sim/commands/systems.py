@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import option
+from sim.commands.options import option, report
 from sim.errors import StratawalkError, UsageError
 
 if TYPE_CHECKING:
@@ -32,28 +32,25 @@ def execute(options: argparse.Namespace) -> None:
     if asked is not None and asked not in SYSTEMS:
         raise UsageError("no such system", asked, did_you_mean(asked, SYSTEMS))
     names = SYSTEMS if asked is None else (asked,)
-    systems = {name: shipped_system(name) for name in names}
-    if options.json:
-        facts = [
+    facts, lines = [], []
+    for name in names:
+        of, given = shipped_system(name), parameters(name)
+        facts.append(
             {
                 "name": name,
                 "description": of.description,
-                "parameters": parameters(name),
+                "parameters": given,
                 "state": [str(symbol) for symbol in of.system.state],
                 "strata": {s: list(fields) for s, fields in of.system.strata.items()},
                 "gait": of.gait,
                 "elements": of.elements,
                 "goal": of.goal,
             }
-            for name, of in systems.items()
-        ]
-        print(json.dumps(facts, indent=1))
-        return
-    for name, of in systems.items():
-        print(f"{name:18}{of.description}")
-        if defaults := parameters(name):
-            given = (f"{k}={json.dumps(v)}" for k, v in defaults.items())
-            print(f"{'':18}--set {' '.join(given)}")
+        )
+        lines.append(f"{name:18}{of.description}")
+        if pairs := " ".join(f"{k}={json.dumps(v)}" for k, v in given.items()):
+            lines.append(f"{'':18}--set {pairs}")
+    report(options, facts, *lines)
 
 
 def is_system(source: str, others: Collection[str], kind: str = "scenario") -> bool:

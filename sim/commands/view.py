@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from urllib.parse import urlsplit
 
-from sim.commands.options import BROWSER, RUN, option, run_of
+from sim.commands.options import BROWSER, RUN, option, report, run_of
 from sim.commands.show import open_page
 from sim.errors import UsageError
 
@@ -73,5 +72,5 @@ def _write_replay(options: argparse.Namespace) -> None:
 
     with bar(quiet=options.json) as progress:
         path = write_replay(run_of(options), lambda part: progress("replay", part))
-    print(json.dumps({"replay": str(path)}) if options.json else path)
+    report(options, {"replay": str(path)}, path)
     open_page(path.resolve().as_uri(), options.browser)
