@@ -23,6 +23,7 @@ from typing import IO, NoReturn
 ROOT = Path(__file__).resolve().parents[1]
 CODES = {0, 2, 3, 4, 6, 7, 8}  # that an input alone may lead to
 PROGRESS = re.compile(r"[^:]+, (about \d+ s left|\d+ s so far)")  # of long work
+HINTS = ("stratawalk: notice: ", "stratawalk: warning: ")
 SLICE = 0.5  # [s] of waiting; a stop of all processes counts as one
 FORK = multiprocessing.get_context("fork")
 
@@ -38,13 +39,14 @@ class Ending:
     @property
     def wrong(self) -> str | None:
         """What is wrong with the exit code and the lines of a command, or None."""
-        said = " ".join(self.warned)[:300]
+        lines = [line for line in self.warned if not line.startswith(HINTS)]
+        said = " ".join(lines)[:300]
         if self.code is None:
             return "does not end in time"
         if self.code not in CODES:
             return f"ends with {self.code}: {said}"
-        if len(self.warned) != (self.code != 0):
-            return f"says {len(self.warned)} lines with code {self.code}: {said}"
+        if len(lines) != (self.code != 0):
+            return f"says {len(lines)} lines with code {self.code}: {said}"
         return None
 
 

@@ -7,8 +7,9 @@ import json
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
+from itertools import count
 from queue import Empty, Queue
 from threading import Thread
 from typing import IO, TYPE_CHECKING
@@ -47,6 +48,7 @@ OPTIONS = (
         help="seconds to stand still for a pose; then it counts as not seen",
     ),
 )
+LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to be read
 REPLY = 0.02  # [s], for an answer to a command that is written out of real time
 
 
@@ -97,13 +99,22 @@ class Poses:
         Thread(target=self._listen, args=(file,), daemon=True).start()
 
     def _listen(self, file: IO[str]) -> None:
-        try:
-            for number, line in enumerate(file, 1):
-                if line.strip():
-                    self._queue.put(_pose(line, number))
-        except UsageError as error:
-            self._queue.put(error)
-        self._queue.put(None)
+        for number in count(1):
+            try:
+                if not (line := file.readline(LONGEST)):
+                    self._queue.put(None)
+                    return
+                pose = _pose(line) if line.strip() else None
+            except Exception as error:  # whatever is sent, the command must know of it
+                what = f"not a pose, {type(error).__name__}: {error}"
+                remedy = 'write {"time": 1.0, "x": 0.0, "y": 0.0, "yaw": 0.0}'
+                self._queue.put(UsageError(what, f"line {number} of --poses", remedy))
+                return
+            if self._queue.qsize() >= MOST:  # nobody asks for the oldest ones
+                with suppress(Empty):
+                    self._queue.get_nowait()
+            if pose:
+                self._queue.put(pose)
 
     def next(self, seconds: float) -> tuple[float, list[float]] | None:
         """Time and pose of the next line within some seconds; None without one."""
@@ -119,20 +130,15 @@ class Poses:
         return found
 
 
-def _pose(line: str, number: int) -> tuple[float, list[float]]:
+def _pose(line: str) -> tuple[float, list[float]]:
     """Time and pose of a line; what it does not tell is NaN."""
     from math import isfinite, nan
 
-    try:
-        table = json.loads(line)
-        values = [table["time"], *(table.get(key, nan) for key in ("x", "y", "yaw"))]
-        when, *pose = (nan if value is None else float(value) for value in values)
-        if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
-            raise ValueError("a number is not finite, or beyond 1e6")
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        what = f"not a pose, {type(error).__name__}: {error}"
-        remedy = 'write {"time": 1.0, "x": 0.0, "y": 0.0, "yaw": 0.0}'
-        raise UsageError(what, f"line {number} of --poses", remedy) from error
+    table = json.loads(line)
+    values = [table["time"], *(table.get(key, nan) for key in ("x", "y", "yaw"))]
+    when, *pose = (nan if value is None else float(value) for value in values)
+    if not isfinite(when) or any(abs(value) > 1e6 for value in pose):
+        raise ValueError("a number is not finite, or beyond 1e6")
     return when, pose
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import os
 import sys
 from collections.abc import Callable
@@ -33,6 +32,7 @@ NAMED = {
     "allow_unstable": None, "correct": "N", "imperfect": "NAME", "draw": "N",
 }  # fmt: skip
 """Settings that have an option of their own, and what stands for the value there."""
+SIZES = 1e-6, 1e9  # of numbers in options
 OF_RUN = ("correct", "imperfect", "draw")  # options that only `run` has
 
 
@@ -193,13 +193,13 @@ def whole(least: int) -> Callable[[str], int]:
 
 
 def real(what: str, example: float, zero: bool = True) -> Callable[[str], float]:
-    """A reader of finite positive numbers, or zero, for `type` of an option.
+    """A reader of positive numbers of no odd size, or zero, for `type` of an option.
 
     A refusal says what such a number is, and gives an example.
     """
 
     def fits(value: float) -> bool:
-        return 0 < value < math.inf or (zero and value == 0)
+        return SIZES[0] <= value <= SIZES[1] or (zero and value == 0)
 
     return _reader(float, fits, f"is not {what}; give a number such as {example:g}")
 

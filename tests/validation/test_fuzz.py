@@ -45,6 +45,7 @@ def test_the_fuzz_sees_what_is_wrong():
         assert Ending(code, "", lines).wrong is not None
     assert Ending(0, "", []).wrong is None
     assert Ending(2, "", ["one"]).wrong is None
+    assert Ending(0, "", ["stratawalk: notice: so"]).wrong is None
 
 
 BOMB = '<worldbody><replicate count="300000"><geom size="1"/></replicate>'

@@ -7,6 +7,7 @@ import re
 import shlex
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -127,3 +128,28 @@ def test_a_robot_that_stops_listening_ends_the_walk_with_a_message(tmp_path, cap
 def test_a_file_of_poses_that_is_not_there_is_refused(capsys):
     assert main([*way(), "--poses", "nowhere.jsonl"]) == 6
     assert "nowhere.jsonl; name a file, a pipe, or -" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "line", [b'{"time": 1' + 400 * b"0" + b"}", b"\xff\xfe", b"[" * 20_000]
+)
+def test_whatever_is_sent_for_a_pose_is_refused_in_one_line(line):
+    """Neither an overflow nor bytes that are no text end the thread that listens."""
+    poses = Poses(io.TextIOWrapper(io.BytesIO(line + b"\n"), encoding="utf-8"))
+    with pytest.raises(UsageError, match=r"not a pose, .*Error: .*line 1 of --poses"):
+        poses.next(10.0)
+
+
+def test_poses_that_nobody_asks_for_take_no_more_memory(monkeypatch):
+    monkeypatch.setattr("sim.commands.drive.MOST", 3)
+    lines = "".join(f'{{"time": {second}}}\n' for second in range(9))
+    poses = Poses(io.StringIO(lines))
+    time.sleep(0.2)
+    assert [poses.next(10.0)[0] for _ in range(3)] == [6.0, 7.0, 8.0]
+    assert poses.next(10.0) is None
+
+
+@pytest.mark.parametrize("pace", ["1e-320", "1e300", "nan", "-1"])
+def test_a_pace_that_no_clock_measures_is_refused(pace, capsys):
+    assert main(["drive", "line", "--pace", pace]) == 2
+    assert "is not a pace; give a number such as 1" in capsys.readouterr().err
