@@ -18,9 +18,9 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TypeVar
 
 import numpy as np
 
@@ -66,6 +66,9 @@ g2_2 = {{ x = "stride*cos(yaw)", y = "stride*sin(yaw)", yaw = "-gain" }}
 """
 SAMPLERS = ("RRT", "EST", "KPIECE1")
 REPEATS = 5
+Result = TypeVar("Result")
+Solver = tuple[str, Callable[[], list[Stroke]], int]
+"""What a planner is called, what plans, and how often it is timed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,78 +81,48 @@ class Peer:
     end_error: float  # distance from the goal, in the task's unit
     swing_travel: float  # of loaded tripods [rad]
     strokes: int | None  # between which the feet change; None if infinitely many
-    over_optimum: float | None  # swing travel over the least; None if unknown
+    over_optimum: float  # swing travel over the least
 
     def __str__(self) -> str:
         strokes = "-" if self.strokes is None else self.strokes
-        ratio = "-" if self.over_optimum is None else f"{self.over_optimum:.4f}"
         return (
             f"{self.task:22}{self.planner:40}{1e3 * self.seconds:9.2f} ms, "
             f"{self.end_error:7.1e} off, {self.swing_travel:7.3f} rad in {strokes:>3} "
-            f"strokes, {ratio:>6} of the optimum"
+            f"strokes, {self.over_optimum:.4f} of the optimum"
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Absent:
-    """A library that is not installed, whose planners have no rows."""
-
-    package: str
-    remedy: str = "pip install -e '.[peers]'"
-
-    def __str__(self) -> str:
-        return f"{self.package} is not installed, its rows are left out: {self.remedy}"
-
-
-@dataclass(frozen=True, slots=True)
-class Solver:
-    """What plans, its name, and how often it is timed, of which the median counts."""
-
-    name: str
-    solve: Callable[[], list[Stroke]]
-    repeats: int = REPEATS
-
-    def timed(self) -> tuple[list[Stroke], float]:
-        """The strokes, and the time that they take [s]."""
-        times = []
-        for _ in range(self.repeats):
-            began = time.perf_counter()
-            strokes = self.solve()
-            times.append(time.perf_counter() - began)
-        return strokes, statistics.median(times)
-
-
-def measure() -> Iterator[Peer | Absent]:
-    """All planners on all tasks, preceded by those that are not installed."""
-    present = {name: find_spec(name) is not None for name in ("casadi", "ompl")}
-    yield from (Absent(name) for name, found in present.items() if not found)
+def measure() -> Iterator[Peer]:
+    """All planners on all tasks."""
     for task, hexapod, segments in tasks():
-        optimum: float | None = None
-        solvers = list(ours(task, hexapod, segments))
-        if present["casadi"]:
-            shooting = MultipleShooting(task)
-            solvers[:0] = [
-                Solver(f"CasADi and IPOPT, best of {GUESSES}", shooting.best, 1),
-                Solver("CasADi and IPOPT, one guess", shooting.once),
-            ]
-            optimum = travel(shooting.best())
-        if present["ompl"]:
-            for planner in SAMPLERS:
-                name = f"OMPL {planner}, {SAMPLING_TIME:.0f} s at most"
-                solvers.append(Solver(name, partial(sampled, task, planner), 1))
-        peer = partial(Peer, task.problem.name)
-        for solver in solvers:
-            strokes, took = solver.timed()
-            swept, count = travel(strokes), len(strokes)
-            ratio = swept / optimum if optimum else None
-            yield peer(solver.name, took, task.error(strokes), swept, count, ratio)
-        if present["ompl"]:
-            began = time.perf_counter()
-            swept = bound(task)
-            took = time.perf_counter() - began
-            ratio = swept / optimum if optimum else None
-            what = "OMPL, closed form of Reeds and Shepp"
-            yield peer(what, took, 0.0, swept, None, ratio)
+        shooting = MultipleShooting(task)
+        optimum = travel(shooting.best())
+        solvers: list[Solver] = [
+            (f"CasADi and IPOPT, best of {GUESSES}", shooting.best, 1),
+            ("CasADi and IPOPT, one guess", shooting.once, REPEATS),
+            *ours(task, hexapod, segments),
+        ]
+        for planner in SAMPLERS:
+            name = f"OMPL {planner}, {SAMPLING_TIME:.0f} s at most"
+            solvers.append((name, partial(sampled, task, planner), 1))
+        name = task.problem.name
+        for planner, solve, repeats in solvers:
+            strokes, took = timed(solve, repeats)
+            swept, off = travel(strokes), task.error(strokes)
+            yield Peer(name, planner, took, off, swept, len(strokes), swept / optimum)
+        swept, took = timed(partial(bound, task), 1)
+        planner = "OMPL, closed form of Reeds and Shepp"
+        yield Peer(name, planner, took, 0.0, swept, None, swept / optimum)
+
+
+def timed(solve: Callable[[], Result], repeats: int) -> tuple[Result, float]:
+    """A result, and the median of the times that it takes [s]."""
+    times = []
+    for _ in range(repeats):
+        began = time.perf_counter()
+        found = solve()
+        times.append(time.perf_counter() - began)
+    return found, statistics.median(times)
 
 
 def tasks() -> Iterator[tuple[Task, ExtendedSystem, int]]:
@@ -205,7 +178,7 @@ def ours(task: Task, hexapod: ExtendedSystem, segments: int) -> Iterator[Solver]
             flows = planned(count).flows
             return joined((f.field, f.duration) for f in flows if f.field in TRIPODS)
 
-        return Solver(f"{name}, {count} segment{'s' * (count > 1)}", strokes)
+        return f"{name}, {count} segment{'s' * (count > 1)}", strokes, REPEATS
 
     yield solver("paper's words, open loop", partial(plan, hexapod, path), segments)
     for name, coordinates in ways:

@@ -1,11 +1,11 @@
 """A collection of walks, each with its verdict and the code that `run` ends with.
 
 It has every shipped scenario on every shipped robot, the robots of `scripts.adoptees`,
-draws of hobby robots, and each imperfection at three sizes. Nothing in it may be
-hopeless and end with 0.
+draws of hobby robots, and one imperfection at a time, of several sizes and draws, on a
+walk that was planned for a perfect robot. Nothing may be hopeless and end with 0.
 
 Example:
-    python -m scripts.verdicts --segments 10
+    python -m scripts.verdicts --segments 10 --only "zeros of swing"
 """
 
 from __future__ import annotations
@@ -13,9 +13,11 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from math import radians
+from math import pi, radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+import numpy as np
 
 from models import Kinematics, load, shipped_robots
 from scripts.adoptees import ADOPTEES
@@ -27,17 +29,24 @@ TOLERANCE, BROKEN = 0.25, ("fell", "collided")
 FAR = 0.8  # of the mean distance of the feet from the middle
 SHORT = {"path.goal": [0.03, 0.03, 0.0]}  # 8 segments of `line` as it is
 DRAWS, LEGS = 20, 6
+ASIDE = 0.02  # [m], of payloads
+FLOOR = 1e5  # stiffness of the floor as it is
 SIZES: dict[str, Sequence[object]] = {
     "command_delay": (0.01, 0.05, 0.2),
     "dead_band": (0.002, radians(0.5), 0.03),
-    "zero_offset": (radians(0.2), radians(1), radians(3)),
     "backlash": (0.002, radians(0.5), 0.03),
-    "payload": tuple([mass, 0.02, 0.0, 0.02] for mass in (0.05, 0.2, 0.8)),
-    "slope": tuple([radians(angle), 0.0] for angle in (1, 5, 15)),
-    "floor_stiffness": (3e4, 1e4, 2e3),
-    "foot_friction": tuple([mu, *[1.0] * (LEGS - 1)] for mu in (0.8, 0.4, 0.1)),
-    "bumps": (5e-4, 2e-3, 8e-3),
-    "friction": (0.6, 0.2, 0.05),
+    "payload": tuple(
+        [mass, *off, ASIDE]
+        for mass in (0.05, 0.1, 0.8)
+        for off in ((ASIDE, 0.0), (0.0, ASIDE))
+    ),
+    "slope": tuple(
+        [radians(angle), way] for angle in (1, 2, 5, 15) for way in (0.0, pi / 2, pi)
+    ),
+    "floor_stiffness": (FLOOR / 3, FLOOR / 10, FLOOR / 33),
+    "foot_friction": (*([mu, 1.0, 1.0] * 2 for mu in (0.8, 0.5, 0.1)),),
+    "bumps": (5e-4, 1e-3, 2e-3, 8e-3),
+    "friction": (0.3, 1.2, 0.05),
 }
 Walk = tuple[str, str, dict[str, object]]  # its name, a scenario, settings
 
@@ -63,6 +72,11 @@ def _walks(folder: Path, segments: int, only: str) -> Iterator[Walk]:
     short = {**SHORT, "segments": min(segments, 8)}
     for draw in range(DRAWS):
         yield f"hobby {draw}", "line", {**short, "imperfect": "hobby", "draw": draw}
+    for draw in range(3):
+        off = np.random.default_rng(draw).uniform(-1, 1, (LEGS, 2)) * radians(1)
+        for kind, moved in {"swing": (1, 0), "lift": (0, 1)}.items():
+            zeros = (off * moved).ravel().tolist()
+            yield f"zeros of {kind} {draw}", "line", {**short, "zero_offset": zeros}
     for setting, sizes in SIZES.items():
         for size in sizes:
             yield f"{setting} {size}", "line", {**short, setting: size}

@@ -6,8 +6,9 @@ import argparse
 import subprocess
 import sys
 from dataclasses import asdict
+from importlib.util import find_spec
 
-from sim.commands.options import option, report
+from sim.commands.options import needs_extra, option, report
 from sim.errors import ROOT, UsageError
 
 HELP = "measure speed and memory, side by side with what they are compared to"
@@ -25,6 +26,7 @@ OPTIONS = (
 )
 
 
+@needs_extra("peers")
 def execute(options: argparse.Namespace) -> None:
     """Print every measurement when it is done."""
     if options.peers:
@@ -50,5 +52,8 @@ def _compare_peers(options: list[str]) -> None:
             "bench --peers",
             "run it in a checkout of the project",
         )
+    for package in ("casadi", "ompl"):
+        if find_spec(package) is None:
+            raise ModuleNotFoundError(name=package)
     script = [sys.executable, "-m", "scripts.bench_peers", *options]
     subprocess.run(script, cwd=ROOT, check=True)

@@ -6,11 +6,11 @@ from scripts import (
     adopted_robots,
     brackets,
     convergence,
-    imperfections,
     planner_table,
     short_walks,
     show_outputs,
     torture,
+    verdicts,
 )
 from sim import load_scenario
 
@@ -122,12 +122,10 @@ def test_a_row_of_the_table_of_faults_ends_as_it_says(capsys):
 
 
 @pytest.mark.physics
-def test_a_row_says_how_far_an_imperfection_moves_the_end(capsys):
-    imperfections.main(["--only", "zeros of swing", "--segments", "1"])
+def test_a_row_says_how_far_an_imperfection_leads_astray(capsys):
+    verdicts.main(["--only", "zeros of lift 1", "--segments", "1"])
     head, _, row = capsys.readouterr().out.splitlines()
-    assert head.startswith("| wrong | moves the end by, per cent")
-    _, wrong, moved, bounces, _ = (part.strip() for part in row.split("|"))
-    assert wrong == "zeros of swing servos, up to 1 degree"
-    least, largest = (float(number) for number in moved.split(" to "))
-    assert 0.01 < least <= largest < 30  # 0.18 to 2.06 was measured
-    assert bounces.split(" to ")[0].isdigit()
+    assert head.startswith("| walk | verdict | ends with | off its goal |")
+    _, walk, _, code, off, *_ = (part.strip() for part in row.split("|"))
+    assert (walk, code) == ("zeros of lift 1", "0")
+    assert 1.0 < float(off.removesuffix(" %")) < 10.0  # 3.5 was measured

@@ -7,8 +7,7 @@ import pytest
 
 from models import shipped_system
 from planner.systems import flow_map
-from scripts import bench_peers
-from scripts.bench_peers import TRIPODS, bound, measure, ours, tasks
+from scripts.bench_peers import TRIPODS, Peer, bound, ours, tasks
 from scripts.peers import MultipleShooting, Task, joined, sampled, travel
 from sim import cli
 
@@ -21,7 +20,7 @@ ROUNDING = 1e-12  # a flow is followed to the last digits
 
 def solved(name):
     """The strokes of the planner in each of its ways."""
-    return [solver.solve() for solver in ours(*TASKS[name])]
+    return [solve() for _, solve, _ in ours(*TASKS[name])]
 
 
 @pytest.mark.parametrize("name", TASKS)
@@ -112,25 +111,23 @@ def test_sampled_controls_are_single_fields():
     assert task.error(strokes) > 1e-6  # it samples
 
 
-def test_peers_that_are_not_installed_are_said_in_one_line_each(monkeypatch, capsys):
-    monkeypatch.setattr(bench_peers, "find_spec", lambda name: None)
-    bench_peers.main([])
-    casadi, ompl, *rows = capsys.readouterr().out.splitlines()
-    left_out = "is not installed, its rows are left out: pip install"
-    assert casadi.startswith(f"casadi {left_out}")
-    assert ompl.startswith(f"ompl {left_out}")
-    assert len(rows) == 3 * len(TASKS)
+def test_peers_that_are_not_installed_are_said_in_one_line(monkeypatch, capsys):
+    monkeypatch.setattr("sim.commands.bench.find_spec", lambda name: None)
+    assert cli.main(["bench", "--peers"]) == 2
+    assert capsys.readouterr().err == (
+        "stratawalk: error: package 'casadi' is not installed: the extra 'peers'; "
+        "pip install 'stratawalk[peers]'\n"
+    )
 
 
-def test_without_an_optimum_no_ratio_is_claimed(monkeypatch):
-    monkeypatch.setattr(bench_peers, "find_spec", lambda name: None)
-    *_, last = measure()
-    assert last.over_optimum is None
-    assert str(last).endswith("- of the optimum")
+def test_a_planner_is_compared_with_the_optimum():
+    peer = Peer("line", "ours", 0.001, 1e-9, 2.0, 4, 1.25)
+    assert str(peer).endswith("2.000 rad in   4 strokes, 1.2500 of the optimum")
 
 
 def test_the_command_runs_the_script_where_there_is_one(monkeypatch, tmp_path, capfd):
     monkeypatch.setattr("sim.commands.bench.ROOT", tmp_path)
+    monkeypatch.setattr("sim.commands.bench.find_spec", bool)
     assert cli.main(["bench", "--peers"]) == 2
     assert "run it in a checkout of the project" in capfd.readouterr().err
     (tmp_path / "scripts").mkdir()
