@@ -165,7 +165,7 @@ FILES = (
     *("trajectory.npz", "trajectory.npz", "commands.npz", "flows.csv"),
 )
 READERS = (
-    *(["show", "--no-browser"], ["compare", "mine"]),
+    *(["show", "--no-browser"], ["compare", "mine"], ["cite"], ["sensitivities"]),
     ["export", "--format", "csv", "--no-play", "--out", "walk.csv"],
 )
 FOREIGN: dict[str, Callable[[Path, random.Random], list[str] | str]] = {

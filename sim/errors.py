@@ -153,10 +153,16 @@ def last_words(error: BaseException) -> str:
     return "; ".join(filter(None, (one_line(error), further)))
 
 
+def printable(text: str) -> str:
+    """A text with control characters, which a terminal might obey, written out."""
+    return "".join(
+        c if c.isprintable() or c in "\n\t" else ascii(c)[1:-1] for c in text
+    )
+
+
 def one_line(error: BaseException) -> str:
     """The error as `what: where; what to do`, on one line."""
-    words = " ".join(_describe(error).split())
-    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in words)
+    line = printable(" ".join(_describe(error).split()))
     if len(line) <= LONGEST:
         return line
     return f"{line[: LONGEST // 2]} ... {line[-LONGEST // 2 :]}"

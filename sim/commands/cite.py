@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Iterator
 from importlib.metadata import version
 from importlib.resources import files
@@ -27,11 +28,15 @@ def execute(options: argparse.Namespace) -> None:
     """Print BibTeX entries."""
     keys, made = list(ALWAYS), version("stratawalk")
     if options.run is not None:
+        from sim.folder import blamed_on
         from sim.runs.run import read_run
 
-        run = read_run(Path(options.run))
-        keys += _used(run)
-        made = run.summary.versions.get("stratawalk", made)
+        folder = Path(options.run)
+        with blamed_on(folder):
+            run = read_run(folder)
+            keys += _used(run)
+            said = str(run.summary.versions.get("stratawalk", made))
+            made = re.sub(r"[^\w.+-]", "", said)  # which ends no entry
     text = (files("sim.commands") / "references.bib").read_text()
     parts = text.removeprefix("@").split("\n@")
     entries = {_key(part): f"@{part.strip()}" for part in parts}

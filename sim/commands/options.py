@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sim.endings import again
-from sim.errors import ExitCode, UsageError
+from sim.errors import ExitCode, UsageError, printable
 from sim.scenarios.settings import SETTINGS
 
 if TYPE_CHECKING:
@@ -259,9 +259,11 @@ def robot_of(options: argparse.Namespace, name: str) -> Robot:
 
 def report(options: argparse.Namespace, facts: object, *lines: object) -> None:
     """Print facts as JSON alone where that is asked for, and lines elsewhere."""
-    print(*([json.dumps(facts, indent=1)] if options.json else lines), sep="\n")
+    found = json.dumps(facts, indent=1) if options.json else "\n".join(map(str, lines))
+    print(printable(found))
 
 
 def notice(text: str, kind: str = "notice") -> None:
     """Print what a user should know on standard error."""
-    print(f"stratawalk: {kind}: {text}", file=sys.stderr)
+    line = printable(" ".join(text.split()))
+    print(f"stratawalk: {kind}: {line}", file=sys.stderr)

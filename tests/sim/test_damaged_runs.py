@@ -23,6 +23,7 @@ COMMANDS = {
     "view": ("view", "run", "--no-browser"),
     "replay": ("view", "run", "--replay", "--no-browser"),
     "compare": ("compare", "run", "run", "--out", "c.html"),
+    "cite": ("cite", "run"),
 }
 
 
@@ -206,6 +207,11 @@ DAMAGES = {
         words(lambda text: text.partition("[gait]")[0]),
         f"{VIEWS} show export compare",
     ),
+    "versions that are a list": (
+        "summary.json",
+        words(lambda text: json.dumps(json.loads(text) | {"versions": [1]})),
+        "cite",
+    ),
     "a scenario that is gone": ("scenario.toml", removed, f"{VIEWS} show compare"),
 }
 CASES = [
@@ -245,7 +251,7 @@ def test_no_more_is_unpacked_than_may_be_read(folder, monkeypatch, save, said):
 
 BOMB = '<worldbody><replicate count="3000000"><geom size="1"/></replicate></worldbody>'
 FOREIGN = '<asset><texture type="2d" name="t" file="{}"/></asset>'
-MODELS = [name for name in COMMANDS if name not in ("show", "compare")]
+MODELS = [name for name in COMMANDS if name not in ("show", "compare", "cite")]
 LIMITS = (10.0, 2 * 10**9)  # [s] of the processor, bytes
 
 

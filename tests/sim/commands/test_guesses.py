@@ -1,6 +1,7 @@
 """The command as people guess it, before they have read anything."""
 
 import os
+import json
 import re
 import shutil
 import subprocess
@@ -133,6 +134,16 @@ def test_what_to_cite_is_told_for_the_program_and_for_a_run(folder, capsys):
     used = re.findall(r"@\w+\{(\w+),", capsys.readouterr().out)
     assert {"lafferriere1991", "todorov2012", "murphey2006"} < set(used)
     assert "sucan2012" not in used
+
+
+def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
+    summary = json.loads((folder / "summary.json").read_text())
+    summary["versions"]["stratawalk"] = "1.0}}\n@misc{evil, title = {x}"
+    (folder / "summary.json").write_text(json.dumps(summary))
+    assert main(["cite", str(folder)]) == 0
+    said = capsys.readouterr().out
+    assert "version = {1.0miscevil" in said
+    assert "@misc" not in said
 
 
 @pytest.mark.parametrize(

@@ -72,6 +72,21 @@ def test_it_says_what_each_kind_of_phase_adds_to_the_drift(runs, capsys):
     assert abs(float(cells["all together"][1].strip("()"))) <= whole
 
 
+def test_a_run_sends_nothing_to_the_terminal_that_it_would_obey(
+    walked, tmp_path, capsys
+):
+    odd = shutil.copytree(walked, tmp_path / "odd")
+    with (odd / "scenario.toml").open("r+") as file:
+        text = file.read()
+        file.seek(0)
+        file.write('"\\u009b2J" = "\\u001b]0;title\\u0007"\n' + text)
+    assert main(["compare", str(walked), str(odd)]) == 0
+    said = capsys.readouterr().out
+    assert r"\x1b]0;title\x07" in said
+    assert r"\x9b2J" in said
+    assert all(c.isprintable() or c == "\n" for c in said)
+
+
 def test_the_page_is_seen_by_a_browser(runs, tmp_path, capsys):
     page = tmp_path / "new folder" / "runs.html"
     assert main(["compare", *map(str, runs), "--out", str(page)]) == 0
