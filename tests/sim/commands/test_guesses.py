@@ -1,7 +1,7 @@
 """The command as people guess it, before they have read anything."""
 
-import os
 import json
+import os
 import re
 import shutil
 import subprocess
