@@ -16,7 +16,8 @@ from threading import Event, Thread
 Progress = Callable[[str, float], None]
 """Called with the name of a stage and the finished part of it, from 0 to 1.
 
-A stage at 0 has begun; how long it takes is not known yet.
+A stage at 0 has begun; how long it takes is not known yet. It is known by its words
+before the first comma; those behind it may change.
 """
 
 PATIENCE = 15.0  # [s] between lines where there is no bar
@@ -40,6 +41,10 @@ def left(spent: float, fraction: float) -> str:
     return f"about {spent * (1 - fraction) / fraction:.0f} s left"
 
 
+def _name(stage: str) -> str:
+    return stage.partition(",")[0]
+
+
 class Lines:
     """A plain line about the present stage, on standard error, every few seconds."""
 
@@ -51,7 +56,7 @@ class Lines:
     def __call__(self, stage: str, fraction: float) -> None:
         """Say how far a stage is, if nothing was said for a while."""
         self._stage, self._fraction = stage, fraction
-        self._began.setdefault(stage, self.clock())
+        self._began.setdefault(_name(stage), self.clock())
         self.remind()
 
     def remind(self) -> None:
@@ -59,7 +64,7 @@ class Lines:
         now, stage, fraction = self.clock(), self._stage, self._fraction
         if now - self._told < PATIENCE or fraction >= 1:
             return
-        self._told, spent = now, now - self._began[stage]
+        self._told, spent = now, now - self._began[_name(stage)]
         about = left(spent, fraction) or f"{spent:.0f} s so far"
         part = f" {fraction:4.0%}" if fraction else ""
         print(f"{stage}{part}, {about}", file=sys.stderr, flush=True)
@@ -107,16 +112,17 @@ def _bars() -> Iterator[Progress]:
         began: dict[str, float] = {}
 
         def show(stage: str, fraction: float) -> None:
-            if stage not in tasks:
-                began[stage] = time.monotonic()
-                tasks[stage] = bars.add_task(stage, total=None, part="", left="")
+            if (name := _name(stage)) not in tasks:
+                began[name] = time.monotonic()
+                tasks[name] = bars.add_task(stage, total=None, part="", left="")
             if fraction > 0:
                 bars.update(
-                    tasks[stage],
+                    tasks[name],
+                    description=stage,
                     total=1.0,
                     completed=fraction,
                     part=f"{fraction:.0%}",
-                    left=left(time.monotonic() - began[stage], fraction),
+                    left=left(time.monotonic() - began[name], fraction),
                 )
 
         yield show

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +13,7 @@ from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from sim.sweeps.folder import Shard
-    from sim.sweeps.sweeping import Result, Show
+    from sim.sweeps.sweeping import Result
 
 HELP = "walk a scenario with many settings, into one table; what is done is never lost"
 PRINTED = 5  # reasons of failed points, at most
@@ -74,6 +71,7 @@ OPTIONS = (
 @needs_extra("sweep")
 def execute(options: argparse.Namespace) -> ExitCode:
     """Walk what is not done yet, write the table, and say what failed."""
+    from sim.progress import bar
     from sim.sweeps.file import read_sweep
     from sim.sweeps.folder import Shard, claim
     from sim.sweeps.sweeping import carry_on, points_of, write_run_folders
@@ -83,18 +81,20 @@ def execute(options: argparse.Namespace) -> ExitCode:
     workers, scheduler = _workers(options), options.scheduler
     points = points_of(sweep, shard)
     folder = claim(Path(options.out), shard, options.resume)
-    far = "points that are done"
+    far, first = "points that are done", None
 
     def kept() -> str:
         on = again(*([] if options.resume else ["--resume"]))
         return f"{far} are kept in {options.out}, go on: {on}"
 
-    with sweep_bar(quiet=options.json) as bar, keeping(kept):
+    with bar(quiet=options.json) as progress, keeping(kept):
 
         def show(done: int, failed: int, count: int) -> None:
-            nonlocal far
+            nonlocal far, first
             far = f"{done} of {count} points are done, they"
-            bar(done, failed, count)
+            first = done if first is None else first  # which count for no pace
+            about = f"points, {done} of {count} done, {failed} failed"
+            progress(about, (done - first) / max(count - first, 1))
 
         result = carry_on(
             points, folder, workers, scheduler, mix=options.force_mix, show=show
@@ -102,45 +102,6 @@ def execute(options: argparse.Namespace) -> ExitCode:
         for line in write_run_folders(points, folder):
             notice(f"no run folder, {line}", "warning")
     return print_result(options, result, folder.table)
-
-
-@contextmanager
-def sweep_bar(quiet: bool = False) -> Iterator[Show]:
-    """A bar on standard error, or a plain line now and then where none can be drawn."""
-    from sim.progress import bar, may_draw
-    from sim.sweeps.sweeping import show_nothing
-
-    if quiet:
-        yield show_nothing
-        return
-    if not may_draw():
-        with bar() as lines:
-            yield lambda done, failed, points: lines("points", done / max(points, 1))
-        return
-    from rich import progress as rich
-    from rich.console import Console
-
-    columns = (
-        "points",
-        rich.BarColumn(),
-        rich.MofNCompleteColumn(),
-        "{task.fields[rate]}, {task.fields[failed]} failed, left",
-        rich.TimeRemainingColumn(),
-    )
-    tasks: list[rich.TaskID] = []
-    console = Console(file=sys.stderr)
-    with rich.Progress(*columns, console=console, transient=True) as bars:
-
-        def show(done: int, failed: int, points: int) -> None:
-            if not tasks:  # earlier points count for no pace
-                task = bars.add_task("points", True, points, done, rate="", failed=0)
-                tasks.append(task)
-            pace = f"{bars.tasks[0].speed or 0.0:.3g} a second"  # of those walked now
-            bars.update(
-                tasks[0], completed=done, total=points, failed=failed, rate=pace
-            )
-
-        yield show
 
 
 def _workers(options: argparse.Namespace) -> int:

@@ -21,7 +21,7 @@ PROGRAM = (
     "    show('comparing', 0.0)\n"
     "    show('walking', 0.0)\n"
     "    time.sleep(0.5)\n"
-    "    show('walking', 0.5)\n"
+    "    show('walking, 1 of 2', 0.5)\n"
     "    time.sleep(0.3)\n"
     "    show('walking', 1.0)\n"
 )
@@ -51,7 +51,13 @@ def drawn(**environment):
 
 def test_a_terminal_shows_a_bar_the_share_that_is_done_and_the_time_left():
     said = drawn(TERM="xterm")
-    for words in (b"comparing", b"walking", b" 50%", b"about 1 s left", b"0:00:0"):
+    for words in (
+        b"comparing",
+        b"walking, 1 of 2",
+        b" 50%",
+        b"about 1 s left",
+        b"0:00:0",
+    ):
         assert words in said
 
 
