@@ -32,7 +32,7 @@ COMMANDS = {
     "show": "show run --no-browser",
     "view": "view run --replay --no-browser",
     "compare": "compare run run --out new/page.html",
-    "export": f"export {WALK} --format csv --out new.csv --no-play",
+    "export": f"export {WALK} --set command_rate=50 --format csv --out new.csv --no-play",
     "plan": "plan line --save new.json",
     "adopt": "adopt bare.xml",
     "study": "study run --out new",
