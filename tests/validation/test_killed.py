@@ -26,13 +26,14 @@ CODES[signal.SIGKILL] = -signal.SIGKILL
 MOMENTS = 20  # spread over a command from its start to its end
 AWAKE = 1.0  # [s] until which Python itself may still be starting
 WALK = "line --segments 4 --set path.goal=[0.02,0.02,0]"
+RATED = "--set command_rate=50"  # without which a notice is given
 COMMANDS = {
     "run": f"run {WALK} --no-video --out new",
     "film": "film run --to 0.1 --out new/film.mp4",
     "show": "show run --no-browser",
     "view": "view run --replay --no-browser",
     "compare": "compare run run --out new/page.html",
-    "export": f"export {WALK} --set command_rate=50 --format csv --out new.csv --no-play",
+    "export": f"export {WALK} {RATED} --format csv --out new.csv --no-play",
     "plan": "plan line --save new.json",
     "adopt": "adopt bare.xml",
     "study": "study run --out new",
