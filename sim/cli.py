@@ -52,6 +52,7 @@ def _execute(words: Sequence[str]) -> int:
         options = parser().parse_args(as_meant(words))
     except SystemExit as finished:  # --help
         return int(finished.code or ExitCode.OK)
+    os.environ["MPLBACKEND"] = "agg"  # all figures are files, whatever others are
     import logging  # slow to import, and of no use to `--help`
 
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # no word of its fonts
