@@ -26,7 +26,7 @@ CODES[signal.SIGKILL] = -signal.SIGKILL
 MOMENTS = 20  # spread over a command from its start to its end
 AWAKE = 1.0  # [s] until which Python itself may still be starting
 WALK = "line --segments 4 --set path.goal=[0.02,0.02,0]"
-RATED = "--set command_rate=50"  # without which a notice is given
+RATED = "--set command_rate=400"  # without which a notice is given
 COMMANDS = {
     "run": f"run {WALK} --no-video --out new",
     "film": "film run --to 0.1 --out new/film.mp4",
