@@ -82,12 +82,13 @@ def hall_fields(
     )
     numbers = _entangled(generators, clashing)
     count = len(numbers)
-    if most is not None and (size := free_dimension(count, max_degree)) > most:
+    degree = max_degree if count > 1 else 1  # a single field has no brackets
+    if most is not None and (degree > most or free_dimension(count, degree) > most):
         raise ValueError(
-            f"degree {max_degree} over {count} fields that do not commute has "
-            f"{size} brackets, more than {most}; give a lower degree"
+            f"degree {max_degree} over {count} fields that do not commute has more "
+            f"than {most} brackets; give a lower degree"
         )
-    beyond = hall_basis(count, max_degree)[count:] if numbers else ()
+    beyond = hall_basis(count, degree)[count:] if numbers else ()
     full: list[Element] = [*range(1, len(generators) + 1)]
     full += [renumbered(element, numbers) for element in beyond]
     fields = fields_of(full, [system.fields[name] for name in generators], system.state)

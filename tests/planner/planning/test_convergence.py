@@ -182,7 +182,8 @@ def test_redundant_elements_miss_less():
     ("degree", "message"),
     [
         (1, "degree is 1, but the elements are of degree 2; give at least 2"),
-        (30, "over 2 fields that do not commute has .* brackets, more than 500"),
+        (30, "over 2 fields that do not commute has more than 500 brackets"),
+        (10**6, "over 2 fields that do not commute has more than 500 brackets"),
     ],
 )
 def test_degrees_that_cannot_be_are_refused(degree, message):
