@@ -5,6 +5,7 @@ What does not end in time is killed with all that it started.
 
 from __future__ import annotations
 
+import faulthandler
 import math
 import multiprocessing
 import os
@@ -96,6 +97,7 @@ def ending(act: Callable[[], int], folder: str | Path, seconds: float) -> Ending
 def _begun(
     act: Callable[[], int], folder: str | Path, files: Sequence[IO[bytes]]
 ) -> NoReturn:
+    faulthandler.disable()  # a crash is an ending like others
     os.setsid()
     os.chdir(folder)
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import needs_extra, notice, option, report
+from sim.commands.options import needs_extra, notice, option, report, whole
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
 
@@ -52,7 +52,7 @@ OPTIONS = (
     ),
     option(
         "--workers",
-        type=int,
+        type=whole(1),
         metavar="N",
         help="processes on this machine; one a core if not given",
     ),
@@ -110,8 +110,6 @@ def _workers(options: argparse.Namespace) -> int:
     if options.scheduler is not None:
         what = "a scheduler has workers of its own"
         raise UsageError(what, "--workers and --scheduler", "keep one of them")
-    if options.workers < 1:
-        raise UsageError(f"{options.workers} workers", "--workers", "give at least 1")
     return int(options.workers)
 
 
