@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
-LOOK: dict[str, object] = {
+LOOK: Any = {
     "font.size": 8,
     "axes.titlesize": 8,
     "axes.grid": True,
@@ -45,14 +45,12 @@ def tabulate(
 
 
 @contextmanager
-def picture(
-    path: Path, size: tuple[float, float], look: Any = LOOK, **saved: Any
-) -> Iterator[Figure]:
+def picture(path: Path, size: tuple[float, float], **saved: Any) -> Iterator[Figure]:
     """A figure of a size [in], which is written to the path when the block ends."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(look):
+    with mpl.rc_context(LOOK):
         figure = Figure(figsize=size, layout="constrained")
         yield figure
         figure.savefig(path, **saved)

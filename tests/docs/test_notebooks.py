@@ -56,7 +56,7 @@ def test_a_bracket_in_three_lines(outputs):
     texts, shown = outputs("bracket")
     assert "- \\cos{\\left(\\theta \\right)}" in shown[0]["text/latex"]
     assert re.search(r"0\.01 \[ 0\.005 +-1\. ", texts)  # the loop nears the bracket
-    assert sum("image/png" in data for data in shown) == 1
+    assert sum("image/png" in data for data in shown) == 3
 
 
 @pytest.mark.full
