@@ -97,11 +97,11 @@ class MultipleShooting:
         count = len(self._names)
         forward, back = (casadi.SX.sym(name, count) for name in ("forward", "back"))
         states = casadi.SX.sym("states", len(start), count)
-        rates = {name: _rates(task.problem, name, casadi) for name in task.fields}
+        flows = {name: _flow(task.problem, name, casadi) for name in task.fields}
         before: Any = casadi.DM(start)
         gaps = [states[:, -1] - casadi.DM(goal)]
         for k, name in enumerate(self._names):
-            after = _followed(rates[name], before, forward[k] - back[k])
+            after = flows[name](before, [], forward[k] - back[k])
             before = states[:, k]
             gaps.append(after - before)
         program = {
@@ -136,22 +136,14 @@ class MultipleShooting:
         return min((s for s in found if self._task.error(s) < near), key=travel)
 
 
-def _rates(problem: Problem, name: str, casadi: Any) -> Any:
+def _flow(problem: Problem, name: str, casadi: Any) -> Any:
+    """The state after a field is followed, by Runge and Kutta's method, in symbols."""
     functions = {word: getattr(casadi, word) for word in ("sin", "cos", "tan")}
     field, state = problem.system.fields[name], problem.system.state
-    rates = rates_with(field, state, functions)
-    return lambda x: casadi.vertcat(*rates(*casadi.vertsplit(x)))
-
-
-def _followed(rates: Any, x: Any, duration: Any) -> Any:
-    """The state after a flow, by Runge and Kutta's method, in symbols."""
-    h = duration / STEPS
-    for _ in range(STEPS):
-        a = rates(x)
-        b = rates(x + h / 2 * a)
-        c = rates(x + h / 2 * b)
-        x = x + h / 6 * (a + 2 * b + 2 * c + rates(x + h * c))
-    return x
+    x, none = casadi.SX.sym("x", len(state)), casadi.SX.sym("none", 0)
+    rates = rates_with(field, state, functions)(*casadi.vertsplit(x))
+    motion = casadi.Function("motion", [x, none], [casadi.vertcat(*rates)])
+    return casadi.simpleRK(motion, STEPS)
 
 
 def sampled(

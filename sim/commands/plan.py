@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,11 +32,10 @@ from sim.errors import UsageError
 if TYPE_CHECKING:
     from models import Robot
     from planner import Plan
-    from sim.problems.problem import Problem, Solution
+    from sim.problems.problem import Problem
     from sim.progress import Progress
     from sim.scenarios.scenario import Scenario
 
-Times = tuple[float, float, float]  # [s], before and after compiling, and at the end
 Outcome = tuple["Plan", dict[str, object], list[str]]
 """A plan, its facts for JSON, and lines of them."""
 
@@ -150,11 +150,8 @@ def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
     compiled = time.perf_counter()
     with at_most(progress, "planning", scenario.plan_time):
         problem = ScenarioProblem.ready(setup, progress)
-    solution = _solved(problem, progress)
-    times = began, compiled, time.perf_counter()
-    facts = WalkFacts.of(problem, solution.plan)
-    prospect = _prospect(problem, solution, times, progress)
-    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
+    facts = partial(WalkFacts.of, problem)
+    return _outcome(problem, facts, began, compiled, progress)
 
 
 def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
@@ -198,36 +195,30 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
                 chained=chained,
                 free=free,
             )
-    compiled = time.perf_counter()
-    solution = _solved(problem, progress)
-    times = began, compiled, time.perf_counter()
-    facts = SystemFacts.of(Path(options.scenario).stem, solution.plan)
-    prospect = _prospect(problem, solution, times, progress)
-    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
+    facts = partial(SystemFacts.of, Path(options.scenario).stem)
+    return _outcome(problem, facts, began, time.perf_counter(), progress)
 
 
-def _solved(problem: Problem, progress: Progress) -> Solution:
-    """The plan; where no number of segments makes one fit, what was tried is said."""
-    from planner import RangeError
-    from sim.progress import at_most
+def _outcome(
+    problem: Problem,
+    judged: Callable[[Plan], WalkFacts | SystemFacts],
+    began: float,
+    compiled: float,
+    progress: Progress,
+) -> Outcome:
+    """Plan; where no number of segments makes a plan fit, what was tried is said."""
+    from planner import BudgetError, RangeError
+    from planner.support import limited
+    from sim.progress import at_most, stage
 
     try:
         with at_most(progress, "planning", problem.plan_time):
-            return problem.solve()
+            solution = problem.solve()
     except RangeError as error:
         if error.segments is not None:
             raise
         raise problem.refusal(error) from error
-
-
-def _prospect(
-    problem: Problem, solution: Solution, times: Times, progress: Progress
-) -> Prospect:
-    from planner import BudgetError
-    from planner.support import limited
-    from sim.progress import stage
-
-    began, compiled, planned = times
+    planned = time.perf_counter()
     timing = {"compile": compiled - began, "plan": planned - compiled}
     accuracy = steps = None
     with stage(progress, "measuring the accuracy"), suppress(BudgetError):
@@ -236,4 +227,6 @@ def _prospect(
         accuracy, steps = found
     with stage(progress, "trying what would help"):
         helps = problem.helps(solution.plan)
-    return Prospect(helps, solution.fallback, timing, accuracy, steps)
+    prospect = Prospect(helps, solution.fallback, timing, accuracy, steps)
+    facts = judged(solution.plan)
+    return solution.plan, facts.table(prospect), list(facts.lines(prospect))
