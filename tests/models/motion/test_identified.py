@@ -56,3 +56,9 @@ def test_a_field_that_failed_is_missed_on_its_own_stratum_alone():
     said = "field c could not be measured: it fell over; choose groups"
     with pytest.raises(MeasurementError, match=said):
         twists("2", NOWHERE, NOWHERE)
+
+
+def test_a_field_of_which_nothing_is_known_beyond_its_span_goes_anywhere():
+    parts = (Polynomial([0.1]),) * 3
+    twists = IdentifiedTwists({"a": MeasuredField("1", (1.0, 0.0), 0.45, parts, 0.0)})
+    assert twists("1", np.array([[9.0, 0.0]]), np.array([[1.0, 0.0]])).shape == (1, 3)

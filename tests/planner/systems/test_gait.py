@@ -3,8 +3,14 @@
 import pytest
 
 from planner import Gait, StratifiedSystem, StratumError
-from planner.systems.flows import Flow
-from planner.systems.gait import gait_steps, gait_walk, walk_switches
+from planner.systems.flows import Flow, Word
+from planner.systems.gait import (
+    gait_steps,
+    gait_walk,
+    regroup_in_gait,
+    walk_switches,
+)
+from planner.systems.grouping import Grouper
 
 FIELDS = {"12": {}, "1": {"f": [1, 0, 0]}, "2": {"g": [0, 1, "x"]}}
 GAIT = ("12", "1", "12", "2", "12")
@@ -57,3 +63,11 @@ def test_a_gait_goes_once_around():
 def test_a_stratum_that_the_gait_does_not_visit_is_named(walker, ends):
     with pytest.raises(StratumError, match=r"gait 12 1 does not visit S2, .* add it"):
         gait_steps(walker, flows("1"), ("12", "1", "12"), ends)
+
+
+@pytest.mark.parametrize("fields", [("f", "g"), ("g", "f")])
+def test_flows_of_a_stratum_that_the_gait_does_not_visit_are_refused(walker, fields):
+    """All of them are looked at, since the walk would look for the place for ever."""
+    grouper, word = Grouper(walker, lambda a, b: False), Word(fields, [1.0, 1.0])
+    with pytest.raises(StratumError, match=r"gait 12 1 does not visit S2, .* add it"):
+        regroup_in_gait(grouper, [[word]], ("12", "1", "12"), "12")

@@ -1,0 +1,41 @@
+"""How far a measured field reaches: as far as an opposite stroke agrees with it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+from models.motion.twists import MeasuredField
+from sim.experiments import identification
+from sim.experiments.identification import FINE, confirmed, whole_range
+
+FIELD = MeasuredField("1", (1.0, -0.5), 0.1, (Polynomial([0.1]),) * 3, 0.0)
+ROBOT = SimpleNamespace(groups="12", swing_range={"1": (-0.3, 0.5), "2": (-0.6, 0.2)})
+SETUP = SimpleNamespace(robot=ROBOT)
+WAYS = np.linspace(0.0, 0.3, FINE)
+
+
+@pytest.mark.parametrize(
+    ("direction", "reach"),
+    [((1.0, 0.0), 0.3), ((0.0, 1.0), 0.2), ((1.0, -0.5), 0.3), ((0.5, 1.0), 0.2)],
+)
+def test_a_swing_goes_as_far_as_the_nearest_end_of_a_range(direction, reach):
+    assert whole_range(SETUP, direction) == pytest.approx(reach)
+
+
+@pytest.mark.parametrize(
+    ("agrees", "reach"),
+    [
+        (0.2, WAYS[WAYS <= 0.2].max()),  # the last place that agrees
+        (0.1, 0.1),  # no less than the span, wherever places are
+        (0.3, 0.3),
+    ],
+)
+def test_a_field_reaches_to_the_last_place_that_agrees(monkeypatch, agrees, reach):
+    way = np.array([-0.3, 0.3])
+    monkeypatch.setattr(identification, "_stroke_back", lambda *given: (way, None))
+    monkeypatch.setattr(
+        identification, "_shares", lambda setup, field, ways, *rest: ways > agrees
+    )
+    assert confirmed(SETUP, "a", FIELD).reach == pytest.approx(reach, abs=1e-12)
