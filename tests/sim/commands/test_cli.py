@@ -158,7 +158,9 @@ def test_run_leaves_a_folder_and_says_where(stratawalk, tmp_path):
     Physics runs whatever MUJOCO_GL says, and so does a report without a film.
     """
     nowhere = dict.fromkeys(("HOME", "MPLCONFIGDIR"), "/proc/nowhere")
-    done = stratawalk(*SHORT, "--no-video", MUJOCO_GL="banana", **nowhere)
+    done = stratawalk(
+        *SHORT, "--no-video", MUJOCO_GL="banana", MPLBACKEND="none", **nowhere
+    )
     assert told(done.stderr) == []
     assert done.returncode == 0
     folder = tmp_path / "runs" / "line-001"
