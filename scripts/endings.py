@@ -12,6 +12,7 @@ import os
 import re
 import resource
 import signal
+import subprocess
 import sys
 import tempfile
 import warnings
@@ -108,7 +109,9 @@ def _begun(
     sys.exit(act())
 
 
-def become(words: Sequence[str], env: Mapping[str, str]) -> NoReturn:
-    """Run another program in this process."""
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # as a shell would have it
-    os.execvpe(words[0], words, env)
+def other(words: Sequence[str], env: Mapping[str, str]) -> int:
+    """Run another program, and end as it does."""
+    code = subprocess.call(words, env=env)
+    if code < 0:
+        os.kill(os.getpid(), -code)
+    return code

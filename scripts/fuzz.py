@@ -32,7 +32,7 @@ from importlib import import_module
 from pathlib import Path
 
 from models import ModelError
-from scripts.endings import ROOT, Bounds, become, ending
+from scripts.endings import ROOT, Bounds, ending, other
 from scripts.fuzz_foreign import FOREIGN
 from scripts.fuzz_inputs import OWN_KINDS
 from scripts.pages import parser_of
@@ -99,7 +99,7 @@ def decided(
     def command() -> int:
         replace(bounds, seconds=bounds.seconds + LOADING).hold()
         env = os.environ | {"PYTHONPATH": str(ROOT)}
-        become([sys.executable, "-m", "sim.cli", *words], env)
+        return other([sys.executable, "-m", "sim.cli", *words], env)
 
     return ending(command, folder, patience).wrong
 

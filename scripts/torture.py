@@ -21,7 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from scripts.endings import ROOT, Ending, become, ending
+from scripts.endings import ROOT, Ending, ending, other
 from scripts.pages import tabulate
 
 HEADER = "# | input or fault | command | code | what it says | test"
@@ -127,7 +127,7 @@ def ended(row: Row) -> Ending:
         env["PATH"] = f"{tools}:/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin"
         env |= {"PYTHONPATH": str(ROOT), "HOME": str(tools)}
         row.make(folder, env)
-        end = ending(lambda: become(["sh", "-c", row.command], env), folder, ROW_LIMIT)
+        end = ending(lambda: other(["sh", "-c", row.command], env), folder, ROW_LIMIT)
         folders = map(re.escape, (str(folder), scratch, str(ROOT)))
         places = re.compile(f"(?:{'|'.join(folders)})/")
         warned = [places.sub("", text) for text in end.warned]
