@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -90,19 +91,18 @@ def equilibrium(
         if not len(left):
             break
         guess = twist[left] * (attempt % 2)
-        again = _newton(contact.take(left), guess, force[left], scale, _of(give, left))
+        law = give and partial(_of_lanes, give, left)
+        again = _newton(contact.take(left), guess, force[left], scale, law)
         better = again.error < found.error[left]
         for mine, new in zip(found, again, strict=True):
             mine[left[better]] = new[better]
     return found
 
 
-def _of(give: Give | None, lanes: Array) -> Give | None:
-    """The joints' law of some lanes."""
-    if give is None:
-        return None
-    law = give
-    return lambda torque, which: law(torque, lanes[which])
+def _of_lanes(
+    give: Give, some: Array, torque: Array, lanes: Array
+) -> tuple[Array, Array]:
+    return give(torque, some[lanes])
 
 
 def motion(

@@ -103,8 +103,21 @@ class Mechanics:
         guess = 0.5 * (state.angles + spring.free + spring.share * state.bent)
         places = self.skeleton.places(robots, middle, guess + state.loose)
         heavy = places.weight_torque(self.anatomy, robots.gravity)
-        contact = self._contact(robots, state, places, spring, heavy, middle, h)
-        contact.wrench[:] += (contact.inertia @ coast[..., None])[..., 0]
+        rest = spring.free + spring.yield_ * heavy
+        weight = robots.mass[:, None] * robots.gravity
+        inertia = self._inertia(robots, places, middle) / (h**2)[:, None, None]
+        wrench = np.concatenate([weight, cross(places.center, weight)], axis=1)
+        contact = Contact(
+            reach=places.reach,
+            lever=places.lever,
+            yield_=spring.yield_,
+            drift=(places.lever @ (rest - state.angles)[..., None])[..., 0],
+            gap=state.gap,
+            floor=robots.floor,
+            friction=robots.friction,
+            wrench=wrench + (inertia @ coast[..., None])[..., 0],
+            inertia=inertia,
+        )
         give = _give(robots, state, spring, heavy, h)
         found = _solved(contact, coast, state.force, give, _grip(robots, places))
         lever = places.lever
@@ -116,7 +129,6 @@ class Mechanics:
             shift, _ = give(pulled, np.arange(len(h)))
             loose = _loosened(robots, state, pulled + heavy, h)[0]
         u = motion(contact, found.twist, found.force, shift)
-        rest = spring.free + heavy * contact.yield_
         angles = rest + shift - (loose - state.loose)
         new = State(
             place=state.place + found.twist[:, :3],
@@ -132,32 +144,6 @@ class Mechanics:
         new.gap[:] = new.place[:, 2, None, None] + after.arm[..., 2] - self.height
         slip = _slip(robots, state.force, found.force, u)
         return Done(new, slip, after.center, after.arm, -(pulled + heavy), found.holds)
-
-    def _contact(
-        self,
-        robots: Robots,
-        state: State,
-        places: Places,
-        spring: _Spring,
-        heavy: Array,
-        middle: Array,
-        h: Array,
-    ) -> Contact:
-        """The problem of an increment."""
-        lever, weight = places.lever, robots.mass[:, None] * robots.gravity
-        rest = spring.free + spring.yield_ * heavy
-        momentum = self._inertia(robots, places, middle) / (h**2)[:, None, None]
-        return Contact(
-            reach=places.reach,
-            lever=lever,
-            yield_=spring.yield_,
-            drift=(lever @ (rest - state.angles)[..., None])[..., 0],
-            gap=state.gap,
-            floor=robots.floor,
-            friction=robots.friction,
-            wrench=np.concatenate([weight, cross(places.center, weight)], axis=1),
-            inertia=momentum,
-        )
 
     def _inertia(self, robots: Robots, places: Places, turned: Array) -> Array:
         """The whole robot's about its root, as one rigid body, (B, 6, 6)."""

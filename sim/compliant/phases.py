@@ -19,9 +19,8 @@ import numpy as np
 from models import MeasurementError
 from planner import Array
 from sim.compliant.anatomy import Robots
-from sim.compliant.commands import SLACK, Commands
 from sim.compliant.increment import LOADED, Mechanics
-from sim.compliant.march import USUAL, Pace, Track, march
+from sim.compliant.march import SLACK, USUAL, Commands, Pace, Track, march
 from sim.motion.poses import compose, relative
 from sim.motion.stability import stability_margin
 

@@ -14,8 +14,8 @@ import numpy as np
 from models import IdealTwists
 from planner import Array
 from sim.compliant.anatomy import anatomy_of, robots_of
-from sim.compliant.commands import Commands, changes
 from sim.compliant.increment import LOADED, Mechanics
+from sim.compliant.march import Commands, changes
 from sim.compliant.phases import Course, Phases
 from sim.motion.poses import wrap
 from sim.motion.prediction import Prediction, Predictor
