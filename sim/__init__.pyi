@@ -31,6 +31,7 @@ from .scenarios.file import (
 from .scenarios.scenario import Scenario as Scenario
 from .simulation import (
     Simulation as Simulation,
+    play as play,
     simulate as simulate,
 )
 from .walking.finished import Walk as Walk

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
@@ -15,10 +16,12 @@ import numpy as np
 from models import Robot
 from planner import Array, Plan
 from planner.support import limited
+from sim.errors import UsageError
 from sim.evaluation.assessment import Evaluation, evaluate, summarise
 from sim.evaluation.comparison import describe
 from sim.evaluation.summary import Summary
-from sim.logs.log import Log
+from sim.logs.log import Gait, Log, of_function, read_log, require_joints
+from sim.logs.playing import scenario_of
 from sim.motion.poses import wrap
 from sim.planning.sharing import walk_cache
 from sim.preparation.effort import check_effort
@@ -166,6 +169,49 @@ def simulate(
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
     return Simulation(prepared, evaluation, timing, tuple(missed))
+
+
+def play(
+    robot: Robot,
+    motion: Log | Gait | str | Path,
+    duration: float = 10.0,
+    progress: Progress = silent,
+    **changes: object,
+) -> Simulation:
+    """Play joint motion from elsewhere.
+
+    Args:
+        robot: Robot whose joints move.
+        motion: A log, the path of its file in radians, or a function that gives the
+            angle of each joint [rad], by its name, at a time [s].
+        duration: How long a function is played [s].
+        progress: Called with each stage and the finished part of it.
+        **changes: Settings of a scenario that are not to have their defaults.
+
+    Raises:
+        UsageError: If the motion or a setting is impossible.
+        ModelError: If the robot cannot be used.
+        SimulationError: If the physics diverges.
+
+    Example:
+        >>> from models import load
+        >>> from sim import play
+        >>> done = play(load("hexapod"), lambda t: {"lift_1": 0.1 * t}, 0.5)
+        >>> done.summary.goal is None
+        True
+    """
+    file = Path("motion.csv")
+    if isinstance(motion, str | Path):
+        file = Path(motion)
+        motion = read_log(file, robot.card.joints, robot.legs)
+    elif not isinstance(motion, Log):
+        try:
+            motion = of_function(motion, duration)
+            require_joints(motion.joints, robot.card.joints)
+        except ValueError as error:
+            raise UsageError.at("the gait", error) from error
+    scenario = scenario_of(robot, file, changes)
+    return simulate(scenario, robot=robot, progress=progress, log=motion)
 
 
 def _played(

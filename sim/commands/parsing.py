@@ -16,7 +16,7 @@ COMMANDS = (
     "sensitivities", "figures", "robots", "adopt", "systems", "scenarios", "bench",
     "doctor", "completion", "cite",
 )  # fmt: skip
-MODULES = {"film": "film_run"}  # `film` is a function of the front door
+MODULES = {"film": "film_run", "play": "play_motion"}  # functions of the front door
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
     "stratawalk help COMMAND explains a command; docs/glossary.md defines the terms."

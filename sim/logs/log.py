@@ -30,6 +30,7 @@ POSE, LEAN = ("x", "y", "yaw"), ("roll", "pitch")
 SPREAD = ".error"  # of a column with its standard error
 TURNED = ("yaw", *LEAN)  # columns of the body that are angles
 
+Gait = Callable[[float], Mapping[str, float]]  # joint angles [rad] at a time [s]
 Reader = Callable[[str, Array], Array]  # angles [rad] of a joint's numbers
 
 
@@ -106,9 +107,7 @@ class Log:
         return Log(time, self.joints, whole, done=said)
 
 
-def of_function(
-    gait: Callable[[float], Mapping[str, float]], duration: float, rate: float = 200.0
-) -> Log:
+def of_function(gait: Gait, duration: float, rate: float = 200.0) -> Log:
     """The log of a gait that gives the angle of each joint [rad] at a time [s]."""
     if not 0 < duration <= LONGEST or not 1 <= rate <= 1e4:
         raise ValueError(f"{duration} s at {rate} rows a second; give a duration")
@@ -118,6 +117,14 @@ def of_function(
     if any(row.keys() != rows[0].keys() for row in rows):
         raise ValueError("gait(t) names other joints at other times")
     return Log(time, joints, np.array([[float(r[j]) for j in joints] for r in rows]))
+
+
+def require_joints(named: Sequence[str], known: Sequence[str]) -> None:
+    """Refuse, with a ValueError, a joint that a robot lacks."""
+    for name in named:
+        if name not in known:
+            what = "the robot has no joint" if "." not in name else "there is no column"
+            raise ValueError(f"{what} {name!r}; {did_you_mean(name, known)}")
 
 
 def read_log(
@@ -201,10 +208,7 @@ def _log(
         *(BODY + part + SPREAD for part in POSE),
         *(f"{CONTACT}{leg}" for leg in legs),
     ]
-    for name in columns:
-        if name not in known:
-            what = "the robot has no joint" if "." not in name else "there is no column"
-            raise ValueError(f"{what} {name!r}; {did_you_mean(name, known)}")
+    require_joints([*columns], known)
     if not commanded:
         raise ValueError(f"no column of a joint; give one of {', '.join(joints)}")
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from models import load
+from sim.errors import UsageError
 from sim.logs.feet import posture
 from sim.logs.log import Log, of_function, read_log, written
 from sim.logs.playing import Motion, posed, scenario_of
@@ -14,7 +15,7 @@ from sim.motion.schedule import MotionLimits
 from sim.preparation.setup import prepare
 from sim.run_folder import write
 from sim.scenarios.file import load_scenario
-from sim.simulation import simulate
+from sim.simulation import play, simulate
 
 PERIOD = 1.6  # [s]
 SWING = 0.12  # [rad]
@@ -126,3 +127,13 @@ def test_a_short_contact_is_no_planned_one(log):
     assert not Motion(early, robot, limits).contact[:, 1].all()
     contact = Motion(early, robot, limits).contact[:, 1]
     assert np.count_nonzero(np.diff(contact)) == 2
+
+
+def test_a_function_is_played_and_a_joint_that_the_robot_lacks_is_named():
+    fast = {"timestep": 0.002, "predictions": ["quasi_static"]}
+    done = play(load("hexapod"), lambda t: {"lift_1": 0.05 * t}, 0.3, **fast)
+    assert done.summary.simulated_time == pytest.approx(0.8, abs=0.01)
+    with pytest.raises(UsageError, match="no joint 'lift_9': the gait; did you mean"):
+        play(load("hexapod"), lambda t: {"lift_9": 0.0}, 0.3)
+    with pytest.raises(UsageError, match="other joints at other times"):
+        play(load("hexapod"), lambda t: {f"lift_{1 + (t > 0)}": 0.0}, 0.3)

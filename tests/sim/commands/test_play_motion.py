@@ -1,6 +1,7 @@
 """`stratawalk play`: files of joint motion become run folders, in any unit."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -73,3 +74,17 @@ def test_a_played_motion_beyond_its_tolerance_ends_with_7(gait, capfd):
     words = ["play", "hexapod", gait(), *FAST, *slippery, "--tolerance", "1e-6"]
     assert main(words) == 7
     assert "off the quasi-static prediction" in capfd.readouterr().err
+
+
+def test_the_example_is_played_twice_over(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    example = Path(__file__).parents[3] / "examples" / "tripods.csv"
+    assert (
+        main(["play", "hexapod", str(example), *FAST, "--repeat", "2", "--json"]) == 0
+    )
+    summary = json.loads(capfd.readouterr().out)
+    assert "goal" not in summary
+    assert summary["simulated_time"] == pytest.approx(0.5 + 3.2, abs=0.01)
+    assert summary["achieved"]["pose"][0] == pytest.approx(0.036, abs=0.002)
+    text = (tmp_path / "runs" / "tripods-001" / "motion.csv").read_text()
+    assert len(text.splitlines()) == 162
