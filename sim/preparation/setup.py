@@ -247,10 +247,12 @@ def prepare(
         robot = posed(robot, log)
         kinematics = Kinematics(robot)
     servo = servo_settings(scenario, robot.card)
-    world, model = shared.world(scenario, robot)
-    lift = robot.card.lift_angle
     if log is None:
+        world, model = shared.world(scenario, robot)
         lift = lift_angle(kinematics, scenario.lift_height)
+    else:  # which begins in a posture of its own
+        world, model = built(robot, scenario)
+        lift = robot.card.lift_angle
     limits = MotionLimits(
         swing_speed=scenario.swing_speed,
         swing_acceleration=scenario.swing_acceleration,

@@ -13,7 +13,7 @@ def shared():
     """A test of sharing shows that walks have the numbers of those that do not."""
     with pytest.MonkeyPatch.context() as patched:
         cached = Shared()
-        patched.setattr(prepare, "__defaults__", (None, cached))
+        patched.setattr(prepare, "__defaults__", (None, cached, None))
         without, _, progress = evaluate.__defaults__
         patched.setattr(evaluate, "__defaults__", (without, cached, progress))
         own = simulate.__kwdefaults__ | {"shared": cached}
