@@ -34,11 +34,31 @@ def may_draw() -> bool:
     return sys.stderr.isatty() and not plain
 
 
-def left(spent: float, fraction: float) -> str:
-    """How long a stage will take, after some time [s], in words; empty if unknown."""
-    if not TELLING <= fraction < 1:
-        return ""
-    return f"about {spent * (1 - fraction) / fraction:.0f} s left"
+class Pace:
+    """When a stage will end, by the pace of the later half of what is done.
+
+    What comes first is slower where processes start, and a part that takes long does
+    not count as standing still.
+    """
+
+    def __init__(self, now: float) -> None:
+        self.began, self.fraction = now, 0.0
+        self._reports = [(0.0, now)]
+
+    def report(self, fraction: float, now: float) -> None:
+        """Note how far the stage is."""
+        if fraction > self.fraction:
+            self.fraction = fraction
+            self._reports.append((fraction, now))
+
+    def left(self, now: float) -> str:
+        """How long the stage will take, in words; empty where it is not known."""
+        if not TELLING <= self.fraction < 1:
+            return ""
+        part, at = self._reports[-1]
+        since, then = [r for r in self._reports if r[0] <= part / 2][-1]
+        rest = (1 - part) * (at - then) / (part - since) - (now - at)
+        return f"about {max(rest, 1.0):.0f} s left"
 
 
 def _name(stage: str) -> str:
@@ -50,24 +70,24 @@ class Lines:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self.clock, self._told = clock, clock()
-        self._began: dict[str, float] = {}
-        self._stage, self._fraction = "", 1.0
+        self._paces: dict[str, Pace] = {}
+        self._stage = ""
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Say how far a stage is, if nothing was said for a while."""
-        self._stage, self._fraction = stage, fraction
-        self._began.setdefault(_name(stage), self.clock())
+        self._stage, now = stage, self.clock()
+        self._paces.setdefault(_name(stage), Pace(now)).report(fraction, now)
         self.remind()
 
     def remind(self) -> None:
         """Say what is being done, if nothing was said for a while."""
-        now, stage, fraction = self.clock(), self._stage, self._fraction
-        if now - self._told < PATIENCE or fraction >= 1:
+        now, pace = self.clock(), self._paces.get(_name(self._stage))
+        if pace is None or now - self._told < PATIENCE or pace.fraction >= 1:
             return
-        self._told, spent = now, now - self._began[_name(stage)]
-        about = left(spent, fraction) or f"{spent:.0f} s so far"
-        part = f" {fraction:4.0%}" if fraction else ""
-        print(f"{stage}{part}, {about}", file=sys.stderr, flush=True)
+        self._told = now
+        about = pace.left(now) or f"{now - pace.began:.0f} s so far"
+        part = f" {pace.fraction:4.0%}" if pace.fraction else ""
+        print(f"{self._stage}{part}, {about}", file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -109,20 +129,21 @@ def _bars() -> Iterator[Progress]:
     console = Console(stderr=True)
     with rich.Progress(*columns, console=console, transient=True) as bars:
         tasks: dict[str, rich.TaskID] = {}
-        began: dict[str, float] = {}
+        paces: dict[str, Pace] = {}
 
         def show(stage: str, fraction: float) -> None:
             if (name := _name(stage)) not in tasks:
-                began[name] = time.monotonic()
+                paces[name] = Pace(time.monotonic())
                 tasks[name] = bars.add_task(stage, total=None, part="", left="")
             if fraction > 0:
+                paces[name].report(fraction, time.monotonic())
                 bars.update(
                     tasks[name],
                     description=stage,
                     total=1.0,
                     completed=fraction,
                     part=f"{fraction:.0%}",
-                    left=left(time.monotonic() - began[name], fraction),
+                    left=paces[name].left(time.monotonic()),
                 )
 
         yield show

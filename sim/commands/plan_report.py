@@ -51,12 +51,13 @@ class Accuracy:
             yield f"{'accuracy':10}exact at {degree}: no brackets are left out"
             return
         yield (
-            f"{'accuracy':10}n segments miss by n^-{self.order:.3g} ({degree}, "
-            f"brackets of degree {self.bracket_degree})"
+            f"{'accuracy':10}with n segments the error falls as n^-{self.order:.3g} "
+            f"({degree}, brackets of degree {self.bracket_degree})"
         )
         if self.faster:
-            offers = (f"{what} {_power(order)}" for what, order in self.faster.items())
-            yield f"{'faster':10}{', '.join(offers)}; redundant elements miss less"
+            offers = (f"{_power(o)} with {what}" for what, o in self.faster.items())
+            more = "more elements than needed make it smaller"
+            yield f"{'faster':10}it falls as {', as '.join(offers)}; {more}"
 
 
 @dataclass(frozen=True)
@@ -84,16 +85,18 @@ class Steps:
     def line(self, segments: int, exact: bool) -> str:
         """The number of segments beside the one that the critical step asks for."""
         first, critical = self.first, self.critical
+        head = f"{'steps':10}{first:.3g} long"
         if exact and critical is None:
-            return f"{'steps':10}of any length are halved at least by one plan"
+            return f"{head}; a plan halves the distance at least, however long they are"
         if critical == 0:
-            return f"{'steps':10}of no length converge in this direction"
-        length = "beyond twice that" if critical is None else f"{critical:.3g}"
-        of = f"{'steps':10}of {first:.3g}, the critical step is {length}"
-        if critical is None or first <= critical:
-            return f"{of}: short enough to converge when repeated"
+            return f"{head}; planning again converges for no length in this direction"
+        if critical is None:
+            return f"{head}; planning again converges, for twice as long ones as well"
+        upto = f"planning again converges up to {critical:.3g}, the critical step"
+        if first <= critical:
+            return f"{head}; {upto}"
         needed = math.ceil(segments * first / critical)
-        return f"{of}: too long to converge when repeated, {needed} would do"
+        return f"{head}, too long; {upto}, or {needed} segments"
 
 
 def _finite(value: float) -> float | None:
@@ -101,7 +104,7 @@ def _finite(value: float) -> float | None:
 
 
 def _power(order: float | None) -> str:
-    return "is exact" if order is None else f"n^-{order:.3g}"
+    return "0 at once" if order is None else f"n^-{order:.3g}"
 
 
 @dataclass(frozen=True)
@@ -205,17 +208,19 @@ class WalkFacts:
 
     def lines(self, prospect: Prospect) -> Iterator[str]:
         """The facts, with the paper's words explained."""
+        from sim.evaluation.comparison import strokes_in_words
+
         x, y, yaw = self.pose
         remarks = prospect.remarks()
         yield (
-            f"{self.scenario}: {self.robot}, {self.fields} fields, {self.stance} "
-            f"stance, {self.segments} segments, {self.contact_switches} contact "
-            "switches"
+            f"{self.scenario}: {self.robot}, {self.segments} segments, "
+            f"{self.contact_switches} contact switches"
         )
         yield from filter(None, [remarks.get("fell back")])
         yield f"{'gait':10}{' '.join(self.gait)}"
         yield from (f"{'':10}{line}" for line in GAIT)
-        yield f"{'strokes':10}{self.swing_travel:.3f} rad in all"
+        how = strokes_in_words(self.fields, self.stance)
+        yield f"{'strokes':10}{self.swing_travel:.3f} rad in all, {how}"
         yield f"{'':10}{STROKE}"
         yield (
             f"{'walks':10}{self.distance_walked:.3f} m for a path of "

@@ -15,7 +15,7 @@ MENTIONED = 1e-3  # [m]; a robot that is moved farther at its start is mentioned
 COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)
 LINES = tuple(quantity for quantity in OF_ROWS if not quantity.column)
 HEADS = "".join(f"{quantity.column:>{quantity.width}}" for quantity in COLUMNS)
-HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'physics ends off by':23}{HEADS}"
+HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'from the achieved end':23}{HEADS}"
 
 
 def describe(summary: Summary) -> str:
@@ -24,10 +24,7 @@ def describe(summary: Summary) -> str:
     replan = ", replanned" if summary.replan else ""
     if summary.optimise != "none":
         replan = f", optimised for {summary.optimise}"
-    how = (
-        f"{summary.fields} fields, {summary.stance} stance, steered on "
-        f"{summary.steer}{replan}"
-    )
+    how = f"steered by the {summary.steer} prediction{replan}"
     lines = [
         text[:1].upper() + text[1:],
         f"{summary.scenario}: {summary.robot}, {how if summary.goal else 'played'}",
@@ -40,6 +37,14 @@ def describe(summary: Summary) -> str:
         *_clearance(summary),
     ]
     return "\n".join(lines)
+
+
+def strokes_in_words(fields: str, stance: str) -> str:
+    """How groups of legs swing under load, by the names of fields and stance."""
+    about = {"centred": "each centred on the angles of rest"}
+    others = {"lifted": "the other groups in the air (lifted fields)"}
+    where = about.get(stance, "from where the last one ended")
+    return f"{where}, {others.get(fields, 'all feet on the ground (paper fields)')}"
 
 
 def describe_export(summary: Summary, played: Played, label: str) -> str:
@@ -58,6 +63,7 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     if summary.goal is None:
         yield "played", f"{much}, a predicted way of {summary.path_length:.3f} m"
     else:
+        yield "strokes", strokes_in_words(summary.fields, summary.stance)
         yield (
             "planned",
             f"{summary.segments} segments, {much}, {summary.distance_walked:.3f} m to "

@@ -38,8 +38,10 @@ PANELS = (("a", "c"), ("b", "d"))  # a map, and the course of clearance below it
 SHARE = np.linspace(0, 1, 301)
 WALL, OUTLINE = palette.OBSTACLE.hex, palette.OUTLINE.hex
 WALKS = {
-    "corridor-coarse": Job("corridor", {"min_clearance": -1, "steer": "ideal"}),
-    "corridor": Job("corridor"),
+    "corridor-coarse": Job(
+        "corridor", {"min_clearance": -1, "steer": "ideal"}, cost=35
+    ),
+    "corridor": Job("corridor", cost=80),
 }
 
 
@@ -53,7 +55,8 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         standing, _ = made.clearance(nominal[:, :3], nominal[:, 3:])
         least, _ = made.clearance(pose, phi)
         _draw_place(axes[above], made.around, made.qpos(pose, phi), least, 1 / PIVOT)
-        axes[above].plot(*nominal[:, :2].T, "--", color=NOMINAL, label="nominal path")
+        line: Style = {"color": NOMINAL, "label": "nominal path", "zorder": 4}
+        axes[above].plot(*nominal[:, :2].T, "--", **line)
         centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
         axes[above].plot(*pose[:, :2].T, color=IDEAL, **centre)
         style.as_map(axes[above], "$l$", "box")

@@ -14,13 +14,14 @@ from sim.figures.paper import PaperWalk, configuration, feet, standing, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
 from sim.figures.style import IDEAL, INK, LEGS, MM, NOMINAL, TRIPODS, as_map
-from sim.palette import Style
+from sim.palette import GROUPS, Style
 
 GOAL = (4.0, 4.0, math.pi / 2)
 PAPER_SEGMENTS = 12
 COUNTED = "footprints of each leg so far"
+PALEST = 0.2  # strength of the colour of the first footprint; the last has all of it
 MARKERS = {"1": "^", "2": "v"}
-WALKS = {"diagonal": Job("diagonal")}
+WALKS = {"diagonal": Job("diagonal", cost=12)}
 
 
 @dataclass(frozen=True)
@@ -102,18 +103,38 @@ def matched(planned: Footprints, found: Footprints) -> Array:
 
 
 def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:
-    hollow: Style = {"mfc": "none", "markersize": 4.5, "markeredgewidth": 0.5}
-    point: Style = {"markersize": 2}
     for tripod, of in _tripods(planned):
-        for prints, kind, marker, style in (
-            (planned, "planned", MARKERS[tripod], hollow),
-            (found, "found", ".", point),
+        for prints, kind, marker, size in (
+            (planned, "planned", MARKERS[tripod], 4.5),
+            (found, "found", ".", 2.0),
         ):
-            style |= {"color": TRIPODS[tripod], "label": f"tripod {tripod}, {kind}"}
-            axes.plot(*(MM * prints.place[of].T), marker, **style)
+            label, filled = f"tripod {tripod}, {kind}", kind == "found"
+            _draw_prints(axes, tripod, prints, of, (marker, size, filled, label), MM)
     for tripod, leg, of in _legs(planned):
         _number(axes, leg, MM * planned.place[of][0], TRIPODS[tripod])
     as_map(axes, "mm")
+
+
+def _draw_prints(
+    axes: Axes,
+    tripod: str,
+    prints: Footprints,
+    of: Array,
+    look: tuple[str, float, bool, str],
+    scale: float = 1.0,
+) -> None:
+    """Prints of a tripod, darker with time; look: marker, size, filled, label."""
+    marker, size, filled, label = look
+    strength = PALEST + (1 - PALEST) * prints.begin[of] / prints.begin.max()
+    tripods = dict(zip(TRIPODS, GROUPS, strict=False))
+    shades = [tripods[tripod].tint(share).hex for share in strength.tolist()]
+    fill: Style = {"color": shades} if filled else {"ec": shades, "fc": "none"}
+    x, y = scale * prints.place[of].T
+    width = 0 if filled else 0.5
+    axes.scatter(x, y, s=size**2, marker=marker, linewidths=width, **fill)
+    key: Style = {"color": TRIPODS[tripod], "markersize": size, "markeredgewidth": 0.5}
+    face = TRIPODS[tripod] if filled else "none"
+    axes.plot([], [], marker, mfc=face, label=label, **key)
 
 
 def _number(axes: Axes, leg: int, place: Array, colour: str) -> None:
@@ -152,9 +173,7 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
         _number(axes, leg, places[0], TRIPODS[tripod])
     for tripod, of in _tripods(prints):
         label = f"tripod {tripod}, legs {'-'.join(map(str, LEGS[tripod]))}"
-        marks: Style = {"markersize": 3, "markeredgewidth": 0, "alpha": 0.8}
-        marks |= {"color": TRIPODS[tripod], "label": label}
-        axes.plot(*prints.place[of].T, MARKERS[tripod], **marks)
+        _draw_prints(axes, tripod, prints, of, (MARKERS[tripod], 3.0, True, label))
     axes.plot([], [], color=NOMINAL, linewidth=0.5, label="one leg's, in order")
     as_map(axes, "$l$")
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.02), handletextpad=0.2)

@@ -18,7 +18,7 @@ from sim.palette import Style
 SEGMENTS_AROUND = 60
 SEMI_AXES = (5.0, 3.0)  # of the shape of the scenario `ellipse`
 TABLE_ROWS = 12
-WALKS = {"ellipse": Job("ellipse")}
+WALKS = {"ellipse": Job("ellipse", cost=20)}
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:

@@ -21,7 +21,7 @@ GOAL = (1.0, 1.0, 0.0)
 METRES_GOAL = (0.03, 0.03, 0.0)
 METRES_LENGTH = 0.03 * np.sqrt(2)
 WALKS = {
-    f"line-{n}": Job("line", {"path.goal": METRES_GOAL, "segments": n})
+    f"line-{n}": Job("line", {"path.goal": METRES_GOAL, "segments": n}, cost=3 + n / 8)
     for n in SEGMENTS
 }
 

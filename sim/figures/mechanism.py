@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 
 from models import Kinematics, load
@@ -15,9 +16,11 @@ from sim.figures.sheet import Cell, Shown
 from sim.figures.stability import STANCE, draw_body
 from sim.figures.style import INK, LEGS, MM, NOMINAL, TRIPODS, as_map
 from sim.palette import Style
+from sim.pictures.ghost import body_corners
 
 ROBOTS = ("hexapod", "hexapod-parallel", "quadruped")
 SWUNG = 0.5  # [rad], to either side
+BODY = palette.OUTLINE.tint(0.35).hex
 LIFTED = 0.35  # [l]
 
 
@@ -43,6 +46,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for group in range(4):
         dots: Style = {"markersize": 4, "label": f"group {group + 1}"}
         last.plot([], [], "o", color=palette.group(group).hex, **dots)
+    last.fill([], [], facecolor=BODY, edgecolor=NOMINAL, label="body")
+    last.plot([], [], ">", color=NOMINAL, markersize=6, label="front")
     last.plot([], [], "s", color=INK, markersize=2.5, label="hip")
     last.plot([], [], "+", color=INK, label="centre of mass")
     last.plot([], [], "x", color=NOMINAL, label="pivot of a group")
@@ -111,6 +116,7 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
     rows: list[tuple[Cell, ...]] = []
     turned = stance.rates / robot.swing_gain[:, None]  # per radian of the joint
     hips = stance.feet - np.stack([turned[:, 1], -turned[:, 0]], axis=-1)
+    _draw_body(axes, body_corners(robot.model, robot.model.body(robot.root).id))
     for i, leg in enumerate(robot.legs):
         group = int(robot.group_of_leg[i])
         colour, hip, foot = palette.group(group).hex, hips[i], stance.feet[i]
@@ -135,6 +141,15 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
     axes.plot(*(MM * stance.center_of_mass), "+", color=INK)
     as_map(axes, "mm")
     return rows
+
+
+def _draw_body(axes: Axes, corners: Array) -> None:
+    """The body from above, and where its front is."""
+    hull = shapely.convex_hull(shapely.MultiPoint(MM * corners[:, :2]))
+    rim = shapely.get_coordinates(hull)
+    axes.fill(*rim.T, facecolor=BODY, edgecolor=NOMINAL, linewidth=0.8, zorder=0)
+    front = rim[:, 0].max()
+    axes.plot(0.8 * front, 0, ">", color=NOMINAL, markersize=6)
 
 
 def _pivots(hips: Array, feet: Array, groups: Array) -> list[Array]:

@@ -24,6 +24,7 @@ DRAWN_SIDE = 1.0  # the one that is drawn
 RATIO = 0.6  # of tripod 2's strokes to them; around a square x would not change
 STROKE_STATES = 40  # states along a stroke
 LEVELS = 13
+ENDS = 0.08  # of a colour bar
 SMALL = (0.1, 0.2, 0.3, 0.4)  # [rad], sides of loops from angle 0
 CENTRED = 0.8  # [rad], side of the one around the middle
 
@@ -109,9 +110,12 @@ def _draw_height(
     levels = np.linspace(values.min() if one_sign else -most, most, LEVELS)
     colours = "Purples" if one_sign else "PuOr"
     drawn = axes.contourf(angles, angles, values, levels, cmap=colours, alpha=0.55)
-    ticks = MaxNLocator(nbins=5, steps=[1, 2, 5, 10]).tick_values(*levels[[0, -1]])
-    within = [tick for tick in ticks if levels[0] <= tick <= levels[-1]]
-    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=within, format="%.3g")
+    low, high = levels[[0, -1]]
+    inner = MaxNLocator(nbins=4, steps=[1, 2, 5, 10]).tick_values(low, high)
+    apart = ENDS * (high - low)  # of ticks, so that their numbers do not meet
+    within = [t for t in inner if low + apart < t < high - apart]
+    ticks = [low, *within, high]
+    bar = axes.figure.colorbar(drawn, ax=axes, shrink=0.9, ticks=ticks, format="%.3g")
     bar.set_label(f"[{unit}]")
     bar.ax.tick_params(labelsize=6)
     axes.set(xlabel=r"$\varphi_1$  [rad]", ylabel=r"$\varphi_2$  [rad]")

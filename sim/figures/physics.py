@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from itertools import count
+from functools import partial
 from multiprocessing import active_children, get_context
 
 import numpy as np
@@ -21,7 +21,6 @@ from sim.motion.poses import rotate
 from sim.motion.prediction import Prediction
 from sim.motion.schedule import Phase
 from sim.preparation.setup import Setup, prepare
-from sim.progress import Progress, silent
 from sim.scenarios.file import load_scenario
 from sim.simulation import simulate
 from sim.walking.walker import Walker
@@ -39,6 +38,7 @@ class Job:
     scenario: str
     changes: Mapping[str, object] = field(default_factory=dict)
     flows: tuple[Flow, ...] = ()  # carried out instead of a plan for the scenario
+    cost: float = 4.0  # about how long it takes [s], for estimates
 
 
 @dataclass(frozen=True)
@@ -78,28 +78,27 @@ def perform(job: Job) -> Walked:
 
 @contextmanager
 def begun(
-    jobs: Mapping[str, Job], progress: Progress = silent
+    jobs: Mapping[str, Job], finished: Callable[[Job], None]
 ) -> Iterator[Mapping[str, Future[Walked]]]:
     """Walks being computed in parallel, one on each core."""
     cores = min(len(os.sched_getaffinity(0)), len(jobs)) or 1
-    done = count(1)
-
-    def tell(_: Future[Walked]) -> None:
-        progress("walking", next(done) / len(jobs))
-
     with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
         try:
             later_first = list(jobs)[::-1]  # later figures walk farther
             with deaf():
                 walks = {name: pool.submit(perform, jobs[name]) for name in later_first}
-            for walk in walks.values():
-                walk.add_done_callback(tell)
+            for name, walk in walks.items():
+                walk.add_done_callback(partial(_tell, finished, jobs[name]))
             yield walks
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             for process in active_children():
                 process.kill()
             raise
+
+
+def _tell(finished: Callable[[Job], None], job: Job, _: Future[Walked]) -> None:
+    finished(job)
 
 
 def _gathered(evaluation: Evaluation) -> Walked:

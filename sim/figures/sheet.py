@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 FORMATS = ("png", "svg")
 KINDS = ("paper", "metres")
+SHEET = 1.0  # about how long a sheet takes [s], for estimates
 LAYOUTS = Path(__file__).with_name("sheets.toml")
 Cell = str | int | float
 
@@ -181,11 +182,19 @@ def draw(
     }
     jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
     done: dict[tuple[str, str], Sheet] = {}
-    with begun(jobs, progress) as walks:
+    whole = sum(job.cost for job in jobs.values()) + SHEET * len(KINDS) * len(names)
+    worked = 0.0
+
+    def work(seconds: float) -> None:
+        nonlocal worked
+        worked += seconds
+        progress("figures", min(worked / whole, 1.0))
+
+    with begun(jobs, lambda job: work(job.cost)) as walks:
         for name, kind, sheet in _sheets(needed, walks):
             save(sheet, folder.path)
             done[name, kind] = sheet
-            progress("drawing", len(done) / (len(KINDS) * len(names)))
+            work(SHEET)
             yield sheet
     in_order = [done[name, kind] for name in names for kind in KINDS]
     folder.write_text("figures.md", page(in_order))

@@ -14,6 +14,7 @@ from itertools import combinations, pairwise, product
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch, Patch
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -26,7 +27,8 @@ from sim.palette import Style
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
 Place = tuple[float, float]
 VIEW = {"elev": 24, "azim": -52}  # of the sheets [degrees]
-BOW = 0.16  # of the arrows of a gait, so that there and back are two lines
+LANE, HIGH = 0.07, 0.2  # of arrows beside their edges; half the bottom's height
+SPREAD, NUMBERED = 0.62, 0.4  # of edges at the bottom; of the way to a step's number
 
 
 @dataclass(frozen=True)
@@ -81,45 +83,85 @@ def draw_graph(
     axes: Axes, graph: Graph, notes: Mapping[str, str] | None = None
 ) -> None:
     """Draw a graph, its gait as numbered arrows, and notes below names of strata."""
-    at = {name: node.at for name, node in graph.nodes.items()}
+    nodes, bottom = graph.nodes, graph.nodes[graph.gait[0]]
+    boxes = {
+        n.name: _draw_node(axes, n, (notes or {}).get(n.name, ""), n is not bottom)
+        for n in nodes.values()
+    }
+    _draw_bottom(
+        axes,
+        bottom,
+        [SPREAD * node.at[0] for node in nodes.values() if node.at[1] == 1],
+    )
     faint: Style = {"color": ABSENT, "linewidth": 0.5, "zorder": 0}
     strong: Style = {"color": NOMINAL, "linewidth": 1.2, "zorder": 1}
     for pairs, style in ((graph.edges, faint), (graph.joined, strong)):
-        for low, high in pairs:
-            axes.plot(*np.transpose([at[low], at[high]]), **style)
-    for number, (start, end) in enumerate(pairwise(graph.gait), start=1):
-        _draw_step(axes, at[start], at[end], number, 22 if notes else 13)
-    for node in graph.nodes.values():
-        _draw_node(axes, node, (notes or {}).get(node.name, ""))
+        for one, other in pairs:
+            axes.plot(*np.transpose(_ends(nodes[one], nodes[other], bottom)), **style)
+    for number, (one, other) in enumerate(pairwise(graph.gait), start=1):
+        ends = _ends(nodes[one], nodes[other], bottom)
+        _draw_step(axes, ends, [boxes[one], boxes[other]], number)
     axes.set_axis_off()
     axes.margins(x=0.2, y=0.14)
 
 
-def _draw_node(axes: Axes, node: Node, note: str) -> None:
+def _ends(one: Node, other: Node, bottom: Node) -> list[Place]:
+    """Where an edge leaves its nodes; on the bottom one all ends are apart."""
+    return [
+        (x + SPREAD * (to - x), y + HIGH) if node is bottom else node.at
+        for node, (x, y), to in (
+            (one, one.at, other.at[0]),
+            (other, other.at, one.at[0]),
+        )
+    ]
+
+
+def _draw_bottom(axes: Axes, node: Node, ends: Sequence[float]) -> None:
+    """A box as wide as the edges that leave it, so that arrows do not meet."""
+    left, right, y = min(ends) - 3 * LANE, max(ends) + 3 * LANE, node.at[1]
+    shape: Style = {"facecolor": "white", "edgecolor": NOMINAL, "linewidth": 1.2}
+    box = FancyBboxPatch(
+        (left, y - HIGH),
+        right - left,
+        2 * HIGH,
+        "round,pad=0,rounding_size=0.06",
+        **shape,
+    )
+    axes.add_patch(box).set_zorder(3)
+
+
+def _draw_node(axes: Axes, node: Node, note: str, framed: bool) -> Patch | None:
     text = f"$S_{{{node.name}}}$" + (f"\n{note}" if note else "")
-    axes.annotate(
+    written = axes.annotate(
         text, node.at, ha="center", va="center", zorder=4,
         fontsize=8 if node.present else 6, color=INK if node.present else NOMINAL,
         bbox={
             "boxstyle": "round,pad=0.35" if node.present else "round,pad=0.2",
-            "facecolor": "white",
+            "facecolor": "white" if framed else "none",
             "edgecolor": NOMINAL if node.present else ABSENT,
-            "linewidth": 1.2 if node.present else 0.5,
+            "linewidth": framed * (1.2 if node.present else 0.5),
         },
     )  # fmt: skip
+    return written.get_bbox_patch()
 
 
-def _draw_step(axes: Axes, start: Place, end: Place, number: int, clear: float) -> None:
-    """An arrow that ends some points clear of the middle of its nodes."""
-    (x0, y0), (x1, y1) = start, end
-    arrow = {
-        "arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "shrinkA": clear,
-        "shrinkB": clear, "connectionstyle": f"arc3,rad={BOW}",
-    }  # fmt: skip
-    axes.annotate("", end, start, arrowprops=arrow, zorder=2)
-    bow = BOW / 2  # a quadratic curve passes half its control point's distance
-    x = (x0 + x1) / 2 + bow * (y1 - y0)
-    y = (y0 + y1) / 2 - bow * (x1 - x0)
+def _draw_step(
+    axes: Axes, ends: Sequence[Place], boxes: Sequence[Patch | None], number: int
+) -> None:
+    """An arrow beside its edge, from the box of a node to that of the next."""
+    start, end = np.array(ends)
+    lane = np.array([LANE * np.sign(end[1] - start[1]), 0.0])
+    first, last = (
+        None if at[1] == HIGH else box for at, box in zip(ends, boxes, strict=True)
+    )
+    arrow: Style = {"color": INK, "linewidth": 1.0, "mutation_scale": 8, "zorder": 2}
+    clipped: Style = {"patchA": first, "patchB": last, "shrinkA": 0, "shrinkB": 0}
+    line = FancyArrowPatch(
+        start + lane, end + lane, arrowstyle="-|>", **clipped, **arrow
+    )
+    axes.add_patch(line)
+    way = NUMBERED if end[1] > start[1] else 1 - NUMBERED  # beside that back
+    x, y = start + lane + way * (end - start)
     axes.annotate(
         str(number), (x, y), ha="center", va="center", fontsize=6.5, color="white",
         zorder=3,

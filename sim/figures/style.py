@@ -89,10 +89,11 @@ def plain_decades(*axes: Axis, subs: tuple[int, ...] = (1, 2, 5)) -> None:
 
 
 def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
-    """Nominal path, physics as a broad line, and both predictions on top of it."""
-    axes.plot(*(scale * walked.nominal.T), "--", color=NOMINAL, label="nominal")
+    """Physics as a broad line, both predictions on it, and the nominal path on top."""
     for name, style in PATHS.items():
         axes.plot(*(scale * walked.pose[name][:, :2].T), **style)
+    line: Style = {"color": NOMINAL, "linewidth": 1.3, "label": "nominal"}
+    axes.plot(*(scale * walked.nominal.T), "--", **line)
 
 
 def extremes(values: Array, segment: Array, count: int) -> tuple[Array, Array]:

@@ -20,8 +20,9 @@ from sim.runs.run import Run
 
 WIDTH, HEIGHT = 1280, 720  # of the picture [pixels]; even, as the codec demands
 FIELD_OF_VIEW = 32.0  # vertical [degrees]; narrow, for calm perspective
-USED = (0.77, 0.73)  # of half the picture, sideways and upright: the rest is captions
-MIDDLE = (0.16, 0.12)  # of that room, right of and above the middle of the picture
+FREE = (356, 24, 1244, 580)  # left, top, right, bottom for what is seen [pixels]
+USED = ((FREE[2] - FREE[0]) / WIDTH, (FREE[3] - FREE[1]) / HEIGHT)  # of the picture
+MIDDLE = ((FREE[0] + FREE[2]) / WIDTH - 1, 1 - (FREE[1] + FREE[3]) / HEIGHT)  # of it
 KNEES = 0.35  # above the feet, in units of the robot's reach
 HALF_HEIGHT = float(np.tan(np.radians(FIELD_OF_VIEW) / 2))  # of the picture, at 1 m
 HALF_WIDTH = HALF_HEIGHT * WIDTH / HEIGHT

@@ -1,18 +1,22 @@
-"""Captions of a film: key, clock, stratum, contacts, margin, error and scales."""
+"""Captions of a film: key, clock, stratum, contacts, margin, error, scales, cards."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
+from PIL import Image, ImageDraw
 
 from planner import Array
 from sim import palette
 from sim.evaluation.flows import WalkedPhase
+from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
 from sim.pictures.floor import cell
+from sim.pictures.ghost import ghost_of
 from sim.pictures.inset import inset
 from sim.pictures.legend import legend, noun
 from sim.pictures.panel import (
@@ -23,6 +27,7 @@ from sim.pictures.panel import (
     Draw,
     Panel,
     empty,
+    fitting,
     length,
     millimetres,
     text,
@@ -33,8 +38,15 @@ from sim.scenarios.predictions import PREDICTIONS
 GAP = 10  # between panels [pixels]
 BAR = 92  # height of the bar at the bottom [pixels]
 LAMP = 11  # radius of a foot's lamp [pixels]
-COLUMN = 230  # width of a number in the bar [pixels]
+COLUMN = 180  # width of a number in the bar [pixels]
 SCALE = 50  # height of the scale bar's panel [pixels]
+HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
+RESULTS = (
+    "path_length",
+    "distance_walked",
+    "predicted.*.slip",
+    "predicted.*.min_margin",
+)
 TICK = 5  # half the height of the scale bar's ends [pixels]
 
 VERBS = {  # of a group in the air, of one on the ground
@@ -46,56 +58,91 @@ VERBS = {  # of a group in the air, of one on the ground
 
 
 class Captions:
-    """Writes on the pictures of one film."""
+    """Writes on the pictures of one film, and draws its two cards."""
 
     def __init__(self, walk: Run, clock: Clock, view: Camera) -> None:
         bottom = HEIGHT - EDGE - BAR - GAP
         key, scale = legend(walk), scale_bar(view, walk.reach, bottom)
-        error = inset(walk, view, key.bottom, bottom, clear=scale.top - GAP)
-        time = _clock(walk, clock.playback)
-        self._panels = (key, time, scale, error, _bar(walk))
+        error = inset(walk, view, key.bottom + GAP)
+        self._panels = (key, scale, error, _bar(walk, clock.playback))
+        self._walk, self._clock = walk, clock
 
     def write(self, picture: Array, row: int) -> None:
         """Write on the picture of a row, shape (HEIGHT, WIDTH, 3), bytes, in place."""
         for panel in self._panels:
             panel.put(picture, row)
 
-
-def _clock(walk: Run, playback: float) -> Panel:
-    """Top right: the time, and how much faster it passes."""
-    still, draw = empty(150, 82)
-    speed = "real time" if playback == 1 else f"{playback:g}x real time"
-    text(draw, (150 - PAD, 48), speed, anchor="ra", colour=palette.FAINT)
-
-    def write(draw: Draw, row: int) -> None:
-        text(draw, (150 - PAD, 10), f"{walk.time[row]:.1f} s", LARGE, "ra")
-
-    return Panel(WIDTH - EDGE - 150, EDGE, still, write)
+    def card(self, frame: int) -> Array:
+        """The card of a frame that does not show the robot."""
+        lines = _title if frame < self._clock.scene.start else _results
+        return _card(lines(self._walk))
 
 
-def _bar(walk: Run) -> Panel:
-    """At the bottom: stratum, feet in contact, and present measurements."""
+def _title(walk: Run) -> list[str]:
+    scenario = walk.scenario
+    steered = f"{scenario.fields} fields, {walk.segments} segments"
+    return [
+        scenario.name,
+        f"{Path(scenario.robot).stem}: {scenario.description or steered}",
+        "",
+        "Legs that can only swing and lift; a plan made of Lie brackets",
+        "after Goodwine and Burdick, IROS 2000; physics by MuJoCo",
+    ]
+
+
+def _results(walk: Run) -> list[str]:
+    summary = walk.summary
+    head, *further = summary.verdict_text.split("; ")
+    shown = (*OF_WALKS, *(q for q in OF_ROWS if q.key.startswith("predicted")))
+    found = [
+        f"{q.label}: {q.words(value)}"
+        for q in shown
+        if q.key in RESULTS and (value := q.value(summary, ACHIEVED)) is not None
+    ]
+    said = head.removeprefix(summary.verdict).lstrip(": ")
+    return [f"{walk.scenario.name}: {summary.verdict}", said, *further, "", *found]
+
+
+def _card(lines: Sequence[str]) -> Array:
+    """A picture of words alone: a headline, and lines below it."""
+    picture = Image.new("RGB", (WIDTH, HEIGHT), palette.PAPER)
+    draw = ImageDraw.Draw(picture)
+    headline, *rest = (fitting(line, WIDTH - 2 * MARGIN, MIDDLE) for line in lines)
+    y = HEIGHT // 2 - (HEADLINE + STEP * len(rest)) // 2
+    text(draw, (MARGIN, y), headline, HEADLINE)
+    for number, line in enumerate(rest):
+        colour = palette.FAINT if number else palette.TEXT
+        text(
+            draw, (MARGIN, y + 2 * HEADLINE + STEP * number), line, MIDDLE, "la", colour
+        )
+    return np.array(picture)
+
+
+def _bar(walk: Run, playback: float) -> Panel:
+    """At the bottom: stratum, feet in contact, present measurements and the time."""
     width, height = WIDTH - 2 * EDGE, BAR
     still, draw = empty(width, height)
-    first = next(name for name in walk.drawn if name in walk.predicted)
+    first = ghost_of(walk)
     off = np.hypot(*(walk.achieved - walk.predicted[first])[:, :2].T)
-    label = f"off the {PREDICTIONS[first].label} prediction"
+    label = f"off {PREDICTIONS[first].label}"
     numbers = {"stability margin": walk.margin, label: off}
     if walk.clearance is not None:
         numbers["clear of obstacles"] = walk.clearance
-    ends = [width - PAD - i * COLUMN for i in range(len(numbers))]
-    for end, label in zip(ends, numbers, strict=True):
+    speed = "real time" if playback == 1 else f"{playback:g}x real time"
+    ends = [width - PAD - i * COLUMN for i in range(len(numbers) + 1)]
+    for end, label in zip(ends, (speed, *numbers), strict=True):
         text(draw, (end, 54), label, anchor="ra", colour=palette.FAINT)
 
     def write(draw: Draw, row: int) -> None:
         flow = walk.phases[walk.phase[row]]
         words = describe(flow, walk.groups, walk.legs_per_group)
-        text(draw, (PAD, 12), words, MIDDLE)
+        text(draw, (PAD, 12), fitting(words, ends[-1] - COLUMN - PAD, MIDDLE), MIDDLE)
         for foot, leg in enumerate(walk.legs):
             colour = palette.group(walk.group_of_foot[foot])
             _lamp(draw, foot, str(leg), colour, touches=walk.contact[row, foot])
-        for end, metres in zip(ends, numbers.values(), strict=True):
-            text(draw, (end, 14), millimetres(metres[row]), LARGE, "ra")
+        values = (millimetres(metres[row]) for metres in numbers.values())
+        for end, value in zip(ends, (f"{walk.time[row]:.1f} s", *values), strict=True):
+            text(draw, (end, 14), value, LARGE, "ra")
 
     return Panel(EDGE, HEIGHT - EDGE - height, still, write)
 
@@ -127,7 +174,7 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
 
 
 def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
-    """The panel at the right, above the bar of numbers: one cell of the grid."""
+    """The panel at the left, above the bar of numbers: one cell of the grid."""
     metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
     tilt = np.radians(view.elevation)
     above = (HEIGHT / 2 - bottom + SCALE // 3) * view.pixel  # at a distance of one
@@ -141,4 +188,4 @@ def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
     draw.line((left, y, right, y), palette.TEXT, 3)
     for x in (left, right):
         draw.line((x, y - TICK, x, y + TICK), palette.TEXT, 3)
-    return Panel(WIDTH - EDGE - width, bottom - SCALE, still, lambda draw, row: None)
+    return Panel(EDGE, bottom - SCALE, still, lambda draw, row: None)

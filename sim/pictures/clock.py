@@ -14,8 +14,10 @@ from sim.errors import UsageError
 
 FRAME_RATE = 25  # [1/s]
 MOST_PICTURES = 100_000  # an hour
-FILM_LENGTH = 40.0  # [s] at most, unless a scenario sets the playback speed itself
-TAIL = 1.5  # [s] that the last picture stays
+FILM_LENGTH = (
+    40.0  # [s] of the walk at most, unless a scenario sets the playback speed itself
+)
+TITLE, TAIL, RESULTS = 2.0, 1.5, 3.0  # [s] of title, last picture, card of results
 
 Stretch = tuple[float, float]
 WHOLE: Stretch = (-inf, inf)
@@ -27,11 +29,13 @@ class Clock:
 
     playback: float  # speed against real time
     rows: Array  # of the trajectory, that each picture shows, (pictures,)
+    title: int = 0  # number of pictures at the beginning that are the title card
+    results: int = 0  # number of pictures at the end that are the card of results
 
     @property
-    def moving(self) -> int:
-        """Number of pictures before the last one is held."""
-        return int(np.searchsorted(self.rows, self.rows[-1]))
+    def scene(self) -> range:
+        """The pictures that show the robot."""
+        return range(self.title, len(self.rows) - self.results)
 
     def frame_of(self, rows: Array) -> Array:
         """First picture that shows each row or a later one, shape as given."""
@@ -41,7 +45,7 @@ class Clock:
 def clock(
     time: Array, playback: float | None = None, stretch: Stretch = WHOLE
 ) -> Clock:
-    """Spread the pictures evenly over a walk, and hold the last one for a moment.
+    """Spread the pictures evenly over a walk, between two cards if it is all of it.
 
     Without a playback speed, take the lowest round one, real time at best, that keeps
     the film within `FILM_LENGTH`.
@@ -56,8 +60,14 @@ def clock(
         where = f"playback = {playback:g} of the run"
         raise UsageError(what, where, remedy)
     moments = time[first] + np.arange(moving) * playback / FRAME_RATE
-    tail = np.full(round(TAIL * FRAME_RATE), last)
-    return Clock(playback, np.concatenate([np.searchsorted(time, moments), tail]))
+    whole = first == 0 and last == len(time) - 1
+    title, tail, results = (
+        round(seconds * FRAME_RATE)
+        for seconds in (whole * TITLE, TAIL, whole * RESULTS)
+    )
+    begin, end = np.full(title, first), np.full(tail + results, last)
+    rows = np.concatenate([begin, np.searchsorted(time, moments), end])
+    return Clock(playback, rows, title, results)
 
 
 def rows_of(time: Array, stretch: Stretch) -> tuple[int, int]:

@@ -23,14 +23,14 @@ class Drawing:
     points: Array  # corners, anticlockwise, (N, 3, 2) [m]
     frames: Array  # first one of each triangle, (N,), ascending
     shapes: Array  # number of each one's; triangles of a shape do not overlap
-    fleeting: bool = False  # whether a triangle is gone again in the next frame
+    life: int | None = None  # frames in which a triangle is seen; None for all later
 
     def visible(self, frame: int) -> tuple[int, int]:
         """Index of the first triangle to be seen in a frame, and how many follow."""
         stop = int(np.searchsorted(self.frames, frame, side="right"))
-        if not self.fleeting:
+        if self.life is None:
             return 0, stop
-        start = int(np.searchsorted(self.frames, frame, side="left"))
+        start = int(np.searchsorted(self.frames, frame - self.life, side="right"))
         return start, stop - start
 
     def __len__(self) -> int:
@@ -49,8 +49,8 @@ class Mark:
     @cached_property
     def pieces(self) -> tuple[tuple[str, Drawing], ...]:
         """Pieces of the drawing with their names; complete ones stay on the card."""
-        whole = self.drawing  # as a fleeting one stays
-        cuts = [] if whole.fleeting else range(PIECE, len(whole), PIECE)
+        whole = self.drawing  # as one stays that vanishes again
+        cuts = [] if whole.life else range(PIECE, len(whole), PIECE)
         parts = (np.split(a, cuts) for a in (whole.points, whole.frames, whole.shapes))
         return tuple(
             (f"{self.name} {i}", replace(whole, points=p, frames=f, shapes=s))
@@ -58,19 +58,19 @@ class Mark:
         )
 
 
-def join(drawings: Iterable[Drawing], fleeting: bool = False) -> Drawing:
+def join(drawings: Iterable[Drawing], life: int | None = None) -> Drawing:
     """One drawing of several."""
     drawings = [drawing for drawing in drawings if len(drawing)]
     if not drawings:
         nothing = np.zeros(0, int)
-        return Drawing(np.zeros((0, 3, 2)), nothing, nothing, fleeting)
+        return Drawing(np.zeros((0, 3, 2)), nothing, nothing, life)
     counts = np.cumsum([0, *(drawing.shapes.max() + 1 for drawing in drawings)])
     shapes = [drawing.shapes + n for drawing, n in zip(drawings, counts, strict=False)]
     frames = np.concatenate([drawing.frames for drawing in drawings])
     order = np.argsort(frames, kind="stable")
     points = np.concatenate([drawing.points for drawing in drawings])
     numbers = np.concatenate(shapes)[order]
-    return Drawing(points[order], frames[order], numbers, fleeting)
+    return Drawing(points[order], frames[order], numbers, life)
 
 
 def ribbon(line: Array, frames: Array, width: float, jump: float = np.inf) -> Drawing:

@@ -7,13 +7,15 @@ from pathlib import Path
 import mujoco
 
 from sim import palette
-from sim.palette import Colour
-from sim.pictures.floor import cell, contour_step
-from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, length, text
+from sim.palette import NOMINAL, PREDICTED, Colour
+from sim.pictures.floor import contour_step
+from sim.pictures.ghost import ghost_of
+from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, fitting, text
 from sim.runs.run import Run
 
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 NOSE = "nose"  # geom on the front of the shipped robots
+MOST, WIDE = 6, 304  # lines; width [pixels]
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
@@ -22,12 +24,10 @@ def legend(walk: Run) -> Panel:
     """The panel at the top left: the walk, and the meaning of the colours."""
     scenario, lines = walk.scenario, _lines(walk)
     robot = Path(scenario.robot).stem  # of a user's own, the file
-    about = f"{robot}, {scenario.fields} fields, {walk.segments} segments"
-    labels = [length(label) + SWATCH for label, _, _ in lines]
-    width = max(length(about), length(scenario.name, LARGE), *labels) + 2 * PAD
-    still, draw = empty(width, TITLE - 2 + LINE * len(lines))
-    text(draw, (PAD, 10), scenario.name, LARGE)
-    text(draw, (PAD, 46), about, colour=palette.FAINT)
+    about = f"{robot}, {scenario.fields} fields"
+    still, draw = empty(WIDE, TITLE - 2 + LINE * len(lines))
+    text(draw, (PAD, 10), fitting(scenario.name, WIDE - 2 * PAD, LARGE), LARGE)
+    text(draw, (PAD, 46), fitting(about, WIDE - 2 * PAD), colour=palette.FAINT)
     for i, (label, colour, kind) in enumerate(lines):
         y = TITLE + i * LINE
         _sample(draw, kind, y, colour)
@@ -67,38 +67,22 @@ def nose(walk: Run) -> Colour | None:
 
 def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
     """Label, colour and kind of sample of every line of a film's legend."""
-    groups, nominal = noun(walk.legs_per_group), palette.NOMINAL
-    front, around = (
-        nose(walk),
-        (
-            ("obstacles", palette.OBSTACLE, "block"),
-            ("floor swept over", palette.SWEPT, "block"),
-        ),
-    )
-    predicted = [palette.PREDICTED[name] for name in walk.drawn]
-    squares = f"grid, {1000 * cell(walk.reach):g} mm"
-    if walk.scenario.bumps:
-        squares += f", contours {1000 * contour_step(walk):.3g} mm"
-    return [
-        *(around if walk.scenario.obstacles else []),
-        ("outline of the robot", palette.OUTLINE, "line"),
-        *([("nose, the front", front, "block")] if front else []),
-        (nominal.label, nominal.colour, "dashes"),
-        ("goal", nominal.colour, "ring"),
-        *((mark.label, mark.colour, "line") for mark in (*predicted, palette.ACHIEVED)),
-        *(
-            [(palette.THOUGHT.label, palette.THOUGHT.colour, "ring")]
-            if walk.thought
-            else []
-        ),
-        ("centre of mass", palette.CENTRE_OF_MASS, "disc"),
-        ("support polygon", palette.STABLE, "area"),
-        *(
-            (f"footprints of {groups} {group}", palette.footprint(i), "disc")
-            for i, group in enumerate(walk.groups)
-        ),
-        (squares, palette.GRID, "mesh"),
+    paths, own = {name: PREDICTED[name] for name in walk.drawn}, ghost_of(walk)
+    ghost = {own: f"{PREDICTED[own].label}, ghost"}
+    around = ("floor swept over", palette.SWEPT, "block")
+    thought = (palette.THOUGHT.label, palette.THOUGHT.colour, "ring")
+    bumps = f"contours, {1000 * contour_step(walk):.3g} mm"
+    lines = [
+        ("nominal path, goal", NOMINAL.colour, "dashes"),
+        *((ghost.get(n, m.label), m.colour, "line") for n, m in paths.items()),
+        (palette.ACHIEVED.label, palette.ACHIEVED.colour, "line"),
+        ("support, centre of mass", palette.STABLE, "area"),
+        *([thought] if walk.thought else []),
+        *([around] if walk.scenario.obstacles else []),
+        *([(bumps, palette.RELIEF, "line")] if walk.scenario.bumps else []),
+        ("footprints, fading", palette.group(0).tint(0.6), "disc"),
     ]
+    return lines[:MOST]
 
 
 def _sample(draw: Draw, kind: str, y: int, colour: Colour) -> None:
@@ -114,11 +98,8 @@ def _sample(draw: Draw, kind: str, y: int, colour: Colour) -> None:
             draw.ellipse((left + 5, y - 7, left + 19, y + 7), fill=colour)
         case "ring":
             draw.ellipse((left + 4, y - 8, left + 20, y + 8), palette.PAPER, colour, 3)
-        case "mesh":
-            for x, height in ((left + 6, y - 5), (left + 18, y + 5)):
-                draw.line((x, y - 9, x, y + 9), colour, 2)
-                draw.line((left, height, right, height), colour, 2)
         case "block":
             draw.rectangle((left, y - 7, right, y + 7), colour)
         case "area":
             draw.rectangle((left, y - 7, right, y + 7), (*colour, 90), colour, 2)
+            draw.ellipse((left + 8, y - 4, left + 16, y + 4), palette.CENTRE_OF_MASS)

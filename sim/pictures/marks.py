@@ -23,7 +23,7 @@ from sim.palette import (
     THOUGHT,
     PathMark,
 )
-from sim.pictures.clock import Clock
+from sim.pictures.clock import FRAME_RATE, Clock
 from sim.pictures.drawing import (
     Drawing,
     Mark,
@@ -43,6 +43,8 @@ TRAIL = 0.012  # width of the slip of a foot
 BEND = 0.1  # [rad] that a path turns between its points, or
 BEAT = 6  # pictures; what comes first
 FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
+FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
+"""Strength of a footprint's colour, and in how many pictures it is so strong."""
 FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 
 
@@ -55,7 +57,7 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     nominal = dashes(walk.nominal[:, :2], dash, width)
     drawn = (
         Mark("contours of the floor", contours(walk), palette.RELIEF),
-        *_covered(walk, clock, frames),
+        *_covered(walk, clock),
         *_support(walk, clock, frames),
         *_footprints(walk, clock),
         *_goal(walk),
@@ -69,14 +71,11 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     return tuple(mark for mark in drawn if len(mark.drawing))
 
 
-def _covered(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
-    """The robot's outline; beside obstacles also the floor that it swept over."""
-    model = walk.model
-    robot = Solids(model, root_body(model, walk.model_file))
+def _covered(walk: Run, clock: Clock) -> Iterator[Mark]:
+    """The floor that the robot swept over beside obstacles."""
     if walk.scenario.obstacles:
+        robot = Solids(walk.model, root_body(walk.model, walk.model_file))
         yield Mark("floor swept over", swept(robot, walk, clock), palette.SWEPT)
-    edge = outline(robot, walk, clock, frames, EDGE * walk.reach)
-    yield Mark("outline of the robot", edge, palette.OUTLINE)
 
 
 def _goal(walk: Run) -> Iterator[Mark]:
@@ -119,11 +118,16 @@ def _telling(line: Array, frames: Array) -> Array:
 
 
 def _footprints(walk: Run, clock: Clock) -> Iterator[Mark]:
-    """Where the feet of each group stood, and how they slipped while they did."""
-    for group, name in enumerate(walk.groups):
-        feet = np.flatnonzero(np.equal(walk.group_of_foot, group)).tolist()
-        drawing = join(stand for foot in feet for stand in _stands(walk, clock, foot))
-        yield Mark(f"footprints of {name}", drawing, palette.footprint(group))
+    """Where the feet of each group stood and how they slipped; the latest are darkest.
+
+    Each is drawn three times, palest and for ever below.
+    """
+    for age, (strength, life) in enumerate(FADING):
+        for group, name in enumerate(walk.groups):
+            feet = np.flatnonzero(np.equal(walk.group_of_foot, group)).tolist()
+            stands = [s for foot in feet for s in _stands(walk, clock, foot)]
+            ink = palette.group(group).tint(strength)
+            yield Mark(f"footprints of {name}, {age}", join(stands, life), ink)
 
 
 def _stands(walk: Run, clock: Clock, foot: int) -> Iterator[Drawing]:
@@ -153,8 +157,8 @@ def _support(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
             ribbon(np.vstack([c, c[:1]]), np.full(len(c) + 1, frame), EDGE * walk.reach)
             for frame, c in outlines
         )
-        yield Mark(name, join([filled], fleeting=True), colour, alpha=0.25)
-        yield Mark(f"edge of the {name}", join(edges, fleeting=True), colour)
+        yield Mark(name, join([filled], life=1), colour, alpha=0.25)
+        yield Mark(f"edge of the {name}", join(edges, life=1), colour)
 
 
 def _corners(hull: shapely.Geometry) -> Array:
@@ -173,21 +177,7 @@ def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
         ("centre of mass", 1.0, palette.CENTRE_OF_MASS),
     ):
         spots = discs(centres, np.array(frames), share * SPOT * walk.reach)
-        yield Mark(name, join([spots], fleeting=True), colour)
-
-
-def outline(
-    robot: Solids, walk: Run, clock: Clock, frames: range, width: float
-) -> Drawing:
-    """The outline in each of some frames, gone in the next."""
-    shapes = _outlines(robot, walk, clock.rows[frames.start : frames.stop])
-    rings = (
-        (frame, shapely.get_coordinates(ring))
-        for frame, shape in zip(frames, shapes, strict=True)
-        for ring in shapely.get_parts(shapely.boundary(shape))
-    )
-    lines = (ribbon(ring, np.full(len(ring), frame), width) for frame, ring in rings)
-    return join(lines, fleeting=True)
+        yield Mark(name, join([spots], life=1), colour)
 
 
 def swept(robot: Solids, walk: Run, clock: Clock) -> Drawing:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
+import shapely
 from PIL import Image, ImageDraw
 
+from models.description import root_body
 from planner import Array
 from sim import palette
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
+from sim.pictures.ghost import Ghost, body_corners, ghost_of
 from sim.pictures.panel import text
 from sim.pictures.scene import SUN, Look, build, has_endless_floor, mesh_name
 from sim.runs.run import Run
@@ -20,6 +24,7 @@ from sim.runs.run import Run
 SUN_DISTANCE = 5.0  # [reach of the robot]
 RADIUS = 9  # of the disc under the number of a leg [pixels]
 OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
+RIM, ARROW = 2, 0.16  # width of the outline [pixels], size of the arrow [body's width]
 SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
 
 
@@ -39,6 +44,8 @@ class OffscreenRenderer:
         self._drawn = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
         self._data = mujoco.MjData(self._model)
         self._numbers = LegNumbers(walk, self._model)
+        self._body = BodyLines(walk, self._model)
+        self._ghost = Ghost(walk, self._model, ghost_of(walk), meshes=True)
         self._view = mujoco.MjvCamera()
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
@@ -73,11 +80,13 @@ class OffscreenRenderer:
         for geom in scene.geoms[: scene.ngeom]:
             if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._drawn:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
+        scene.ngeom += len(self._ghost.at(row, scene.geoms[scene.ngeom :]))
         frame_area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
         picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)
         mujoco.mjr_render(frame_area, scene, self._brush)
         mujoco.mjr_readPixels(picture, None, frame_area, self._brush)
-        picture = picture[::-1]  # OpenGL counts rows from below
+        picture = picture[::-1].copy()  # OpenGL counts rows from below
+        self._body.write(picture, self._data, partial(self._camera.pixels, frame))
         places = self._numbers.places(self._data)
         self._numbers.write(picture, self._camera.pixels(frame, places))
         return picture
@@ -101,19 +110,46 @@ class OffscreenRenderer:
             mujoco.mjr_uploadMesh(model, self._brush, mesh)
 
 
+class BodyLines:
+    """Draws the outline of the body, and an arrow on it that points to its front."""
+
+    def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
+        self._root = root_body(model, walk.model_file)
+        self._corners = body_corners(model, self._root)
+        low, high = self._corners.min(axis=0), self._corners.max(axis=0)
+        size = ARROW * (high - low)[:2].min()
+        tip = np.array([high[0] - size, (low + high)[1] / 2, high[2]])
+        self._arrow = tip + size * np.array(
+            [(0, 0, 0), (-1.5, 0.8, 0), (-1.5, -0.8, 0)]
+        )
+
+    def write(
+        self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
+    ) -> None:
+        """Draw on a picture of a state, in place."""
+        place, turn = data.xpos[self._root], data.xmat[self._root].reshape(3, 3)
+        corners = pixels(place + self._corners @ turn.T)
+        rim = shapely.get_coordinates(shapely.convex_hull(shapely.MultiPoint(corners)))
+        arrow = pixels(place + self._arrow @ turn.T)
+        image = Image.fromarray(picture)
+        draw = ImageDraw.Draw(image)
+        draw.line(rim.ravel().tolist(), palette.FAINT, RIM, "curve")
+        draw.polygon(arrow.ravel().tolist(), palette.TEXT)
+        picture[:] = np.asarray(image)
+
+
 class LegNumbers:
-    """Writes the number of each leg halfway between its lift joint and its foot."""
+    """Writes the number of each leg at its foot."""
 
     def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
         legs = sorted(walk.card.legs)
-        self._joints = [model.joint(walk.card.legs[leg].lift).id for leg in legs]
         self._feet = [model.geom(walk.card.legs[leg].foot[0]).id for leg in legs]
         owners = zip(legs, walk.group_of_foot, strict=True)
         self._discs = [_disc(str(leg), palette.group(owner)) for leg, owner in owners]
 
     def places(self, data: mujoco.MjData) -> Array:
         """Where the numbers belong, shape (legs, 3) [m]."""
-        return (data.xanchor[self._joints] + data.geom_xpos[self._feet]) / 2
+        return data.geom_xpos[self._feet]
 
     def write(self, picture: Array, pixels: Array) -> None:
         """Write on a picture at pixels, (legs, 2), but not over its edge, in place."""

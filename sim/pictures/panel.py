@@ -70,6 +70,14 @@ def length(words: str, size: int = SMALL) -> int:
     return int(_font(size).getlength(words))
 
 
+def fitting(words: str, width: int, size: int = SMALL) -> str:
+    """Words cut to a width [pixels]."""
+    cut = words
+    while cut and length(cut, size) > width:
+        cut = cut.removesuffix("...")[:-1] + "..."
+    return cut
+
+
 def millimetres(metres: float, digits: int = 1) -> str:
     """A length in words, with so many decimals; none where it is not finite."""
     return f"{1000 * metres:.{digits}f} mm" if np.isfinite(metres) else "none"

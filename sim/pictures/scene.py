@@ -19,7 +19,7 @@ from sim.runs.run import Run
 
 AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
 SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
-BODY_ALPHA = 0.25  # of the torso, so that the floor below is seen
+BODY_ALPHA, PALER = 0.6, 0.5  # of the torso: the floor below and lines on it are seen
 LAYER = 0.0005  # thickness of a mark [reach of the robot]
 SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
 SHADOW_MAP = 2048  # [texels]
@@ -62,6 +62,7 @@ def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
     for geom in np.flatnonzero(model.geom_bodyid == root_body(model, walk.model_file)):
         if (material := model.geom_matid[geom]) >= 0:
             model.geom_rgba[geom] = model.mat_rgba[material]
+        model.geom_rgba[geom, :3] += PALER * (1 - model.geom_rgba[geom, :3])
         model.geom_rgba[geom, 3] *= BODY_ALPHA
     return model
 

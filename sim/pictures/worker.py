@@ -36,17 +36,22 @@ def draw(piece: Piece) -> None:
     renderer = OffscreenRenderer(walk, drawn, view, LOOKS[piece.look])
     with closing(renderer), encoding(piece.path) as append:
         for frame in frames:
-            if frame == frames[0] or not _is_held(film_clock, view, frame):
-                row = int(film_clock.rows[frame])
-                picture = renderer.picture(frame, row)
-                captions.write(picture, row)
+            if frame == frames[0] or not is_held(film_clock, view, frame):
+                picture = captions.card(frame)
+                if frame in film_clock.scene:
+                    row = int(film_clock.rows[frame])
+                    picture = renderer.picture(frame, row)
+                    captions.write(picture, row)
             append(picture)
             os.write(sys.stdout.fileno(), b".")
 
 
-def _is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
+def is_held(film_clock: Clock, view: Camera, frame: int) -> bool:
     """Whether a frame shows the same picture as the one before it."""
-    return frame > film_clock.moving and view.rests(frame)
+    if frame in (film_clock.scene.start, film_clock.scene.stop):
+        return False
+    rows = film_clock.rows
+    return bool(rows[frame] == rows[frame - 1]) and view.rests(frame)
 
 
 def main() -> None:

@@ -188,8 +188,12 @@ def describe(robot: Facts) -> str:
         lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
     for name, (forward, left, yaw) in robot["fields"].items():
         lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
-    if costs := [f"{n:.3g} a unit of {name}" for name, n in robot["strokes"].items()]:
-        lines += ["", f"{'strokes':12}{', '.join(costs)}"]
+    units = {"theta": "radian"}
+    if costs := [
+        f"{n:.3g} for a {units.get(name, 'metre')} of {name}"
+        for name, n in robot["strokes"].items()
+    ]:
+        lines += ["", f"{'strokes [rad]':14}{', '.join(costs)}"]
     for heading in ("changed", "lacks"):
         for k, sentence in enumerate(robot[heading]):
             lines.append(f"{'' if k else heading:12}{sentence}")

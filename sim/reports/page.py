@@ -20,7 +20,7 @@ from planner import Array
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import MINUS
 from sim.folder import RunFolder
-from sim.pictures.clock import clock
+from sim.pictures.clock import FRAME_RATE, clock
 from sim.progress import Progress, silent
 from sim.reports import tables
 from sim.reports.drawing import Drawing
@@ -88,7 +88,7 @@ def as_script(value: object) -> Markup:
 
 def _moments(run: Run) -> dict[str, object]:
     """Poses, distances and margins at moments evenly spread, for the script."""
-    last = len(run.time) - 1
+    last, film = len(run.time) - 1, clock(run.time, run.settings.get("playback"))
     rows = np.unique(np.linspace(0, last, min(MOMENTS, last + 1)).astype(int))
     return {
         "time": np.round(run.time[rows], 3).tolist(),
@@ -102,8 +102,8 @@ def _moments(run: Run) -> dict[str, object]:
             for p in run.phases
         ],
         "best": PREDICTIONS[run.best].label,
-        "playback": clock(run.time, run.settings.get("playback")).playback,
-        "begins": float(run.time[0]),
+        "playback": film.playback,
+        "begins": float(run.time[0]) - film.title * film.playback / FRAME_RATE,
     }
 
 

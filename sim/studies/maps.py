@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,10 +15,11 @@ from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.studies.results import LIMITS, NO_WALK, SEPARATE, Results
+from sim.studies.results import NO_WALK, SEPARATE, Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 SMALLEST_SHARE = 1e-6  # share of the path; what is smaller is drawn there
 MOST_MAPS = 12  # maps
@@ -35,21 +36,29 @@ MOST_LABELS = 200  # at an axis
 
 def draw_maps(results: Results, folder: Path) -> list[Path]:
     """Files of maps over every two settings that vary, or a curve over a single one."""
+    drawn = []
+    for keys, figure in figures(results):
+        path = folder / f"{'-'.join(keys)}.png"
+        with whole(path) as part:
+            figure.savefig(part, metadata={"Software": None})
+        drawn.append(path)
+    return drawn
+
+
+def figures(
+    results: Results, fonts: str = "path"
+) -> Iterator[tuple[tuple[str, ...], Figure]]:
+    """Settings and map of every two that vary, or of one, for SVG with its fonts."""
     import matplotlib as mpl
 
     varying = [key for key in results.keys if len(_labels(results.columns[key])) > 1]
     pairs: Sequence[tuple[str, ...]] = list(combinations(varying, 2))[:MOST_MAPS]
-    drawn = []
-    with mpl.rc_context(STYLE):
+    with mpl.rc_context({**STYLE, "svg.fonttype": fonts}):
         for keys in pairs or [(key,) for key in varying]:
             figure, axes = sheet_of("a", HIGH)
             (_draw_map if len(keys) == 2 else _draw_curve)(axes["a"], results, *keys)
             _legend(axes["a"], results)
-            path = folder / f"{'-'.join(keys)}.png"
-            with whole(path) as part:
-                figure.savefig(part, metadata={"Software": None})
-            drawn.append(path)
-    return drawn
+            yield keys, figure
 
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:
@@ -92,7 +101,7 @@ def _draw_curve(axes: Axes, results: Results, key: str) -> None:
     colours = [OUTCOMES[found].hex for found in results.classes]
     axes.scatter(x, share, s=12, c=colours, linewidths=0)
     axes.set_yscale("log")
-    for limit in LIMITS:
+    for limit in results.limits:
         axes.axhline(limit, color=FAINT.hex, linewidth=0.6)
     axes.set_ylabel("farthest, as a share of the path")
     axes.set_title(f"off the {results.label} prediction")

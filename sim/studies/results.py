@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -26,13 +27,17 @@ from sim.sweeps.table import read_table
 
 LIMITS = (0.01, 0.03, 0.10)
 """Shares of the path within which predictions hold."""
-CLASSES = ("within 1 %", "within 3 %", "within 10 %", "beyond", "fell", "no walk")
-FELL, NO_WALK = 4, 5
 SEPARATE = 12  # values, of which each is a group of its own
 BINS = (4, 24)  # groups of neighbouring values otherwise, at least and at most
 EACH = 12  # points that a group should have
 ROUNDING_SHARE = 1e-9  # of the path; smaller shares are rounding
 PRINTED_REASONS = 5
+FURTHER = ("beyond", "fell", "no walk")  # classes, after those of the limits
+FELL, NO_WALK = 4, 5
+QUARTILES = (0.25, 0.5, 0.75)  # of the points, next to which fitted limits are
+ROUND = np.outer(
+    10.0 ** np.arange(-9, 4), (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+).ravel()
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,8 @@ class Results:
     columns: Mapping[str, list[object]]  # values by column, a list of one a row
     keys: tuple[str, ...]  # columns that vary
     prediction: str  # name of the prediction that points are judged by
+    asked: Mapping[str, Any] = field(default_factory=dict)  # what the sweep is about
+    limits: tuple[float, ...] = LIMITS  # of the classes, shares of the path
 
     def __len__(self) -> int:
         return len(self.columns["point"])
@@ -62,7 +69,7 @@ class Results:
     @cached_property
     def classes(self) -> Array:
         """Index of each point's class among `CLASSES`, shape (N,)."""
-        found = np.searchsorted(LIMITS, np.nan_to_num(self.off, nan=np.inf))
+        found = np.searchsorted(self.limits, np.nan_to_num(self.off, nan=np.inf))
         words = self.columns.get("verdict", [None] * len(self))
         fell = np.array([word == "fell" for word in words])
         return np.where(self.walked, np.where(fell, FELL, found), NO_WALK)
@@ -70,8 +77,20 @@ class Results:
     @property
     def counts(self) -> dict[str, int]:
         """Number of points in each class."""
-        counted: Array = np.bincount(self.classes, minlength=len(CLASSES))
-        return dict(zip(CLASSES, counted.tolist(), strict=True))
+        names = [*(f"within {100 * one:.9g} %" for one in self.limits), *FURTHER]
+        counted: Array = np.bincount(self.classes, minlength=len(names))
+        return dict(zip(names, counted.tolist(), strict=True))
+
+    def fitted(self) -> Results:
+        """The same with round limits next to the quartiles of those that walked."""
+        off = self.off[self.classes < FELL]
+        if not len(off):
+            return self
+        wanted = np.maximum(np.quantile(off, QUARTILES), ROUND[0])
+        places = np.abs(np.log(ROUND[:, None] / wanted)).argmin(axis=0)
+        places[1:] = np.maximum(places[1:], places[0] + (1, 2))  # one after another
+        limits = ROUND[np.maximum(places, (0, 0, places[1] + 1))].tolist()
+        return replace(self, limits=tuple(limits))
 
     @property
     def label(self) -> str:
@@ -101,7 +120,7 @@ def read_results(path: Path, prediction: str) -> Results:
     if vary is None or strange or lacking:
         what = f"it does not say what varies, {', '.join(strange + lacking)}"
         raise UsageError(what, str(file), "give the table that a sweep has written")
-    results = Results(columns, keys, prediction)
+    results = Results(columns, keys, prediction, asked or {})
     if results.walked.any():
         results.column(f"error.{prediction}.farthest")
     return results
@@ -173,7 +192,7 @@ class Findings:
         for word, count in self.classes.items():
             yield f"{word:14}{count:6} {count / max(self.points, 1):7.1%}"
         for reason, count in self.reasons.items():
-            yield f"{CLASSES[NO_WALK]:14}{count:6}  {reason}"
+            yield f"{FURTHER[-1]:14}{count:6}  {reason}"
         yield ""
         yield f"{'alone explains':24}{'of departures':>14}{'of lost walks':>15}"
         ranked = sorted(self.explained.items(), key=lambda of: -(of[1].departure or 0))

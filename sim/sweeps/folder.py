@@ -28,6 +28,11 @@ UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, RecursionError)
 SIDE_BY_SIDE = " with "  # between keys that vary together
 
 
+def run_folder(point: int) -> str:
+    """Where in a sweep's folder the run of a point is, if it was to be kept."""
+    return f"runs/point-{point:05d}"
+
+
 @dataclass(frozen=True, slots=True)
 class Shard:
     """One of several equal parts of a sweep; the points are dealt out one by one."""

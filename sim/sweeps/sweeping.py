@@ -20,7 +20,7 @@ from sim.preparation.shared import PLAN
 from sim.run_folder import run
 from sim.scenarios.file import scenario_from, to_table
 from sim.sweeps.file import Sweep
-from sim.sweeps.folder import About, Shard, SweepFolder, sole_owner
+from sim.sweeps.folder import About, Shard, SweepFolder, run_folder, sole_owner
 from sim.sweeps.identity import digest
 from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
 from sim.sweeps.table import Row, write_table
@@ -161,18 +161,18 @@ def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
 
     Complete folders are left alone. The result says what went wrong with which point.
     """
-    runs, wrong = RunFolder(folder.path / "runs"), []
+    own, wrong = RunFolder(folder.path), []
     look, last = None, "summary.json"
     if points.sweep.filmed:
         look, last = "draft", "video.mp4"
     for point in points.sweep.run_folders:
-        name = f"point-{point:05d}"
-        if point not in points.tables or (runs.path / name / last).exists():
+        name = run_folder(point)
+        if point not in points.tables or (own.path / name / last).exists():
             continue
-        shutil.rmtree(runs.path / name, ignore_errors=True)
+        shutil.rmtree(own.path / name, ignore_errors=True)
         scenario = scenario_from(points.tables[point], {}, f"point {point}")
         try:
-            run(scenario, runs.inner(name), look=look)
+            run(scenario, own.inner(name), look=look)
         except FilesError:
             raise
         except Exception as error:  # its reason stands in the table as well

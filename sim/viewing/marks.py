@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 import shapely
 
-from models.description import root_body
 from planner import Array
 from sim import palette
-from sim.motion.poses import length_up_to, rotate
+from sim.motion.poses import length_up_to
 from sim.motion.stability import support_polygons
-from sim.palette import EDGE, FOOTPRINT, GHOST, GHOST_TORSO, GOAL, NOMINAL, SPOT, Colour
+from sim.palette import EDGE, FOOTPRINT, GOAL, NOMINAL, SPOT, Colour
+from sim.pictures.ghost import Ghost, decor
 from sim.runs.run import Run
 
 KIND = mujoco.mjtGeom
@@ -22,23 +22,17 @@ PATH_POINTS = 120  # of a path
 PRINTS = 120  # footprints, the latest ones; the viewer draws 1024 geoms in all
 BEND = 0.2  # of a path's width: the same line in fewer rods, each of them costs time
 COVERED = 0.4  # of a footprint's radius: one print hides an earlier one so near
-INSIDE = 0.93  # size of the ghost, which the robot hides where it is as predicted
 # In units of the robot's reach.
 HIGH, THICK = 0.008, 0.006  # above the floor, width of paths
-FLAT = np.eye(3).ravel()
 
 
 class Marks:
     """The marks of one walk, row by row."""
 
     def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
-        self._walk, self._model = walk, model
-        self._ghost = mujoco.MjData(model)
-        root = root_body(model, walk.model_file)
-        self._address = int(model.jnt_qposadr[model.body_jntadr[root]])
-        moving = model.body_rootid[model.geom_bodyid] == root
-        self._body = np.flatnonzero(moving & (model.geom_rgba[:, 3] > 0)).tolist()
-        self._torso = np.flatnonzero(model.geom_bodyid == root)
+        self._walk = walk
+        *_, last = walk.drawn
+        self._ghost = Ghost(walk, model, last)
         self._still = [*self._paths(), self._goal()]
         self._prints = _uncovered(walk, *landings(walk))
         self._shown: tuple[int, list[mujoco.MjvGeom]] = -1, []
@@ -49,7 +43,7 @@ class Marks:
             come = self._bent(self._walk.achieved[: row + 1])
             achieved = self._line(come, palette.ACHIEVED.colour, THICK, level=3)
             still = (*self._still, *self._footprints(row))
-            moving = (*achieved, *self._support(row), *self._shadow(row))
+            moving = (*achieved, *self._support(row), *self._ghost.at(row))
             self._shown = row, [*still, *moving]
         return self._shown[1]
 
@@ -76,7 +70,7 @@ class Marks:
         reach = self._walk.reach
         place = np.append(self._walk.nominal[-1, :2], HIGH * reach / 2)
         size = np.array([GOAL, HIGH / 4, 0.0]) * reach
-        return _geom(KIND.mjGEOM_CYLINDER, size, place, NOMINAL.colour.rgba(0.5))
+        return decor(KIND.mjGEOM_CYLINDER, size, place, NOMINAL.colour.rgba(0.5))
 
     def _line(
         self, points: Array, colour: Colour, width: float, level: int, step: int = 1
@@ -85,7 +79,7 @@ class Marks:
         reach = self._walk.reach
         places = np.insert(points, 2, HIGH * reach * (1 + 0.3 * level), axis=1)
         for start, end in islice(pairwise(places), 0, None, step):
-            geom = _geom(KIND.mjGEOM_CYLINDER, np.ones(3), start, colour.rgba())
+            geom = decor(KIND.mjGEOM_CYLINDER, np.ones(3), start, colour.rgba())
             radius = width * reach / 2
             mujoco.mjv_connector(geom, KIND.mjGEOM_CYLINDER, radius, start, end)
             geom.type = KIND.mjGEOM_BOX  # of the same place and size
@@ -99,7 +93,7 @@ class Marks:
             foot = int(feet[i])
             place = np.append(self._walk.contact_point[rows[i], foot], size[1])
             colour = palette.footprint(self._walk.group_of_foot[foot]).rgba()
-            yield _geom(KIND.mjGEOM_CYLINDER, size, place, colour)
+            yield decor(KIND.mjGEOM_CYLINDER, size, place, colour)
 
     def _support(self, row: int) -> Iterator[mujoco.MjvGeom]:
         """The edge of the support polygon, red where the weight has left it."""
@@ -107,37 +101,7 @@ class Marks:
         yield from self._line(*support(walk, row), EDGE, level=4)
         place = np.append(walk.center_of_mass[row], 2 * HIGH * walk.reach)
         size = np.full(3, SPOT * walk.reach)
-        yield _geom(KIND.mjGEOM_SPHERE, size, place, palette.CENTRE_OF_MASS.rgba())
-
-    def _shadow(self, row: int) -> Iterator[mujoco.MjvGeom]:
-        """The robot where the last of the predictions, the quasi-static, sees it."""
-        walk, model = self._walk, self._model
-        *_, (name, poses) = walk.drawn.items()
-        colour = palette.PREDICTED[name].colour
-        self._ghost.qpos[:] = _moved(
-            walk.qpos[row], self._address, walk.achieved[row], poses[row]
-        )
-        mujoco.mj_kinematics(model, self._ghost)
-        for i in self._body:
-            if model.geom_type[i] == KIND.mjGEOM_MESH:
-                continue  # the viewer knows meshes by a number of its own
-            yield _geom(
-                mujoco.mjtGeom(model.geom_type[i]),
-                INSIDE * model.geom_size[i],
-                self._ghost.geom_xpos[i],
-                colour.rgba(GHOST_TORSO if i in self._torso else GHOST),
-                self._ghost.geom_xmat[i],
-            )
-
-
-def _moved(qpos: Array, address: int, pose: Array, to: Array) -> Array:
-    """Joint positions with the body moved from one pose in the plane to another."""
-    moved, turn = qpos.copy(), to[2] - pose[2]
-    place, attitude = slice(address, address + 2), slice(address + 3, address + 7)
-    moved[place] = to[:2] + rotate(qpos[place] - pose[:2], turn)
-    about_z = np.array([np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2)])
-    mujoco.mju_mulQuat(moved[attitude], about_z, qpos[attitude])
-    return moved
+        yield decor(KIND.mjGEOM_SPHERE, size, place, palette.CENTRE_OF_MASS.rgba())
 
 
 def support(walk: Run, row: int) -> tuple[Array, Colour]:
@@ -180,16 +144,3 @@ def thinned(points: Array) -> Array:
         return points[:1]
     at = np.searchsorted(way, np.linspace(0, way[-1], PATH_POINTS))
     return points[np.unique(np.minimum(at, len(points) - 1))]
-
-
-def _geom(
-    kind: mujoco.mjtGeom,
-    size: Array,
-    place: Array,
-    colour: tuple[float, float, float, float],
-    turned: Array = FLAT,
-) -> mujoco.MjvGeom:
-    geom = mujoco.MjvGeom()
-    mujoco.mjv_initGeom(geom, kind, size, place, turned, np.array(colour, np.float32))
-    geom.category = mujoco.mjtCatBit.mjCAT_DECOR
-    return geom

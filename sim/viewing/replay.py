@@ -83,7 +83,8 @@ def _recorded(server: ViserServer, walk: Run, progress: Callable[[float], None])
     away = 1.4 * walk.reach + 0.6 * extent  # behind and above the walk
     server.initial_camera.position = (x - 0.6 * away, y - away, 0.8 * away)
     server.initial_camera.look_at = (x, y, 0.0)
-    rows = film.rows[: film.moving + 1 : EVERY]
+    ended = int(np.searchsorted(film.rows, film.rows[-1]))
+    rows = film.rows[film.title : ended + 1 : EVERY]
     for done, row in enumerate(rows):
         robot.go_to(int(row))
         recorder.insert_sleep(EVERY / FRAME_RATE)

@@ -7,8 +7,13 @@ from pathlib import Path
 
 import imageio.v3 as iio
 import nbformat
+import numpy as np
 import pytest
 from nbclient import NotebookClient
+
+from models import equations, load, shipped_system
+from planner import Flow, play
+from tests.browser import ask
 
 ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = ROOT / "docs" / "notebooks"
@@ -44,7 +49,7 @@ def outputs(tmp_path, tmp_path_factory, monkeypatch):
 
 def test_every_notebook_is_run_below_and_kept_without_outputs():
     names = sorted(path.stem for path in NOTEBOOKS.glob("*.ipynb"))
-    assert names == ["bracket", "cupboard", "hexapod"]
+    assert names == ["bracket", "cupboard", "hands-on", "hexapod"]
     for name in names:
         notebook = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
         code = [cell for cell in notebook.cells if cell.cell_type == "code"]
@@ -57,6 +62,42 @@ def test_a_bracket_in_three_lines(outputs):
     assert "- \\cos{\\left(\\theta \\right)}" in shown[0]["text/latex"]
     assert re.search(r"0\.01 \[ 0\.005 +-1\. ", texts)  # the loop nears the bracket
     assert sum("image/png" in data for data in shown) == 3
+
+
+HANDS_ON = """
+const loop = [0.4, 0.4, 0.2, 0.2];
+sliders[0].value = 30;
+sliders[0].dispatchEvent(new Event("input"));
+return {
+  hexapod: endpoint("hexapod", loop), unicycle: endpoint("unicycle", loop),
+  said: [...document.querySelectorAll("output")].map((e) => e.textContent),
+};
+"""
+
+
+@pytest.mark.full
+def test_a_loop_by_hand_moves_as_the_planner_says(outputs):
+    texts, shown = outputs("hands-on")
+    assert "0.042336*cos(0.56*phi_1 - 0.56*phi_2)" in texts
+    assert any("iframe" in data.get("text/html", "") for data in shown)
+
+
+def test_the_page_without_a_server_computes_what_the_planner_does(tmp_path):
+    """A loop whose first corner is the origin, by the page's script and by flows."""
+    page = tmp_path / "hands-on.html"
+    page.write_text((ROOT / "docs" / "_static" / page.name).read_text())
+    found = ask(page, HANDS_ON, tmp_path)
+    side, hexapod = 0.4, equations(load("hexapod")).system
+    unicycle = shipped_system("unicycle").system
+    for system, (one, other) in (
+        (hexapod, (("1", "g1_1"), ("2", "g2_2"))),
+        (unicycle, ((unicycle.bottom, "turn"), (unicycle.bottom, "drive"))),
+    ):
+        loop = [Flow(*way, t) for t in (side, -side) for way in (one, other)]
+        end = play(system, loop, np.zeros(len(system.state)))[-1, :3]
+        name = "hexapod" if system is hexapod else "unicycle"
+        np.testing.assert_allclose(found[name], end, atol=1e-9)  # the planner's
+    assert all("sideways; bracket times area" in said for said in found["said"])
 
 
 @pytest.mark.full

@@ -11,7 +11,7 @@ import pytest
 
 from planner.support.stopping import tick
 from sim import progress
-from sim.progress import PATIENCE, Lines, at_most, bar, left, silent, stage
+from sim.progress import PATIENCE, Lines, Pace, at_most, bar, silent, stage
 from tests.commands import PROGRESS
 
 PROGRAM = (
@@ -74,7 +74,7 @@ def test_a_pipe_is_told_now_and_then_how_far_it_is_and_how_long_it_will_take(cap
         seconds[0] = float(second)
         tell("walking", second / 100)
     lines = capsys.readouterr().err.splitlines()
-    assert lines == ["walking  15%, about 79 s left", "walking  30%, about 68 s left"]
+    assert lines == ["walking  15%, about 85 s left", "walking  30%, about 70 s left"]
     assert all(PROGRESS.fullmatch(line) for line in lines)
 
 
@@ -123,9 +123,28 @@ def test_a_search_says_how_long_it_may_take(capsys):
     assert begun == 0.0 < reported < 0.01 < ended == 1.0
 
 
+def left(reports, now):
+    pace = Pace(0.0)
+    for fraction, at in reports:
+        pace.report(fraction, at)
+    return pace.left(now)
+
+
 def test_the_time_left_is_not_guessed_too_early():
-    assert left(10.0, 0.04) == left(10.0, 1.0) == ""
-    assert left(10.0, 0.25) == "about 30 s left"
+    assert left([(0.04, 10.0)], 10.0) == left([(1.0, 10.0)], 10.0) == ""
+    assert left([(0.25, 10.0)], 10.0) == "about 30 s left"
+
+
+def test_an_estimate_falls_while_a_long_part_is_under_way():
+    assert left([(0.25, 10.0)], 25.0) == "about 15 s left"
+    assert left([(0.25, 10.0)], 99.0) == "about 1 s left"
+
+
+def test_a_slow_beginning_does_not_count_after_a_fifth():
+    """Processes take 20 s to start; then 100 parts take a second each."""
+    reports = [(k / 100, 20.0 + k) for k in range(1, 21)]
+    said = int(left(reports, 40.0).split()[1])
+    assert 80 / 1.5 < said < 80 * 1.5
 
 
 def test_a_pipe_gets_lines_without_colours_and_json_gets_nothing(capsys):

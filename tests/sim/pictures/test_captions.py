@@ -1,16 +1,19 @@
 """What stands on the pictures: key, scales, numbers on legs and the inset."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sim import palette
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
-from sim.pictures.captions import SCALE, scale_bar
+from sim.pictures.captions import SCALE, Captions, _results, scale_bar
 from sim.pictures.clock import clock
 from sim.pictures.floor import cell, grid
-from sim.pictures.inset import BOX, FILL, MIDDLE, SIZE, inset, magnification
-from sim.pictures.legend import _lines, nose
-from sim.pictures.worker import _is_held
+from sim.pictures.inset import BOX, FILL, GAP, TOP, inset, magnification
+from sim.pictures.legend import MOST, _lines, nose
+from sim.pictures.panel import PAD
+from sim.pictures.worker import is_held
 from sim.runs.run import read_run
 from tests.finished_runs import predicted_elsewhere
 from tests.screen import on_screen
@@ -85,12 +88,26 @@ def test_the_scale_bar_is_as_long_as_what_lies_at_its_place(walk, view):
     assert length == pytest.approx(cell(walk.reach), rel=0.03)
 
 
-def test_the_key_explains_nose_goal_and_grid(walk):
-    labels = [label for label, _, _ in _lines(walk)]
-    assert "goal" in labels
-    assert "nose, the front" in labels
+def test_the_key_has_six_entries_at_most(walk):
+    assert [label for label, _, _ in _lines(walk)] == [
+        "nominal path, goal", "ideal prediction, ghost", "compliant prediction",
+        "achieved path", "support, centre of mass", "footprints, fading",
+    ]  # fmt: skip
+    beside = replace(walk, settings={**walk.settings})
+    beside.__dict__["thought"] = (walk.nominal[:2, :2],)
+    assert len(_lines(beside)) == MOST == 6
     assert nose(walk) == (242, 140, 38)  # of the file, 0.95 0.55 0.15
-    assert f"grid, {1000 * cell(walk.reach):g} mm" in labels
+
+
+def test_cards_say_what_is_walked_and_what_came_of_it(walk, film, view):
+    captions, scene = Captions(walk, film, view), film.scene
+    title, results = (captions.card(frame) for frame in (0, len(film.rows) - 1))
+    assert title.shape == results.shape == (HEIGHT, WIDTH, 3)
+    assert (title != results).any()
+    said = " ".join(_results(walk))
+    assert said.count(walk.summary.verdict) == 1
+    assert f"slip: {1e3 * walk.summary.achieved.slip:.1f} mm" in said
+    assert (scene.start, scene.stop) == (50, len(film.rows) - 75)
 
 
 @pytest.mark.parametrize(
@@ -110,10 +127,11 @@ def test_the_inset_shows_the_error_turned_and_scaled_as_the_picture_is(walk, vie
     moved = walk.achieved.copy()
     moved[:, :2] -= off
     shown = predicted_elsewhere(walk, lambda poses: moved)
-    panel = inset(shown, view, 300, 600, 550)
+    panel = inset(shown, view, 300)
     scale = 1 / (view.pixel * view.distance)
     factor = magnification(0.001, BOX / 2 * FILL / scale)
-    place = MIDDLE + (0.001 * factor * scale, 0)
+    middle = PAD + BOX + GAP + BOX / 2, TOP + BOX / 2  # of the best prediction
+    place = np.add(middle, (0.001 * factor * scale, 0))
     picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
     panel.put(picture, 5)
     x, y = np.round(place + (panel.left, panel.top)).astype(int)
@@ -121,20 +139,16 @@ def test_the_inset_shows_the_error_turned_and_scaled_as_the_picture_is(walk, vie
     assert palette.PREDICTED[walk.best].colour in drawn
 
 
-def test_an_inset_that_finds_no_room_under_the_key_goes_to_the_right(walk, view):
-    assert inset(walk, view, 300, 600, 550).left < WIDTH / 2
-    aside = inset(walk, view, 590, 600, 550)
-    assert aside.left > WIDTH / 2
-    assert aside.top + SIZE[1] == 550
-
-
 def test_a_walk_without_error_has_an_inset(walk, view):
     same = predicted_elsewhere(walk, lambda poses: walk.achieved)
     picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
-    inset(same, view, 300, 600, 550).put(picture, 3)
+    inset(same, view, 300).put(picture, 3)
     assert picture.any()
 
 
-def test_only_the_held_picture_is_drawn_once(film, view):
-    held = [frame for frame in range(1, len(film.rows)) if _is_held(film, view, frame)]
-    assert held == list(range(film.moving + 1, len(film.rows)))
+def test_only_pictures_that_change_are_drawn(film, view):
+    drawn = [i for i in range(1, len(film.rows)) if not is_held(film, view, i)]
+    first, last = film.scene.start, film.scene.stop
+    ended = int(np.searchsorted(film.rows, film.rows[-1]))
+    assert drawn[0] == first
+    assert drawn[-2:] == [ended, last]

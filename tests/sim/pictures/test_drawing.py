@@ -7,7 +7,7 @@ import pytest
 
 from sim.pictures.camera import HEIGHT, VIEW_DISTANCE, WIDTH, camera
 from sim.pictures.captions import describe
-from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, TAIL, clock
+from sim.pictures.clock import FILM_LENGTH, FRAME_RATE, RESULTS, TAIL, TITLE, clock
 from sim.pictures.drawing import CORNERS, dashes, discs, join, polygons, ribbon
 from tests.finished_runs import phase
 from tests.screen import on_screen
@@ -40,10 +40,13 @@ def test_a_jump_is_no_path():
     assert area(drawing) == pytest.approx(0.1 * 3.1)
 
 
-def test_fleeting_ink_is_gone_in_the_next_frame():
-    drawing = join([discs(np.zeros((3, 2)), np.array([2, 3, 5]), 1.0)], fleeting=True)
-    counts = [drawing.visible(frame)[1] for frame in range(7)]
-    assert counts == [0, 0, CORNERS - 2, CORNERS - 2, 0, CORNERS - 2, 0]
+@pytest.mark.parametrize(
+    ("life", "discs_seen"), [(1, [0, 0, 1, 1, 0, 1, 0]), (2, [0, 0, 1, 2, 1, 1, 1])]
+)
+def test_ink_is_gone_after_its_life(life, discs_seen):
+    drawing = join([discs(np.zeros((3, 2)), np.array([2, 3, 5]), 1.0)], life=life)
+    counts = [drawing.visible(frame)[1] // (CORNERS - 2) for frame in range(7)]
+    assert counts == discs_seen
 
 
 def test_dashes_follow_the_line_round_a_corner_and_cover_half_of_it():
@@ -75,7 +78,7 @@ def test_joined_ink_is_in_the_order_of_its_frames_and_keeps_shapes_apart():
 def test_films_stay_short_and_end_with_the_walk(duration):
     time = np.linspace(0, duration, 1001)
     film = clock(time)
-    assert len(film.rows) <= FILM_LENGTH * FRAME_RATE
+    assert len(film.scene) <= FILM_LENGTH * FRAME_RATE
     assert film.rows[-1] == 1000
     assert (np.diff(film.rows) >= 0).all()
 
@@ -90,17 +93,25 @@ def test_a_film_plays_in_real_time_or_at_the_lowest_round_speed(duration, playba
 @pytest.mark.parametrize("playback", [0.5, 1.0, 7.0])
 def test_a_scenario_can_set_the_speed(playback):
     film = clock(np.linspace(0, 70.0, 7001), playback)
-    seconds = len(film.rows) / FRAME_RATE - TAIL
+    seconds = len(film.scene) / FRAME_RATE - TAIL
     assert seconds == pytest.approx(70 / playback, abs=1 / FRAME_RATE)
 
 
 def test_a_picture_shows_its_own_moment():
     time = np.arange(0, 60, 0.01)
     film = clock(time, playback=2.0)
-    moving = len(film.rows) - round(TAIL * FRAME_RATE)
-    moments = np.arange(moving) * 2.0 / FRAME_RATE
+    moving = film.scene[: -round(TAIL * FRAME_RATE)]
+    moments = np.arange(len(moving)) * 2.0 / FRAME_RATE
     # A row is at most one sample late.
-    assert (np.abs(time[film.rows[:moving]] - moments) <= 0.01 + 1e-9).all()
+    assert (np.abs(time[film.rows[moving]] - moments) <= 0.01 + 1e-9).all()
+
+
+def test_cards_stand_before_and_after_a_whole_walk():
+    film = clock(np.linspace(0, 10.0, 1001))
+    assert film.scene.start == round(TITLE * FRAME_RATE)
+    assert len(film.rows) - film.scene.stop == round(RESULTS * FRAME_RATE)
+    assert set(film.rows[: film.scene.start]) == {0}
+    assert set(film.rows[film.scene.stop :]) == {1000}
 
 
 def walk_along(path, reach=0.2):

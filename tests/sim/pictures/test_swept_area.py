@@ -8,7 +8,7 @@ import shapely
 
 from models.library import load
 from sim.obstacles.solids import Outline
-from sim.pictures.marks import FINENESS, outline as drawn_outline, swept
+from sim.pictures.marks import FINENESS, swept
 
 REACH = 0.234  # [m], of the hexapod's outer feet
 
@@ -46,15 +46,3 @@ def test_what_is_swept_grows_to_all_outlines_and_never_overlaps(outline, walk):
         assert expected.buffer(tolerance).covers(covered)
         assert covered.buffer(tolerance).covers(expected)
         assert painted == pytest.approx(covered.area, rel=1e-9)
-
-
-def test_the_edge_is_drawn_around_the_robot_of_its_own_frame_alone(outline, walk):
-    width, clock = 0.002, SimpleNamespace(rows=np.arange(61))
-    drawing = drawn_outline(outline.solids, walk, clock, range(10, 13), width)
-    for frame in (10, 12):
-        drawn, _ = shown(drawing, frame)
-        line = outline.solids.swept(walk.qpos[[frame]]).boundary
-        # ends of pieces reach half a width on, diagonally
-        assert line.buffer(2 * width).covers(drawn)
-        assert drawn.buffer(width).covers(line)
-    assert drawing.visible(9)[1] == drawing.visible(13)[1] == 0

@@ -12,7 +12,7 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.evaluation.verdict import FAILURES
 from sim.folder import RunFolder
-from sim.pictures.clock import FRAME_RATE, clock
+from sim.pictures.clock import FRAME_RATE, TITLE, clock
 from sim.pictures.file import encoding
 from sim.reports.page import NAME, write_report
 from sim.run_folder import run, write
@@ -142,7 +142,9 @@ def test_the_cursor_moves_all_drawings_and_the_film(report, tmp_path):
     assert found["time"] == pytest.approx(found["middle"], abs=0.01)
     assert len(found["cursors"]) == 5
     # The film shows that moment; a picture of it is a 25th of a second.
-    assert 60 * found["film"] == pytest.approx(found["time"], abs=60 / FRAME_RATE)
+    assert 60 * (found["film"] - TITLE) == pytest.approx(
+        found["time"], abs=60 / FRAME_RATE
+    )
 
 
 ZOOM = """

@@ -1,6 +1,7 @@
 """`stratawalk study`: classes, findings and maps of a table that is known."""
 
 import json
+import re
 
 import numpy as np
 import pyarrow as pa
@@ -17,7 +18,11 @@ from sim.sweeps import table
 from sim.sweeps.file import read_sweep, shipped_studies
 from sim.sweeps.table import write_table
 
-ABOUT = {"asked": {"vary": {"friction": [], "play with draw": []}}, "software": {}}
+ASKED = {
+    "vary": {"friction": [], "play with draw": []}, "scenario": {"name": "line"},
+    "set": {},
+}  # fmt: skip
+ABOUT = {"asked": ASKED, "software": {}}
 FARTHEST = [0.0005, 0.002, 0.008, 0.5, 0.5, None]  # on a path of 0.1 m
 
 
@@ -59,6 +64,40 @@ def test_findings_and_maps_are_printed_and_drawn(folder, capsys):
     for path in found["maps"]:
         with Image.open(path) as picture:
             assert len(picture.convert("RGB").getcolors(1 << 20)) > 6
+
+
+def test_the_page_fits_its_classes_and_links_the_worst_and_the_best(folder, tmp_path):
+    kept = folder / "runs" / "point-00003"
+    kept.mkdir(parents=True)
+    (kept / "report.html").touch()
+    out = tmp_path / "pages" / "study.html"
+    assert main(["study", str(folder), "--out", str(out), "--json"]) == 0
+    page = out.read_text()
+    assert page.count("<svg") == 3
+    link = re.search('<a href="([^"]*)">report</a>', page)[1]
+    assert (out.parent / link).resolve() == kept / "report.html"
+    assert "<code>stratawalk run line --set" in page
+    assert page.index("The worst walks") < page.index("500 %") < page.index("The best")
+
+
+@pytest.mark.parametrize(
+    ("shares", "limits"),
+    [
+        ([0.001, 0.002, 0.003, 0.004, 0.005], (0.002, 0.003, 0.004)),
+        ([0.002] * 9, (0.002, 0.0025, 0.003)),  # which differ in any case
+        ([0.0] * 3, (1e-9, 1.2e-9, 1.5e-9)),
+    ],
+)
+def test_fitted_classes_divide_the_points_at_round_quartiles(folder, shares, limits):
+    count = len(shares)
+    columns = {
+        "point": [*range(count)], "status": ["ok"] * count,
+        "path_length": [1.0] * count, "distance_walked": [1.0] * count,
+        "error.ideal.farthest": shares,
+    }  # fmt: skip
+    fitted = Results(columns, (), "ideal").fitted()
+    assert fitted.limits == pytest.approx(limits)
+    assert sum(fitted.counts.values()) == count
 
 
 def test_equal_tables_give_equal_bytes(folder, tmp_path):
