@@ -17,7 +17,7 @@ GAIT = (
     "legs stand on the ground; it is named after these groups. A gait is",
     "the closed sequence of strata that the robot visits again and again.",
 )
-STROKE = "A stroke is a swing of legs that stand on the ground and move the body."
+STROKE = "a stroke is a swing of legs that stand on the ground and move the body"
 
 
 @dataclass(frozen=True)
@@ -208,8 +208,6 @@ class WalkFacts:
 
     def lines(self, prospect: Prospect) -> Iterator[str]:
         """The facts, with the paper's words explained."""
-        from sim.evaluation.comparison import strokes_in_words
-
         x, y, yaw = self.pose
         remarks = prospect.remarks()
         yield (
@@ -219,9 +217,7 @@ class WalkFacts:
         yield from filter(None, [remarks.get("fell back")])
         yield f"{'gait':10}{' '.join(self.gait)}"
         yield from (f"{'':10}{line}" for line in GAIT)
-        how = strokes_in_words(self.fields, self.stance)
-        yield f"{'strokes':10}{self.swing_travel:.3f} rad in all, {how}"
-        yield f"{'':10}{STROKE}"
+        yield f"{'strokes':10}{self.swing_travel:.3f} rad in all; {STROKE}"
         yield (
             f"{'walks':10}{self.distance_walked:.3f} m for a path of "
             f"{self.path_length:.3f} m, legs to {self.largest_swing:.3f} rad"

@@ -33,8 +33,8 @@ def execute(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     from sim.folder import RunFolder, blamed_on, ensure_folder
     from sim.progress import bar, stage
-    from sim.studies.page import page
     from sim.studies.maps import draw_maps
+    from sim.studies.page import page
     from sim.studies.results import findings, read_results
 
     given = Path(options.table)

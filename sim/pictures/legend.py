@@ -15,7 +15,7 @@ from sim.runs.run import Run
 
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 NOSE = "nose"  # geom on the front of the shipped robots
-MOST, WIDE = 6, 304  # lines; width [pixels]
+ENTRIES, WIDE = 6, 304  # lines; width [pixels]
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
 
@@ -82,7 +82,7 @@ def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
         *([(bumps, palette.RELIEF, "line")] if walk.scenario.bumps else []),
         ("footprints, fading", palette.group(0).tint(0.6), "disc"),
     ]
-    return lines[:MOST]
+    return lines[:ENTRIES]
 
 
 def _sample(draw: Draw, kind: str, y: int, colour: Colour) -> None:

@@ -18,15 +18,15 @@ from sim.studies.maps import figures
 from sim.studies.results import Findings, Results
 from sim.sweeps.folder import run_folder
 
-MOST = 5  # points among the best, and among the worst
+EXTREMES = 5  # points among the best, and among the worst
 
 
 def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
     """The page as HTML, which will lie in a folder, with links relative to it."""
     walked = np.flatnonzero(np.isfinite(results.off))
     order = walked[np.argsort(results.off[walked], kind="stable")].tolist()
-    worst = [*order[: -MOST - 1 : -1]]
-    best = [point for point in order[:MOST] if point not in worst]
+    worst = [*order[: -EXTREMES - 1 : -1]]
+    best = [point for point in order[:EXTREMES] if point not in worst]
     folder = table if table.is_dir() else table.parent
     places = os.path.relpath(folder, beside)
     name = folder.resolve().name

@@ -11,7 +11,7 @@ from sim.pictures.captions import SCALE, Captions, _results, scale_bar
 from sim.pictures.clock import clock
 from sim.pictures.floor import cell, grid
 from sim.pictures.inset import BOX, FILL, GAP, TOP, inset, magnification
-from sim.pictures.legend import MOST, _lines, nose
+from sim.pictures.legend import ENTRIES, _lines, nose
 from sim.pictures.panel import PAD
 from sim.pictures.worker import is_held
 from sim.runs.run import read_run
@@ -95,7 +95,7 @@ def test_the_key_has_six_entries_at_most(walk):
     ]  # fmt: skip
     beside = replace(walk, settings={**walk.settings})
     beside.__dict__["thought"] = (walk.nominal[:2, :2],)
-    assert len(_lines(beside)) == MOST == 6
+    assert len(_lines(beside)) == ENTRIES == 6
     assert nose(walk) == (242, 140, 38)  # of the file, 0.95 0.55 0.15
 
 
