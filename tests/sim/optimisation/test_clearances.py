@@ -15,12 +15,12 @@ ca = pytest.importorskip("casadi")
 
 WALL = {"kind": "wall", "points": [[-0.4, 0.23], [0.4, 0.23]]}
 BESIDE = {
-    "path.goal": [0.03, 0.0, 0.0],
-    "segments": 4,
+    "path.goal": [0.02, 0.0, 0.0],
+    "segments": 3,
     "path_tolerance": 0.03,
     "yaw_tolerance": 3.2,
     "optimise": "time",
-    "hops": 2,
+    "hops": 1,
     "obstacles": [WALL],
 }
 
@@ -71,7 +71,8 @@ def test_parts_of_the_body_do_not_swing(passage):
 
 
 def test_a_plan_keeps_away_from_a_wall_that_it_would_come_too_close_to(monkeypatch):
-    monkeypatch.setattr("planner.optimisation.windows.CLOSELY", 1)
+    for name in ("CLOSELY", "PATIENT_FOR", "FINALISTS", "SOFT_GUESSES"):
+        monkeypatch.setattr(f"planner.optimisation.windows.{name}", 1)
     free = prepare(load_scenario("line", BESIDE | {"min_clearance": -1.0}))
     close = ScenarioProblem(free).solve().plan
     asked = {"min_clearance": 0.02}
