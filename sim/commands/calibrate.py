@@ -229,11 +229,12 @@ class _Asker:
     """Asks on the terminal, or reads the lines of a file in place of answers."""
 
     def __init__(self, file: Path | None) -> None:
+        self._place = "standard input" if file is None else str(file)
         try:
             self._lines = None if file is None else iter(file.read_text().splitlines())
         except (OSError, UnicodeDecodeError) as error:
             remedy = "give a file of answers, a line each"
-            raise UsageError.at(str(file), error, remedy) from error
+            raise UsageError.at(self._place, error, remedy) from error
 
     def __call__(self, question: str, read: Callable[[str], T]) -> T:
         """What is answered, as `read` has it, which may refuse: asked once more."""
@@ -242,7 +243,7 @@ class _Asker:
                 told = input(question) if self._lines is None else next(self._lines)
                 return read(told.strip())
             except (EOFError, StopIteration):
-                raise UsageError("answers end", "an answer", way_on()) from None
+                raise UsageError("answers end", self._place, way_on()) from None
             except ValueError as error:
                 print(f"  {error}")
 
