@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 import numpy as np
-from scipy.spatial.distance import pdist
 
 from models.adoption.anatomy import Limb
 from models.contact.loads import static_loads
@@ -82,6 +81,8 @@ def posed(
     anticlockwise from how it stands, shape (legs, 2) [rad]. Turned legs keep apart as
     they did before.
     """
+    from scipy.spatial.distance import pdist  # slow to import, and seldom needed
+
     feet = np.array([limb.toe[:2] for limb in limbs])
     for groups in ways:
         first, second = (list(_stands(limbs, g, weight, ranges)) for g in groups)

@@ -101,13 +101,29 @@ class _Problem:
     grip: Array | None = None
 
     def solve(self) -> Array:
-        xi, sticking = self._turning_about_one_foot()
-        rest = ~self._is_minimum(xi, sticking)
-        if rest.any():
-            grip = None if self.grip is None else self.grip[rest]
-            part = _Problem(self.feet[rest], self.rates[rest], self.loads[rest], grip)
-            xi[rest] = part.improve(xi[rest])
+        """The best twist about a foot that sticks, or better where that is no minimum.
+
+        Usually the heaviest foot sticks, so it is tried first.
+        """
+        xi, least = np.zeros((len(self.feet), 3)), np.full(len(self.feet), np.inf)
+        rest = np.arange(len(self.feet))
+        for foot in np.argsort(-self.loads, axis=1, kind="stable").T:
+            part, about = self.take(rest), foot[rest]
+            turn = part.turning_about(about)
+            bears = part.loads[np.arange(len(about)), about] > 0
+            power = np.where(bears, part.dissipation(turn), np.inf)
+            better = power < least[rest]
+            xi[rest[better]], least[rest[better]] = turn[better], power[better]
+            rest = rest[~part.is_minimum(turn, about)]
+            if not rest.size:
+                return xi
+        xi[rest] = self.take(rest).improve(xi[rest])
         return xi
+
+    def take(self, rows: Array) -> _Problem:
+        """Some of the configurations."""
+        grip = None if self.grip is None else self.grip[rows]
+        return _Problem(self.feet[rows], self.rates[rows], self.loads[rows], grip)
 
     def gripped(self, ways: Array) -> Array:
         """Motions of the feet as their friction weighs them, (N, F, 2, ...)."""
@@ -123,20 +139,19 @@ class _Problem:
         square = (self.sliding(xi) ** 2).sum(-1)
         return (self.loads * np.sqrt(square + smoothing**2)).sum(-1)
 
-    def _turning_about_one_foot(self) -> tuple[Array, Array]:
-        """The best twist at which some foot sticks, and the index of that foot.
+    def turning_about(self, foot: Array) -> Array:
+        """The best twist at which a given foot (N,) sticks, shape (N, 3).
 
         With foot i at rest, foot j moves at |a + omega b|, a the difference of their
         rates and b at right angles to the line between them: |b| times the distance of
         omega, on the real axis, from the complex number -a / b. The sum over j is
         convex in omega; the sign of its slope is bisected.
         """
-        feet, rates = self.feet, self.rates
-        r = feet[..., 0] + 1j * feet[..., 1]
-        v = rates[..., 0] + 1j * rates[..., 1]
-        a, b = v[:, None] - v[..., None], 1j * (r[:, None] - r[..., None])  # (N, i, j)
-        if self.grip is not None:
-            D = self.grip[:, None]
+        at = np.arange(len(foot)), foot
+        r = self.feet[..., 0] + 1j * self.feet[..., 1]
+        v = self.rates[..., 0] + 1j * self.rates[..., 1]
+        a, b = v - v[at][:, None], 1j * (r - r[at][:, None])  # (N, F)
+        if (D := self.grip) is not None:
             a, b = (
                 D[..., 0, 0] * z.real + D[..., 0, 1] * z.imag
                 + 1j * (D[..., 1, 0] * z.real + D[..., 1, 1] * z.imag)
@@ -145,27 +160,23 @@ class _Problem:
         far = np.abs(b) > 0
         z = -a / np.where(far, b, 1.0)
         p, q2 = z.real, z.imag**2
-        weight = self.loads[:, None] * np.abs(b)
+        weight = self.loads * np.abs(b)
         carrying = far & (weight > 0)
         alone = ~carrying.any(axis=-1)  # all weight on one foot: any turn will do
         low = np.where(alone, 0.0, np.where(carrying, p, np.inf).min(axis=-1))
         high = np.where(alone, 0.0, np.where(carrying, p, -np.inf).max(axis=-1))
         for _ in range(_BISECTIONS):
-            omega = (low + high) / 2  # (N, i)
-            d = omega[..., None] - p
+            omega = (low + high) / 2  # (N,)
+            d = omega[:, None] - p
             length = np.sqrt(d**2 + q2)
             slope = (weight * d / np.where(length > 0, length, 1.0)).sum(axis=-1)
             low = np.where(slope < 0, omega, low)
             high = np.where(slope > 0, omega, high)
         omega = (low + high) / 2
-        forward = -rates[..., 0] + omega * feet[..., 1]
-        left = -rates[..., 1] - omega * feet[..., 0]
-        xi = np.stack([forward, left, omega], axis=-1)  # (N, i, 3)
-        power = np.stack([self.dissipation(turn) for turn in xi.swapaxes(0, 1)], -1)
-        best = np.where(self.loads > 0, power, np.inf).argmin(axis=-1)
-        return xi[np.arange(len(xi)), best], best
+        (x, y), (forward, left) = self.feet[at].T, self.rates[at].T
+        return np.stack([-forward + omega * y, -left - omega * x, omega], axis=-1)
 
-    def _is_minimum(self, xi: Array, sticking: Array) -> Array:
+    def is_minimum(self, xi: Array, sticking: Array) -> Array:
         """Whether friction at the sticking foot balances that of the sliding ones.
 
         A foot that sticks bears any friction up to its load. Where several stick the

@@ -25,6 +25,9 @@ _ANGLES = 2 * np.pi / 3 * np.arange(3)
 _FIT = np.linalg.inv(np.stack([np.ones(3), np.cos(_ANGLES), np.sin(_ANGLES)], axis=1))
 
 
+Legs = Array | slice
+
+
 @dataclass(frozen=True, slots=True)
 class Stance:
     """Feet and centre of mass for one or many sets of leg angles, in the body frame."""
@@ -48,10 +51,13 @@ class Kinematics:
 
     robot: Robot
 
-    def stance(self, swing: Array, lift: Array | None = None) -> Stance:
+    def stance(
+        self, swing: Array, lift: Array | None = None, legs: Legs = slice(None)
+    ) -> Stance:
         """Feet and centre of mass when each group is swung and raised, (..., G) [rad].
 
-        The feet are on the ground when `lift` is left out.
+        The feet are on the ground when `lift` is left out; those of all legs are given
+        unless some are chosen.
         """
         swing = np.asarray(swing, dtype=float)
         lift = np.zeros_like(swing) if lift is None else np.asarray(lift, dtype=float)
@@ -61,14 +67,17 @@ class Kinematics:
             np.stack([np.ones_like(angle), np.cos(angle), np.sin(angle)], axis=-1)
             for angle in (turned, raised)
         )
+        every: tuple[Legs, ...] = (legs, legs, legs, slice(None))
         feet, swung, lifted, weight = (
-            np.einsum("fabi,...fa,...fb->...fi", coefficients, turn, rise)
-            for coefficients in self.terms
+            np.einsum(
+                "fabi,...fa,...fb->...fi", c[on], turn[..., on, :], rise[..., on, :]
+            )
+            for c, on in zip(self.terms, every, strict=True)
         )
         return Stance(
             feet=feet[..., :2],
-            rates=swung[..., :2] * robot.swing_gain[:, None],
-            gives=lifted * robot.raise_sign[:, None],
+            rates=swung[..., :2] * robot.swing_gain[legs, None],
+            gives=lifted * robot.raise_sign[legs, None],
             height=feet[..., 2],
             center_of_mass=self.center_of_mass[:2] + weight.sum(axis=-2)[..., :2],
         )

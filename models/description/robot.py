@@ -143,7 +143,15 @@ class Robot:
 
     def planted(self, stratum: str) -> np.ndarray:
         """Which feet are in contact on a stratum, shape (F,), bool."""
-        return np.array([self.groups[g] in stratum for g in self.group_of_leg])
+        if stratum not in self._planted:
+            feet = np.array([self.groups[g] in stratum for g in self.group_of_leg])
+            feet.setflags(write=False)
+            self._planted[stratum] = feet
+        return self._planted[stratum]
+
+    @cached_property
+    def _planted(self) -> dict[str, np.ndarray]:
+        return {}
 
     def read(self) -> mujoco.MjSpec:
         """A fresh, editable copy of the MJCF without a card; every part has a name."""

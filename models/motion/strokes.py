@@ -9,9 +9,9 @@ values at the Gauss-Legendre nodes, so that integrals up to any moment are polyn
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import compress
 
 import numpy as np
@@ -86,7 +86,12 @@ class Travel:
     """Pose and slip as functions of the strokes' clock, in the frame of the start."""
 
     pose: Integral  # x, y [m], yaw [rad], not wrapped
-    slip: Integral  # of each foot [m]
+    _slip_rates: Callable[[], Array]
+
+    @cached_property
+    def slip(self) -> Integral:
+        """Slip of each foot [m]."""
+        return Integral(self.pose.edges, self._slip_rates())
 
 
 @dataclass(frozen=True)
@@ -123,7 +128,7 @@ class Strokes:
         velocity = (forward * cos - left * sin, forward * sin + left * cos, turn)
         return Travel(
             pose=Integral(panels.edges, np.stack(velocity, axis=-1)),
-            slip=Integral(panels.edges, panels.slip_rates(twist, kinematics)),
+            _slip_rates=partial(panels.slip_rates, twist, kinematics),
         )
 
 

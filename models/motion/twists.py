@@ -16,7 +16,7 @@ from numpy.polynomial import Polynomial
 
 from models.contact.dissipation import ellipses, least_dissipation_twist
 from models.contact.ground import Ground
-from models.contact.kinematics import Kinematics, Stance
+from models.contact.kinematics import Kinematics
 from models.contact.loads import static_loads
 from models.contact.sliding import sliding_twist
 from models.errors import MeasurementError
@@ -93,15 +93,12 @@ class QuasiStaticTwists:
         """Least dissipation under the loads at the actual angles of the legs."""
         robot = self.kinematics.robot
         on = robot.planted(stratum)
-        whole = self.kinematics.stance(swing)
-        moved = (whole.rates * rates[..., robot.group_of_leg, None])[:, on]
-        feet, moves, gives, height = (
-            part[:, on] for part in (whole.feet, whole.rates, whole.gives, whole.height)
-        )
-        stance = Stance(feet, moves, gives, height, whole.center_of_mass)
+        stance = self.kinematics.stance(swing, legs=on)
+        moved = stance.rates * rates[..., robot.group_of_leg[on], None]
         grip, ground = None, self.ground.under(on)
         if self.grip is not None:
-            across = moves / np.linalg.norm(moves, axis=-1, keepdims=True)
+            way = stance.rates
+            across = way / np.linalg.norm(way, axis=-1, keepdims=True)
             grip = ellipses(across, self.grip[::-1])
         if on.sum() <= 3:
             loads = static_loads(stance.feet, stance.center_of_mass) * ground.shares

@@ -25,6 +25,7 @@ from planner.systems.flows import Word, flow_map
 from planner.systems.strata import StratifiedSystem
 
 SAMPLE = 8  # segments whose words are played
+EQUAL = 1e-6  # relative difference of misses that is taken for rounding
 AS_GOOD = 1.02  # times the smallest miss, with which the printed signs are kept
 ORDERS: tuple[Spelled, ...] = (
     "backward", "forward", "backward-turned", "forward-turned",
@@ -54,7 +55,9 @@ def nearest_words(
     for words, (start, goal) in zip(zip(*ways, strict=True), ends, strict=True):
         tick()
         misses = [_miss(extended.system, word, start, goal) for word in words]
-        nearest.append(words[int(np.argmin(misses))])
+        # words that mirror one another miss alike, and in turn they make up for that
+        equal = np.flatnonzero(np.array(misses) <= min(misses) * (1.0 + EQUAL))
+        nearest.append(words[equal[-(len(nearest) % 2)]])
     return nearest
 
 
@@ -82,8 +85,13 @@ def nearest_signs(
         return sum(_miss(extended.system, *segment) for segment in segments)
 
     misses = [min(miss(signs, order) for order in orders) for signs in steering.signs]
-    best = int(np.argmin(misses))
+    best = _least(misses)
     return steering.signs[0 if misses[0] <= misses[best] * AS_GOOD else best]
+
+
+def _least(misses: Sequence[float]) -> int:
+    """The first of the smallest; words that mirror one another miss alike."""
+    return int(np.argmax(np.array(misses) <= min(misses) * (1.0 + EQUAL)))
 
 
 def _miss(system: StratifiedSystem, word: Word, start: Array, goal: Array) -> float:

@@ -3,6 +3,7 @@ from .corridor import (
     deviation as deviation,
 )
 from .optimise import (
+    FLOW_SAMPLES as FLOW_SAMPLES,
     Criterion as Criterion,
     Objective as Objective,
     Optimiser as Optimiser,
@@ -16,6 +17,7 @@ from .stages import (
     cycle as cycle,
 )
 from .task import (
+    CHEAP as CHEAP,
     Inequality as Inequality,
     Solution as Solution,
     Task as Task,

@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 from typing import Literal
 
 import numpy as np
 
 from planner.errors import BoundError
+from planner.execution.execution import Execution
 from planner.extension.extended import ExtendedSystem
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import Margins
 from planner.optimisation.corridor import deviation
 from planner.optimisation.refinement import PATH_POINTS, Refinement, Violations
 from planner.optimisation.search import Search
-from planner.optimisation.stages import Coarse
 from planner.optimisation.task import Solution, Task
 from planner.optimisation.windows import Report
-from planner.planning.algorithm import Plan
+from planner.planning.algorithm import Plan, plan
 from planner.planning.paths import Path
 from planner.planning.rollouts import play
 from planner.support.stopping import answer, unlimited
@@ -51,12 +51,26 @@ class Criterion:
     complete: Completion | None = None
 
 
+def _coarse(
+    extended: ExtendedSystem,
+    path: Path,
+    execution: Execution,
+    begin: float,
+    end: float,
+    segments: int,
+) -> Sequence[Flow]:
+    """Flows of a stratified plan from one place on the path to another."""
+    piece = Path(lambda s: path.at(begin + (end - begin) * s))
+    return plan(extended, piece, segments, execution=execution).flows
+
+
 class Optimiser:
     """Strokes and recoveries that follow a path at the least cost.
 
     The search takes place once; plans for nearby goals start from its solutions. The
     plan names elements and basis of the extended system, and has a number of segments
-    of the path to which flows are assigned. Coarse stratified plans give first guesses;
+    of the path to which flows are assigned. Coarse stratified plans give first guesses
+    where it is said how they are carried out;
     from the best plan the search hops to others, so many times in every window;
     `report` is called with the share of the work that is done, from 0 to 1.
     """
@@ -69,12 +83,13 @@ class Optimiser:
         path: Path,
         segments: int,
         *,
-        coarse: Coarse | None = None,
+        execution: Execution | None = None,
         report: Report = lambda done: None,
         hops: int = 0,
     ) -> None:
         self.task, self.criterion, self.extended = task, criterion, extended
         self.path, self.segments = path, segments
+        coarse = partial(_coarse, extended, path, execution) if execution else None
         self._search = Search(task, path, self.score, coarse, report, hops)
         self._refinement = Refinement(task, path)
 

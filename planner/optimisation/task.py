@@ -18,6 +18,8 @@ from planner.systems.strata import StratifiedSystem
 PER_DECADE = 16  # tolerances that a search is made for
 FINER = 16  # times as many, for which its plans are solved again
 ROUNDING = 1e-9  # of their logarithms
+KICK = 0.3  # of an inserted stroke, relative to the longest one of the plan
+CHEAP = 0.01  # cost of a recovery where strokes alone are to be short
 
 
 @dataclass(frozen=True)
@@ -171,6 +173,28 @@ class Solution:
             states=self.states[ends],
             places=np.maximum.accumulate(self.places[ends]),
         )
+
+    def hopped(self, turn: int, rng: np.random.Generator) -> Solution:
+        """A guess with a turn of the cycle moved, inserted or removed at random.
+
+        The stages that stay keep their strokes, recoveries and states. The solver
+        closes the gaps, so that most of the plan is left as it was.
+        """
+        order = list(range(len(self.strokes)))
+        change = rng.choice(["move", "insert", "remove"])
+        if change == "insert" or len(order) <= turn:
+            k = int(rng.integers(len(order) + 1))
+            order[k:k] = [max(k - 1, 0)] * turn
+            strokes = self.strokes[order]
+            strokes[k : k + turn] = KICK * np.abs(strokes).max() * rng.normal(size=turn)
+            return self.rearranged(order, strokes)
+        k = int(rng.integers(len(order) - turn + 1))
+        moved = order[k : k + turn]
+        del order[k : k + turn]
+        if change == "move":
+            k = int(rng.integers(len(order) + 1))
+            order[k:k] = moved
+        return self.rearranged(order, self.strokes[order])
 
     def until(self, place: float) -> Solution:
         """The stages up to the first that ends beyond a place on the path."""

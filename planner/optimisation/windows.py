@@ -24,7 +24,6 @@ import numpy as np
 from planner.errors import BudgetError
 from planner.numerics.arrays import Array
 from planner.optimisation.constraints import CHECKED_SHARE
-from planner.optimisation.hops import changed
 from planner.optimisation.program import Program
 from planner.optimisation.stages import Coarse, guesses
 from planner.optimisation.task import Solution, Task
@@ -177,7 +176,7 @@ class WindowSearch:
         for number in range(self.hops):
             if here is None or self.hurried:
                 return
-            guess = changed(self.task, here, rng)
+            guess = here.hopped(len(self.task.stages), rng)
             if len(guess.strokes) > MOST_STAGES:
                 continue
             tick()

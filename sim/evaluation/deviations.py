@@ -22,8 +22,7 @@ from sim.evaluation.summary import (
     Sensed,
     Weighed,
 )
-from sim.motion.path_deviation import path_deviation
-from sim.motion.poses import compose, relative, wrap
+from sim.motion.poses import compose, path_deviation, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache
 from sim.preparation.setup import Setup

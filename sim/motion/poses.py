@@ -1,10 +1,16 @@
-"""Planar poses (x, y, yaw): from qpos, composed, relative; and lines through points."""
+"""Planar poses (x, y, yaw): from qpos, composed, relative, and off their path."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from planner import Array
+from planner import Array, Path
+from planner.optimisation import deviation
+
+POINTS = 1001  # of the path
+GROUPS = ((0, 1), (2,))
 
 
 def wrap(angle: Array | float) -> Array:
@@ -65,3 +71,18 @@ def spaced_rows(points: Array, spacing: float) -> Array:
     """Rows of the first of some points (N, 2), and of the next ones a spacing on."""
     marks = np.floor(length_up_to(points) / spacing)
     return np.unique(marks, return_index=True)[1]
+
+
+class PathDeviation(NamedTuple):
+    """Farthest from a path, and from its yaw."""
+
+    position: float  # [m]
+    yaw: float  # [rad]
+
+
+def path_deviation(path: Path, poses: Array) -> PathDeviation:
+    """Farthest that poses (T, 3) come from a path and from its yaw, both in order."""
+    points = path.at(np.linspace(0.0, 1.0, POINTS))[:, :3]
+    followed = poses.copy()
+    followed[:, 2] = np.unwrap(poses[:, 2])
+    return PathDeviation(*deviation(followed, points, GROUPS))

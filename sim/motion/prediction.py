@@ -82,9 +82,11 @@ class Predictor:
         strokes, self._loaded = Strokes.among(moves, schedule.limits.groups, start)
         self._path = strokes.travel(twists, kinematics)
 
-    def angles(self, rows: Array) -> tuple[Array, Array]:
-        """Commanded swing and lift of every group, shape (T, G) each [rad]."""
-        return self.schedule.angles(rows)
+    def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
+        """Pose (T, 3), and commanded swing and lift of every group (T, G) [rad]."""
+        swing, lift = self.schedule.angles(rows)
+        clock = _clock(self.schedule, self._loaded, self.schedule.phase_of(rows), swing)
+        return compose(self.start_pose, self._path.pose(clock)), swing, lift
 
     def __call__(self, rows: Array) -> Prediction:
         """Predict the motion at steps, shape (T,); step 0 is the schedule's first."""

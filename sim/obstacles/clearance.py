@@ -20,6 +20,9 @@ from sim.preparation.setup import Setup
 from sim.scenarios.obstacles import Obstacle
 
 ARC = 1.01  # largest ratio of the distance moved to the chord between samples
+APART = 16  # samples of which one is measured, where all between are far away
+
+Rows = Array | slice
 
 
 @dataclass(frozen=True)
@@ -27,7 +30,7 @@ class Clearances:
     """An outline at consecutive samples of a motion."""
 
     clearance: Array  # of each part, shape (T, P) [m]; negative where it overlaps
-    way: Array  # largest distance that a point of it moved, shape (T - 1,) [m]
+    cores: Sequence[Array]  # of each part on the ground plane, shape (T, k, 2) [m]
 
     @property
     def least(self) -> Array:
@@ -35,10 +38,20 @@ class Clearances:
         return self.clearance.min(axis=1, initial=np.inf)
 
     @property
+    def way(self) -> Array:
+        """Largest distance that a point of it moved, shape (T - 1,) [m]."""
+        return _moved(self.cores, slice(None, -1), slice(1, None))
+
+    @property
     def bound(self) -> Array:
         """Lower bound on the clearance between samples, shape (T - 1,) [m]."""
-        ends = self.clearance[:-1] + self.clearance[1:]
-        return (ends.min(axis=1, initial=np.inf) - ARC * self.way) / 2
+        return self.between(slice(None, -1), slice(1, None))
+
+    def between(self, first: Rows, last: Rows) -> Array:
+        """Lower bound on the clearance on the way from some samples to others [m]."""
+        ends = self.clearance[first] + self.clearance[last]
+        way = _moved(self.cores, first, last)
+        return (ends.min(axis=1, initial=np.inf) - ARC * way) / 2
 
 
 @dataclass(frozen=True)
@@ -61,19 +74,39 @@ class Surroundings:
         angles = np.zeros((len(pose), len(raised)))
         return self.outline.configurations(pose, angles, angles + raised)
 
-    def clearances(self, qpos: Array) -> Clearances:
-        """Clearances along samples (T, nq) of a motion, in the obstacles' frame."""
+    def clearances(self, qpos: Array, enough: float = np.inf) -> Clearances:
+        """Clearances along samples (T, nq) of a motion, in the obstacles' frame.
+
+        A part that is farther away than `enough`, on the way to the next sample too,
+        may have a lower bound of its clearance in its place.
+        """
         cores = self.outline.solids.cores(qpos)
         radii = [part.radius for part in self.outline.solids.parts]
+        way = _moved(cores, slice(None, -1), slice(1, None))
+        enough += ARC * way.max(initial=0.0)
+        gone = np.append(0.0, np.cumsum(way))
         clearance = [
-            _distance(hulls(core), self.area) - radius
+            self._along(core, gone, enough + radius) - radius
             for core, radius in zip(cores, radii, strict=True)
         ]
-        moved = [
-            np.linalg.norm(np.diff(core, axis=0), axis=-1).max(axis=-1)
-            for core in cores
-        ]
-        return Clearances(np.stack(clearance, axis=-1), np.max(moved, axis=0))
+        return Clearances(np.stack(clearance, axis=-1), cores)
+
+    def _along(self, core: Array, gone: Array, enough: float) -> Array:
+        """Distances of a core, which moves no farther than what is gone between."""
+        samples = np.arange(len(core))
+        if enough == np.inf:
+            return _distance(hulls(core), self.area)
+        measured = np.union1d(samples[::APART], samples[-1:])
+        known = _distance(hulls(core[measured]), self.area)
+        before = np.searchsorted(measured, samples, side="right") - 1
+        after = np.searchsorted(measured, samples)
+        distance: Array = np.maximum(
+            known[before] - (gone - gone[measured[before]]),
+            known[after] - (gone[measured[after]] - gone),
+        )
+        near = distance <= enough
+        distance[near] = _distance(hulls(core[near]), self.area)
+        return distance
 
     def nearest(self, qpos: Array) -> tuple[str, int]:
         """The part and the obstacle, counted from 1, that are closest to each other."""
@@ -87,6 +120,14 @@ class Surroundings:
         ]
         part, obstacle = np.unravel_index(np.argmin(each), np.shape(each))
         return self.outline.solids.parts[part].name, int(obstacle) + 1
+
+
+def _moved(cores: Sequence[Array], first: Rows, last: Rows) -> Array:
+    """Largest distance between the points of cores at some samples and at others."""
+    farthest = [
+        np.linalg.norm(core[last] - core[first], axis=-1).max(axis=-1) for core in cores
+    ]
+    return np.max(farthest, axis=0)
 
 
 def surroundings(setup: Setup) -> Surroundings:

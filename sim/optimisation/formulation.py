@@ -13,10 +13,9 @@ from math import inf, pi
 
 from models import Equations
 from models.motion import contact_equations, contact_fields
-from planner.optimisation import Criterion, Inequality, Task, Tolerance, cycle
+from planner.optimisation import CHEAP, Criterion, Inequality, Task, Tolerance, cycle
 from sim.experiments.predictions import twist_model
 from sim.optimisation.clearances import clearances, margins
-from sim.optimisation.first_guess import CHEAP
 from sim.optimisation.judging import Judge, least_clearance, real_prediction
 from sim.preparation.setup import Setup
 

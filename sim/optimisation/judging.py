@@ -11,7 +11,7 @@ from models import TwistModel
 from planner import Array, Flow, Plan, contact_switches
 from planner.execution import stepped
 from sim.experiments.predictions import twist_model
-from sim.motion.path_deviation import PathDeviation, path_deviation
+from sim.motion.poses import PathDeviation, path_deviation
 from sim.motion.prediction import Predictor, inspections
 from sim.motion.schedule import Schedule
 from sim.obstacles.clearance import surroundings

@@ -38,7 +38,6 @@ from itertools import pairwise
 from math import inf, pi
 
 import numpy as np
-from scipy.optimize import linprog
 
 from planner import Array
 from sim.optimisation.formulation import ROUGH, task_of
@@ -167,6 +166,8 @@ def _certificate(
     cost = np.zeros(size)
     cost[: 2 * count], cost[2 * count : 3 * count] = -ways.ravel(), loose
     free = [(None, None)] * (size - 1) + [(0.0, 1.0)]
+    from scipy.optimize import linprog  # slow to import, and seldom needed
+
     found = linprog(cost, np.vstack(rows), np.concatenate(most), bounds=free)
     if found.status != 0:
         return None

@@ -8,6 +8,7 @@ the nominal path. The resulting plan is still open loop.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate
 
@@ -24,6 +25,7 @@ from sim.preparation.setup import Setup
 
 AIMING_ROUNDS = 12  # each at least halves the error, unless the prediction jumps
 MET_WITHIN = 1e-7  # [m] and [rad]
+PLAIN_ROUNDS = 4  # as many as most walks need; extrapolated from then on
 TOLERATED_JUMP = 0.1  # tolerated error of a segment's end, as a part of its length
 
 
@@ -49,6 +51,7 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
     wanted = relative(goals[:-1], goals[1:])  # (segments, 3)
     tolerable = TOLERATED_JUMP * np.abs(wanted).max()
     aims, best, least, worst = wanted, None, np.inf, 0
+    tried, corrected = list[Array](), list[Array]()
     steady = "backward" if setup.coordinates == "fewest" else setup.coordinates
     for _ in range(AIMING_ROUNDS):
         tick()
@@ -64,10 +67,25 @@ def steer_along(setup: Setup, twists: TwistModel) -> Plan:
             best, least, worst = planned, misses.max(), int(misses.argmax())
         if least < MET_WITHIN:
             break
-        aims = compose(aims, relative(relative(ends[:-1], ends[1:]), wanted))
+        off = relative(relative(ends[:-1], ends[1:]), wanted)
+        tried.append(aims)
+        corrected.append(compose(aims, off))
+        slow = len(tried) > PLAIN_ROUNDS
+        aims = _extrapolated(tried, corrected) if slow else corrected[-1]
     if best is None or least > tolerable:
         raise _failure(setup, worst - 1, float(least))  # misses[0] is the start's
     return best
+
+
+def _extrapolated(aims: Sequence[Array], corrected: Sequence[Array]) -> Array:
+    """The next aims (segments, 3), from those of all rounds and what corrects them.
+
+    Where errors shrink evenly, their sum is met at once (Anderson's method).
+    """
+    tried, found = (np.reshape(each, (len(each), -1)) for each in (aims, corrected))
+    errors, steps = np.diff(found - tried, axis=0).T, np.diff(found, axis=0).T
+    shares = np.linalg.lstsq(errors, (found - tried)[-1], rcond=None)[0]
+    return (found[-1] - steps @ shares).reshape(aims[0].shape)
 
 
 def steer_towards(

@@ -15,6 +15,7 @@ from planner import (
     Array,
     BoundError,
     Execution,
+    Plan,
     RangeError,
     ResolutionError,
     plan,
@@ -25,6 +26,7 @@ from planner.support import point
 from sim.motion.stability import stability_margin
 from sim.obstacles.clearance import Surroundings, surroundings
 from sim.planning.forecast import ForeseenStretch, foresee
+from sim.planning.open_loop import plan_open_loop
 from sim.preparation.setup import Setup
 
 JUST_BEYOND = 1e-9  # [rad], a joint range that a steered plan leaves
@@ -32,24 +34,28 @@ NOMINAL_SAMPLES = 400  # of the nominal path, spread over its segments
 FINEST_SEGMENT = 1e-3  # of the path; shorter segments would not be followed either
 
 
-def within_bounds(setup: Setup) -> Setup:
+def within_bounds(setup: Setup) -> tuple[Setup, Plan | None]:
     """Divide the nominal path until the predicted motion keeps the scenario's bounds.
 
-    A scenario that sets no bounds is left as it is. The error of bounds that cannot be
-    kept says where, and what could be.
+    The open-loop plan along the divided path comes with it. A scenario that sets no
+    bounds is left as it is. The error of bounds that cannot be kept says where, and
+    what could be.
     """
     scenario, bounds = setup.scenario, list[MarginBound | ClearanceBound]()
     if scenario.min_margin is not None:
         bounds.append(MarginBound(scenario.min_margin))
     if scenario.obstacles and scenario.min_clearance >= 0:
         bounds.append(ClearanceBound(surroundings(setup), scenario.min_clearance))
+    planned: Plan | None = None
     if not bounds:
-        return setup
+        return setup, planned
 
     def slacks(cuts: Array) -> list[Slack]:
+        nonlocal planned
         tried = setup.recut(cuts)
         try:
-            stages = foresee(tried)
+            planned = None if scenario.replan else plan_open_loop(tried)
+            stages = foresee(tried, planned)
         except RangeError as error:
             if error.segments is None:
                 raise
@@ -68,7 +74,7 @@ def within_bounds(setup: Setup) -> Setup:
         return [bound.slack(tried, stages) for bound in bounds]
 
     cuts = grid(scenario.path.curve, scenario.segments)
-    return setup.recut(subdivide(cuts, slacks))
+    return setup.recut(subdivide(cuts, slacks)), planned
 
 
 def _reach(setup: Setup) -> Slack:
@@ -200,13 +206,13 @@ class ClearanceBound:
 
         Exact where it is below `least`; intervals are halved until that is decided.
         """
-        found = self.surroundings.clearances(
-            self.surroundings.outline.configurations(
-                *stage.configurations(pairs.ravel())
-            )
-        )
-        seen = found.least.reshape(-1, 2).min(axis=1)
-        bound = np.minimum(seen, found.bound[::2])
+        rows, where = np.unique(pairs, return_inverse=True)
+        configurations = stage.predictor.configurations(rows)
+        qpos = self.surroundings.outline.configurations(*configurations)
+        found = self.surroundings.clearances(qpos, self.least)
+        begin, end = where.reshape(-1, 2).T
+        seen = np.minimum(found.least[begin], found.least[end])
+        bound = np.minimum(seen, found.between(begin, end))
         far = np.diff(pairs)[:, 0] > 1
         open_ = far & (bound < self.least) & (seen >= self.least)
         if open_.any():

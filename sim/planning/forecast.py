@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from models import TwistModel
-from planner import Array
+from planner import Array, Plan
 from planner.support import tick
 from sim.experiments.predictions import twist_model
 from sim.motion.prediction import Predictor, inspections
@@ -54,17 +54,16 @@ class ForeseenStretch:
             deciding.append(max(phase.segment - (phase.segment != swung), 0))
         return np.array(deciding)[self.schedule.phase_of(rows)]
 
-    def configurations(self, rows: Array) -> tuple[Array, Array, Array]:
-        """Pose (T, 3), swing and lift (T, G) at steps."""
-        return (self.predictor(rows).pose, *self.predictor.angles(rows))
 
+def foresee(setup: Setup, planned: Plan | None = None) -> list[ForeseenStretch]:
+    """The stretches of a walk in time order: one open loop, or one for each segment.
 
-def foresee(setup: Setup) -> list[ForeseenStretch]:
-    """The stretches of a walk in time order: one open loop, or one for each segment."""
+    The open loop is planned here unless its plan is given.
+    """
     twists = twist_model(setup, setup.scenario.steered_on)
     if setup.scenario.replan:
         return list(_replanned(setup, twists))
-    schedule = scheduled(setup, plan_open_loop(setup).segments())
+    schedule = scheduled(setup, (planned or plan_open_loop(setup)).segments())
     predictor = Predictor(schedule, twists, setup.kinematics)
     return [ForeseenStretch(predictor)] if schedule.phases else []
 

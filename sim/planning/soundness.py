@@ -89,33 +89,32 @@ class Collisions:
     """Which parts of a robot overlap at given angles that do not where it stands."""
 
     def __init__(self, setup: Setup) -> None:
-        self._setup, self._model = setup, setup.model
+        self._robot, self._model = setup.robot, setup.model
         self._data = mujoco.MjData(setup.model)
-        self._start = np.array(setup.model.key("start").qpos)
-        at_rest = np.zeros(len(setup.robot.groups))
-        self._always = frozenset(self._overlaps(at_rest, at_rest))
+        joints = list(setup.robot.leg_angles(*np.zeros((2, len(setup.robot.groups)))))
+        self._places = [setup.model.joint(joint).qposadr[0] for joint in joints]
+        self._standing = np.array([setup.robot.standing_angle(j) for j in joints])
+        self._data.qpos[:] = setup.model.key("start").qpos
+        root = setup.model.body(setup.robot.root).id
+        self._own = setup.model.body_rootid[setup.model.geom_bodyid] == root
+        self._always = frozenset[tuple[int, int]]()
+        self._always = frozenset(self(*np.zeros((2, len(setup.robot.groups)))))
 
     def __call__(self, swing: Array, lift: Array) -> Pairs:
         """Overlapping geoms at angles of the groups, shape (G,) each [rad]."""
-        found = self._overlaps(swing, lift)
-        return {pair: d for pair, d in found.items() if pair not in self._always}
-
-    def _overlaps(self, swing: Array, lift: Array) -> Pairs:
         tick()
-        robot, model, data = self._setup.robot, self._model, self._data
-        data.qpos[:] = self._start
-        for joint, angle in robot.leg_angles(swing, lift).items():
-            data.joint(joint).qpos[0] = robot.standing_angle(joint) + angle
+        model, data = self._model, self._data
+        angles = list(self._robot.leg_angles(swing, lift).values())
+        data.qpos[self._places] = self._standing + angles
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
         mujoco.mj_collision(model, data)
-        root, found = model.body(robot.root).id, Pairs()
-        for contact in data.contact[: data.ncon]:
-            one, other = sorted(int(geom) for geom in contact.geom)
-            own = model.body_rootid[model.geom_bodyid[[one, other]]] == root
-            if own.all() and contact.dist < 0 and not contact.exclude:
-                found[one, other] = -float(contact.dist)
-        return found
+        found, contact = Pairs(), data.contact
+        own = self._own[contact.geom].all(axis=1)
+        for k in np.flatnonzero(own & (contact.dist < 0) & (contact.exclude == 0)):
+            one, other = sorted(contact.geom[k].tolist())
+            found[one, other] = -float(contact.dist[k])
+        return {pair: d for pair, d in found.items() if pair not in self._always}
 
 
 def _refusal(what: str, setup: Setup, row: int) -> SimulationError:

@@ -11,11 +11,9 @@ import numpy as np
 
 from models import mobility_of
 from planner import Array, Plan, PlannerError, play
-from planner.optimisation import Optimiser
+from planner.optimisation import FLOW_SAMPLES, Optimiser
 from planner.planning import recut
-from sim.motion.path_deviation import PathDeviation, path_deviation
-from sim.motion.poses import wrap
-from sim.optimisation.first_guess import FLOW_SAMPLES, Coarse
+from sim.motion.poses import PathDeviation, path_deviation, wrap
 from sim.optimisation.formulation import criterion_of, task_of
 from sim.optimisation.judging import Judge
 from sim.optimisation.lower_bound import least_time
@@ -91,7 +89,11 @@ class ScenarioProblem(Problem):
         with explained(robot, described):
             walk_cache(setup, shared)("reach", reach)
             setup = routed(setup)
-            return cls(within_bounds(setup), progress, shared, setup.scenario)
+            divided, planned = within_bounds(setup)
+            problem = cls(divided, progress, shared, setup.scenario)
+        if planned is not None:
+            problem.stratified = planned
+        return problem
 
     def beside(self, goal_offset: GoalOffset) -> ScenarioProblem:
         """The same problem, aimed a step beside the goal: x, y [m] and yaw [rad]."""
@@ -246,7 +248,7 @@ class ScenarioProblem(Problem):
             setup.extended,
             path,
             self.segments,
-            coarse=Coarse(setup.extended, path, setup.equations.execution),
+            execution=setup.equations.execution,
             report=lambda done: self.progress("optimising", done),
             hops=setup.scenario.hops,
         )

@@ -19,6 +19,8 @@ import numpy as np
 import models
 from planner import Execution, Flow, Plan, line, rollout
 from planner.optimisation import (
+    CHEAP,
+    FLOW_SAMPLES,
     Criterion,
     Objective,
     Optimiser,
@@ -29,7 +31,6 @@ from planner.optimisation import (
 )
 from planner.planning import chained_form, set_down
 from sim.errors import UsageError
-from sim.optimisation.first_guess import CHEAP, FLOW_SAMPLES, Coarse
 from sim.problems.problem import Problem
 
 LEAST_TOLERANCE = 0.01  # in sizes of the path, where the stratified plan deviates less
@@ -119,7 +120,7 @@ class SystemProblem(Problem):
             self.extended,
             self.problem.path,
             self.segments,
-            coarse=Coarse(self.extended, self.problem.path, Execution()),
+            execution=Execution(),
             hops=HOPS,
         ).plan()
 

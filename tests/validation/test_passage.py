@@ -24,7 +24,7 @@ BESIDE = {
 
 
 def run(name, **changes):
-    setup = within_bounds(routed(prepare(load_scenario(name, changes))))
+    setup, _ = within_bounds(routed(prepare(load_scenario(name, changes))))
     planned = None if setup.scenario.replan else plan_open_loop(setup)
     evaluation = evaluate(carry_out(Walker(setup), planned), ["creep_floor"])
     return summarise(evaluation), dict(trajectory(evaluation))

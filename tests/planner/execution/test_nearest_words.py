@@ -127,3 +127,21 @@ def test_more_segments_of_a_raised_degree_still_converge():
         for n in (1, 8)
     ]
     assert misses[1] < misses[0] / 8 < 4e-3  # 2.4e-2 and 5.2e-4 measured
+
+
+@pytest.mark.parametrize("degree", [3, 4])
+def test_ties_of_mirrored_words_do_not_depend_on_units(degree):
+    """Alike segments have words that miss alike; rounding must not choose between them.
+
+    In turn the two make up for what each of them misses.
+    """
+    misses = []
+    for unit in (1e-3, 1.0, 10.0, 1e3):
+        drive = [f"{unit}*cos(a)", f"{unit}*sin(a)", 0]
+        fields = {"drive": drive, "turn": [0, 0, 1]}
+        system = StratifiedSystem("x y a", {"0": fields}, "0")
+        extended = extend(system, ["drive", "turn", "[drive,turn]"])
+        found = plan(extended, line((0, 0, 0), (0, 1, 0)), 4, degree=degree)
+        misses.append(np.linalg.norm(rollout(found)[-1] - (0, 1, 0)))
+    assert misses == pytest.approx([misses[0]] * 4, rel=1e-6)
+    assert misses[0] < {3: 0.055, 4: 0.006}[degree]  # 0.057, 0.012 with either alone

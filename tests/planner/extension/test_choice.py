@@ -133,3 +133,12 @@ def test_too_low_a_degree_is_told_from_too_few_fields():
         choose_elements(trailers.system, trailers.states[0])
     found = choose_elements(trailers.system, trailers.states[0], max_degree=6)
     assert len(found.elements) == 7
+
+
+def test_a_trailer_across_behind_its_car_asks_for_one_degree_more():
+    # in rational arithmetic: degree 5 for two trailers, and 6 with the first across
+    trailers = shipped_system("car-trailers", {"trailers": 2}).system
+    assert len(choose_elements(trailers, np.zeros(6), max_degree=5).elements) == 6
+    across = np.array([0.0, 0.0, np.pi / 2, 0.0, 0.0, 0.0])
+    with pytest.raises(RankError, match="brackets to degree 6 suffice"):
+        choose_elements(trailers, across, max_degree=5)

@@ -25,7 +25,7 @@ REPLAN = pytest.mark.parametrize("replan", [False, True], ids=["open", "replanne
 
 
 def bounded(name="line", **changes):
-    return within_bounds(prepare(load_scenario(name, changes)))
+    return within_bounds(prepare(load_scenario(name, changes)))[0]
 
 
 def margins(setup):
@@ -50,7 +50,9 @@ def engine_clearances(setup):
     for stage in foresee(setup):
         schedule = stage.schedule
         rows = np.arange(0, schedule.stop - schedule.start, EVERY)
-        for qpos in around.outline.configurations(*stage.configurations(rows)):
+        for qpos in around.outline.configurations(
+            *stage.predictor.configurations(rows)
+        ):
             data.qpos = qpos
             mujoco.mj_kinematics(model, data)
             yield min(
@@ -87,7 +89,7 @@ def few(monkeypatch):
 
 def test_without_bounds_nothing_is_changed():
     setup = prepare(load_scenario("line"))
-    assert within_bounds(setup) is setup
+    assert within_bounds(setup)[0] is setup
 
 
 @REPLAN
@@ -106,7 +108,7 @@ def test_legs_out_of_range_are_brought_back_by_subdividing_too():
     setup = bounded(segments=3, min_margin=0.02)
     assert setup.scenario.segments > 3
     for stage in foresee(setup):
-        swing, _ = stage.predictor.angles(stage.rows)
+        swing, _ = stage.schedule.angles(stage.rows)
         assert np.abs(swing).max() <= 0.45 + 1e-9
 
 
@@ -182,14 +184,14 @@ def test_a_passage_is_walked_through_clear_of_its_walls(passage, replan):
     room = 0.012
     coarse = prepare(passage(room, way=0.01, replan=replan))
     assert min(engine_clearances(coarse)) < 0  # or nothing would have to be cut
-    setup = within_bounds(coarse)
+    setup, _ = within_bounds(coarse)
     assert setup.scenario.segments > coarse.scenario.segments
     assert min(engine_clearances(setup)) > 0.002 - 1e-6
 
 
 def test_a_plan_may_be_left_to_hit(passage):
     setup = prepare(passage(0.012, min_clearance=-1))
-    assert within_bounds(setup) is setup
+    assert within_bounds(setup)[0] is setup
 
 
 def test_a_passage_too_narrow_for_the_nominal_path_is_refused_there(passage):
@@ -237,7 +239,7 @@ def test_the_corridor_is_clear_along_the_prediction():
     assert min(engine_clearances(coarse)) < 0
     asked = prepare(load_scenario("corridor"))
     least = asked.scenario.min_clearance
-    assert min(engine_clearances(within_bounds(asked))) > least - 1e-6
+    assert min(engine_clearances(within_bounds(asked)[0])) > least - 1e-6
 
 
 def test_a_robot_that_poses_for_its_lifts_is_judged_by_its_walk():

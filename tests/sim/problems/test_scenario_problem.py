@@ -8,7 +8,7 @@ import pytest
 from planner.errors import BoundError, BudgetError
 from planner.support.stopping import limited
 from sim.errors import UsageError
-from sim.motion.path_deviation import path_deviation
+from sim.motion.poses import path_deviation
 from sim.motion.prediction import inspections
 from sim.motion.stability import stability_margin
 from sim.optimisation.clearances import margins
