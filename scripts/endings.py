@@ -106,7 +106,10 @@ def _begun(
         os.dup2(file.fileno(), number)
     sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
     warnings.simplefilter("ignore")  # as the command does
-    sys.exit(act())
+    code = act()
+    for stream in (sys.stdout, sys.stderr):
+        stream.flush()
+    os._exit(code)  # whichever thread this was forked from
 
 
 def other(words: Sequence[str], env: Mapping[str, str]) -> int:

@@ -1,15 +1,18 @@
 """What nobody would write ends the command as everything else does."""
 
 import math
+import os
 import random
 import signal
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from scripts import fuzz
-from scripts.endings import Ending
+from scripts.endings import Ending, ending, other
 from scripts.fuzz import KINDS, OWN, answer, decided, fault, main, search
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -46,6 +49,17 @@ def test_the_fuzz_sees_what_is_wrong():
     assert Ending(0, "", []).wrong is None
     assert Ending(2, "", ["one"]).wrong is None
     assert Ending(0, "", ["stratawalk: notice: so"]).wrong is None
+
+
+def test_a_process_that_a_thread_begins_ends_with_its_code(tmp_path):
+    """As a program that it runs does, whose signals it hands on."""
+    with ThreadPoolExecutor(1) as pool:
+        for shell, code in (("exit 3", 3), ("kill -TERM $$", -signal.SIGTERM)):
+            words = ["sh", "-c", f"echo said >&2; {shell}"]
+            act = partial(other, words, os.environ)
+            assert pool.submit(ending, act, tmp_path, 60).result() == Ending(
+                code, "", ["said"]
+            )
 
 
 BOMB = '<worldbody><replicate count="300000"><geom size="1"/></replicate>'
