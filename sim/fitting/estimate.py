@@ -102,6 +102,7 @@ def estimate(
     parameters: Sequence[Parameter],
     start: Array,
     guess: Array,
+    steps: int = STEPS,
 ) -> Estimates:
     """Fit P problems by Gauss and Newton's method, each with steps that help it.
 
@@ -111,6 +112,7 @@ def estimate(
         parameters: The K parameters.
         start: Where they are expected, (P, K).
         guess: Where the search begins, (P, K).
+        steps: How many there may be.
     """
     spread, step, low = np.array([(p.spread, p.step, p.low) for p in parameters]).T
     there = np.isfinite(measured)
@@ -122,7 +124,7 @@ def estimate(
 
     value = np.maximum(guess, low)
     variants = np.concatenate([np.zeros((1, len(step))), np.diag(step)])
-    for _ in range(STEPS):
+    for _ in range(steps):
         found = model(value + variants[:, None])
         slope = np.where(there, (found[1:] - found[0]) / step[:, None, None], 0.0)
         left = missed(found[0])

@@ -5,7 +5,7 @@ The first three quarters of every log are fitted, and the last quarter is predic
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +24,8 @@ SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
           "backlash": "backlash", "delay": "command_delay"}  # fmt: skip
 OWN = {"dead band": "dead_band", "zero": "zero_offset"}
 Value = float | list[float]
+Told = Mapping[str, tuple[Value, Value]]
+"""Settings of scenarios by name, and their standard errors."""
 
 
 @dataclass(frozen=True, eq=False)
