@@ -14,13 +14,13 @@ from sim.errors import UsageError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from sim.fitting.card import Told
     from sim.fitting.estimate import Estimates
-    from sim.fitting.fitting import JointFit
+    from sim.fitting.fitting import JointFit, Value
+    from sim.fitting.poses import PoseFit, Walked
     from sim.logs.log import Log
     from sim.preparation.setup import Setup
 
-HELP = "estimate servos from what joints were told and what was measured"
+HELP = "estimate servos, load and floor from logs and walks, with standard errors"
 OPTIONS = (
     option(
         "sources",
@@ -48,24 +48,37 @@ MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 
 
 def execute(options: argparse.Namespace) -> None:
-    """Fit the servos, print them with their errors, and write a card if asked for."""
+    """Fit servos and what moves the body, print both, and write a card if asked for."""
     from sim.fitting.card import card_text, check_free, write_card
     from sim.fitting.fitting import fit_joints
+    from sim.fitting.poses import fit_poses
     from sim.progress import bar, stage
 
     if options.out is not None:
         check_free(Path(options.out))
-    setup, logs = _sources(options)
-    walking = options.walking
-    if walking is None:
-        walking = all(log.pose is not None for log in logs)
-    with bar(quiet=options.json) as progress, stage(progress, "fitting"):
-        fit = fit_joints(setup, logs, walking)
-    told = fit.settings(setup.robot.card.joints)
+    setup, logs, walked = _sources(options)
+    walking = walked is not None if options.walking is None else options.walking
+    told: dict[str, tuple[Value, Value]] = {}
+    facts: dict[str, object] = {}
+    lines: list[str] = []
+    with bar(quiet=options.json) as progress:
+        if walked is not None:
+            with stage(progress, "fitting what moves the body"):
+                body = fit_poses(walked)
+            told |= body.settings
+            facts["body"] = _body_facts(body)
+            lines += _body_lines(body)
+        if all(log.measured is not None for log in logs):
+            with stage(progress, "fitting servos"):
+                fit = fit_joints(setup, logs, walking)
+            told |= fit.settings(setup.robot.card.joints)
+            facts["servos"] = _facts(fit)
+            lines += _table(fit)
     if options.json:
-        print(json.dumps(_facts(fit, told)))
+        settings = {key: {"value": v, "error": e} for key, (v, e) in told.items()}
+        print(json.dumps({"settings": settings} | facts))
     else:
-        print("\n".join(_table(fit)))
+        print("\n".join(lines))
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
         use = write_card(setup.robot, Path(options.out), text)
@@ -73,14 +86,15 @@ def execute(options: argparse.Namespace) -> None:
             print(f"written: {use}")
 
 
-def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log]]:
-    """The robot as it is known, and logs of the same joints."""
+def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | None]:
+    """The robot as it is known, logs of the same joints, and the first one's poses."""
     from models import shipped_robots
+    from sim.fitting.poses import walked_of_log, walked_of_run
     from sim.fitting.sources import log_of
     from sim.logs.log import read_log
+    from sim.logs.playing import scenario_of
     from sim.preparation.setup import prepare
     from sim.runs.run import read_run
-    from sim.scenarios.file import load_scenario
 
     first, *rest = options.sources
     named = first.endswith(".xml") or first in shipped_robots()
@@ -88,16 +102,11 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log]]:
     if not paths:
         raise UsageError("nothing to fit", first, "name a LOG, or a RUN")
     runs = {path: read_run(path) for path in paths if path.is_dir()}
-    if not named and not runs:
+    if not named and paths[0] not in runs:
         what = f"{first!r} is no robot, and a log does not name its own"
         raise UsageError(what, "the command line", f"stratawalk fit hexapod {first}")
-    known = settings_of(options)
-    if named:
-        scenario = load_scenario("line", known | {"robot": first})
-    else:
-        scenario = next(iter(runs.values())).scenario
-    robot = robot_of(options, scenario.robot)
-    setup = prepare(scenario, robot)
+    run = runs.get(paths[0])
+    robot = robot_of(options, run.scenario.robot if run and not named else first)
     logs = [
         log_of(runs[path])
         if path in runs
@@ -105,22 +114,55 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log]]:
         for path in paths
     ]
     for path, log in zip(paths, logs, strict=True):
-        if log.measured is None:
-            remedy = "give columns measured.JOINT beside the commands"
-            raise UsageError("no measured angles", str(path), remedy)
+        if log.measured is None and log.pose is None:
+            remedy = "give columns measured.JOINT, or body.x, body.y and body.yaw"
+            raise UsageError("nothing was measured", str(path), remedy)
         if log.joints != logs[0].joints:
             what = f"other joints than in {paths[0]}"
             raise UsageError(
                 what, str(path), "give the same columns, or fit each alone"
             )
-    return setup, logs
+    if run is not None:
+        return prepare(run.scenario, robot), logs, walked_of_run(run)
+    scenario = scenario_of(robot, paths[0], settings_of(options))
+    setup = prepare(scenario, robot, log=logs[0])
+    try:
+        return (
+            setup,
+            logs,
+            walked_of_log(setup, logs[0]) if logs[0].pose is not None else None,
+        )
+    except ValueError as error:
+        raise UsageError.at(str(paths[0]), error) from error
 
 
-def _facts(fit: JointFit, told: Told) -> dict[str, object]:
+def _body_facts(fit: PoseFit) -> dict[str, object]:
+    return {
+        "unseen": list(fit.found.unseen_directions(0)),
+        "held_out": {"before": fit.before, "after": fit.after},
+    }
+
+
+def _body_lines(fit: PoseFit) -> list[str]:
+    """What moves the body, what does not show, and what the kept rows say."""
+    cells = _cells(fit.found, 0)
+    units = (MILLI_UNITS.get(p.unit, p.unit) for p in fit.found.parameters)
+    rows = [
+        f"{name:24}{cell:>20} {unit}".rstrip()
+        for (name, cell), unit in zip(cells.items(), units, strict=True)
+    ]
+    return [
+        *rows,
+        *fit.found.unseen_directions(0),
+        f"the walk's last quarter is missed by {1e3 * fit.before:.2f} mm as the robot "
+        f"was described, and by {1e3 * fit.after:.2f} as it was fitted to the rest",
+        "",
+    ]
+
+
+def _facts(fit: JointFit) -> dict[str, object]:
     rows = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
     return {
-        "settings": {key: value for key, (value, _) in told.items()},
-        "errors": {key: error for key, (_, error) in told.items()},
         "unseen": list(fit.make.unseen_directions(0)),
         "held_out": {joint: {"before": b, "after": a} for joint, b, a in rows},
     }

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from models import Robot
 from sim.errors import UsageError
+from sim.fitting.fitting import Told
 from sim.folder import whole
-
-Value = float | list[float]
-Told = Mapping[str, tuple[Value, Value]]
-"""Settings of scenarios by name, and their standard errors."""
 
 FITTED = "\n[fitted]\n"  # the last table of a card
 

@@ -6,8 +6,9 @@ The first three quarters of every log are fitted, and the last quarter is predic
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import mujoco
 import numpy as np
 
 from planner import Array
@@ -17,9 +18,10 @@ from sim.fitting.loads import known_servos, on_floor, on_stand
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
+from sim.preparation.shared import built
 
 FITTED = 0.75  # of the rows of a log; the rest checks
-ROUNDS = 2  # of walking on the floor, the second with the zeros that were found
+ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
           "backlash": "backlash", "delay": "command_delay"}  # fmt: skip
 OWN = {"dead band": "dead_band", "zero": "zero_offset"}
@@ -64,20 +66,17 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
     Raises SimulationError where the robot cannot walk what the log says.
     """
     start = servos(*known_servos(setup, logs[0]))
-    zero = np.zeros(len(start))
+    model, whole = setup.as_planned.model, start
     for _ in range(ROUNDS if walking else 1):
         loaded = [
-            on_floor(setup, log, zero) if walking else on_stand(setup, log)
+            on_floor(setup, model, log, whole) if walking else on_stand(setup, log)
             for log in logs
         ]
-        each = together(
-            [
-                fit_servos(c, *_rows(log, False), start)
-                for c, log in zip(loaded, logs, strict=True)
-            ]
-        )
+        pairs = zip(loaded, logs, strict=True)
+        each = together([fit_servos(c, *_rows(log, False), start) for c, log in pairs])
         make, own, whole = one_make(each)
-        zero = own.value[:, 1]
+        if walking:
+            model = _fitted_model(setup, logs[0], whole)
     before, after = (
         np.sqrt(
             np.mean(
@@ -88,6 +87,20 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
         for s in (start, whole)
     )
     return JointFit(logs[0].joints, each, make, own, before, after)
+
+
+def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
+    """The world of a robot whose servos are like those that were found, (J, 6)."""
+    own = dict(zip(log.joints, whole[:, 2].tolist(), strict=True))
+    stiffness, damping = np.exp(whole[0, :2]).tolist()
+    found = replace(
+        setup.scenario.as_planned,
+        servo_stiffness=stiffness,
+        servo_damping=damping,
+        backlash=float(whole[0, 3]),
+        dead_band=tuple(own.get(joint, 0.0) for joint in setup.robot.card.joints),
+    )
+    return built(setup.robot, found)[1]
 
 
 def _rows(log: Log, kept: bool) -> tuple[Array, Array]:

@@ -16,6 +16,7 @@ from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log
 from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
+from sim.world.dead_bands import BAND
 
 STEP = 0.004  # [s] of the law, which is solved exactly in between
 KNOTS = 10  # steps from one evaluation of weights to the next
@@ -44,38 +45,45 @@ def on_stand(setup: Setup, log: Log) -> Commanded:
     return Commanded(STEP, log.at(time), np.stack(load, axis=1), *_inertia(model, dofs))
 
 
-def on_floor(setup: Setup, log: Log, zero: Array) -> Commanded:
-    """The log's joints on a robot that walks; servos' zeros are off by (J,) [rad].
+def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Commanded:
+    """The log's joints on a robot that walks in a model, whose servos are (J, 6).
 
-    Raises SimulationError where the simulation diverges.
+    What a joint bears is what its spring gives and neither its damping nor its inertia
+    takes. Raises SimulationError where the simulation diverges.
     """
-    model = setup.as_planned.model
-    dt, dofs = model.opt.timestep, _dofs(model, log)
-    servos = _servos(setup, log)
+    dt, actuators = model.opt.timestep, _servos(setup, log)
     ahead = round((GOING + SETTLING) / dt)
     time = np.arange(-ahead, round(log.duration / dt) + 1) * dt
     rows = np.tile(model.key("start").ctrl, (len(time), 1))
     part = np.clip((time + GOING + SETTLING) / GOING, 0, 1)[:, None]
     part = part * part * (3 - 2 * part)
-    rows[:, servos] += part * (log.at(time) + zero - rows[:, servos])
+    rows[:, actuators] += part * (log.at(time) + servos[:, 4] - rows[:, actuators])
     engine = Engine(model)
-    records = [
-        engine.advance(rows[i : i + STRETCH]) for i in range(0, len(rows), STRETCH)
+    pieces = range(0, len(rows), STRETCH)
+    records = [engine.advance(rows[i : i + STRETCH]) for i in pieces]
+    angle = np.concatenate(
+        [r.qpos[:, _places(model, log)].sum(axis=2) for r in records]
+    )
+    speed = np.gradient(angle, dt, axis=0)
+    spring = rows[:, actuators] - np.concatenate(
+        [r.qpos[:, _places(model, log)[:, 0]] for r in records]
+    )
+    inertia, leg = _inertia(setup.as_planned.model, _dofs(setup.as_planned.model, log))
+    load = model.actuator_gainprm[actuators, 0] * spring - np.exp(servos[:, 1]) * speed
+    load -= inertia * np.gradient(speed, dt, axis=0)
+    begins = np.arange(ahead, len(time), round(STEP / dt))
+    mean = np.add.reduceat(load, begins)
+    mean /= np.diff(np.append(begins, len(time)))[:, None]
+    return Commanded(STEP, log.at(time[begins]), mean, inertia, leg)
+
+
+def _places(model: mujoco.MjModel, log: Log) -> Array:
+    """Joints whose angles add up to that of a servo's shaft, (J, 1) or (J, 2)."""
+    there = {model.joint(j).name: int(model.jnt_qposadr[j]) for j in range(model.njnt)}
+    parts = [
+        [j, BAND + j] if BAND + log.joints[0] in there else [j] for j in log.joints
     ]
-    speed = np.concatenate([r.qvel[:, dofs] for r in records])
-    force = np.concatenate([r.actuator_force[:, servos] for r in records])
-    inertia, _ = _inertia(model, dofs)
-    load = (
-        force
-        - model.dof_damping[dofs] * speed
-        - inertia * np.gradient(speed, dt, axis=0)
-    )
-    each = round(STEP / dt)
-    begins = np.arange(ahead, len(time), each)
-    mean = (
-        np.add.reduceat(load, begins) / np.diff(np.append(begins, len(time)))[:, None]
-    )
-    return Commanded(STEP, log.at(time[begins]), mean, *_inertia(model, dofs))
+    return np.array([[there[name] for name in names] for names in parts])
 
 
 def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:

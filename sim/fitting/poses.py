@@ -14,8 +14,12 @@ import numpy as np
 from planner import Array
 from sim.compliant.phases import Course, Phases
 from sim.compliant.places import Robots
+from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
 from sim.fitting.fitting import FITTED, Told
+from sim.logs.log import Log
+from sim.motion.poses import relative
+from sim.preparation.setup import Setup
 from sim.runs.run import Run
 from sim.studies.sensitivities import course_of_run
 
@@ -30,6 +34,8 @@ BODY = (
 )
 LEVEL = 1e-5  # [rad]; a slope from which on directions of phases matter
 STEPS = 4  # of the search, each of which walks eleven robots
+CARRIER = 0.05  # of the robot's mass; a payload whose place shows, and not its mass
+STILL = 0.2  # [s] in which the body has not moved, for the place where it begins
 MOMENTS = 400  # of a walk at most, at which its pose is fitted
 
 
@@ -41,7 +47,6 @@ class PoseFit:
     before: float  # root mean square, yaw at the mean distance of the feet [m]
     after: float  # [m]
     mass: float  # of the robot without payload [kg]
-    stiffness: float  # of its servos on average [N m/rad]
 
     @property
     def settings(self) -> Told:
@@ -52,54 +57,94 @@ class PoseFit:
         if seen["friction"]:
             told["friction"] = float(value[0]), float(error[0])
         if seen["its place ahead"] and seen["its place to the left"]:
-            mass = float(value[1]) if seen["payload"] and value[1] else CARRIER * self.mass
+            mass = (
+                float(value[1]) if seen["payload"] and value[1] else CARRIER * self.mass
+            )
             off = float(error[1]) if seen["payload"] else 0.0
             places, errors = (value[2:4] / mass).tolist(), (error[2:4] / mass).tolist()
             told["payload"] = [mass, *places, 0.0], [off, *errors, 0.0]
         if seen["slope ahead"] and seen["slope to the left"]:
             x, y = value[4:6].tolist()
             steep, sideways = hypot(x, y), float(np.hypot(*error[4:6]))
-            told["slope"] = [steep, atan2(y, x)], [sideways, sideways / max(steep, LEVEL)]
-        if seen["stiffness"]:
-            factor, share = np.exp(value[6]), error[6]
-            told["servo_stiffness"] = (
-                float(self.stiffness * factor), float(self.stiffness * factor * share)
+            told["slope"] = (
+                [steep, atan2(y, x)],
+                [sideways, sideways / max(steep, LEVEL)],
             )
+        if seen["stiffness"]:
+            stiffness = BODY[6].told(value[6], error[6])
+            told["servo_stiffness"] = float(stiffness[0]), float(stiffness[1])
         return told
 
 
-CARRIER = 0.05  # of the robot's mass; a payload whose place shows and whose mass does not
+@dataclass(frozen=True, eq=False)
+class Walked:
+    """Commands of a walk for the compliant prediction, and where the body went."""
+
+    phases: Phases
+    course: Course
+    times: Array  # (T,) [s]
+    pose: Array  # measured, relative to where it began, (T, 3)
+    arm: float  # mean distance of the feet from the body's centre [m]
 
 
-def fit_poses(run: Run) -> PoseFit:
+def walked_of_run(run: Run) -> Walked:
+    """A finished run; the prediction is told none of its imperfections."""
+    untold = replace(run, settings={**run.settings, "known": "none"})
+    phases, course = course_of_run(untold)
+    rows = run.walking
+    return Walked(phases, course, run.time[rows], run.achieved[rows], run.reach)
+
+
+def walked_of_log(setup: Setup, log: Log) -> Walked:
+    """A log with the body's pose; the robot first stands as in its first row.
+
+    Raises ValueError where a pose is missing.
+    """
+    motion, dt = setup.motion, setup.limits.timestep
+    if motion is None or log.pose is None or not np.isfinite(log.pose).all():
+        raise ValueError(
+            "poses are missing; give body.x, body.y, body.yaw in every row"
+        )
+    hold = round(setup.limits.hold / dt)
+    parts = [
+        motion.schedule(0, hold, standing=True),
+        motion.schedule(hold, hold + motion.steps),
+    ]
+    ctrl = np.concatenate([rows for part in parts for rows in setup.commands(part)])
+    spans = np.array([(p.start, p.stop) for part in parts for p in part.phases])
+    phases = phases_of(setup.as_planned)
+    none = np.zeros(len(spans))
+    course = course_along(setup, phases, ctrl, spans, none, {0: np.zeros(3)})
+    still = log.time < STILL
+    pose = relative(log.pose[still].mean(axis=0), log.pose)
+    return Walked(phases, course, hold * dt + log.time, pose, setup.kinematics.reach)
+
+
+def fit_poses(walked: Walked) -> PoseFit:
     """Fit what moves the body of a walk to its poses.
 
     Raises MeasurementError where the prediction tips over.
     """
-    phases, course = course_of_run(
-        replace(run, settings={**run.settings, "known": "none"})
-    )
-    rows = np.arange(run.walking.start, len(run.time))
-    rows = rows[:: max(len(rows) // MOMENTS, 1)]
-    times, arm = run.time[rows], run.reach
-    measured = _scaled(run.achieved[rows], arm)
-    cut = 3 * int(FITTED * len(rows))
-    robot = phases.robots
+    phases, robot = walked.phases, walked.phases.robots
+    rows = slice(None, None, max(len(walked.times) // MOMENTS, 1))
+    times = walked.times[rows]
+    measured = _scaled(walked.pose[rows], walked.arm)
+    cut = 3 * int(FITTED * len(times))
 
     def model(values: Array) -> Array:
         lanes = _changed(robot, values.reshape(-1, len(BODY)))
-        walks = Phases(phases.mechanics, lanes, phases.pace).follow_all(course)
-        found = [_scaled(walk.at(times).pose, arm) for walk in walks]
+        walks = Phases(phases.mechanics, lanes, phases.pace).follow_all(walked.course)
+        found = [_scaled(walk.at(times).pose, walked.arm) for walk in walks]
         return np.stack(found).reshape(*values.shape[:2], -1).swapaxes(1, 2)
 
-    start = np.array([[robot.friction.mean(), *np.zeros(len(BODY) - 1)]])
+    friction, stiffness = robot.friction.mean(), np.log(robot.stiffness).mean()
+    start = np.array([[friction, *np.zeros(len(BODY) - 2), stiffness]])
     found = estimate(
         lambda v: model(v)[:, :cut], measured[:cut, None], BODY, start, start, STEPS
     )
     off = measured[cut:] - model(np.stack([start, found.value]))[:, cut:, 0]
     before, after = np.sqrt((off**2).mean(axis=1) * 3).tolist()
-    stiffness = float(robot.stiffness.mean())
-    return PoseFit(found, before, after, float(robot.mass[0]), stiffness)
+    return PoseFit(found, before, after, float(robot.mass[0]))
 
 
 def _scaled(pose: Array, arm: float) -> Array:
@@ -116,7 +161,7 @@ def _changed(robot: Robots, values: Array) -> Robots:
     moment = lanes.body_mass[:, None] * lanes.body_center
     moment[:, 0] += ahead
     moment[:, 1] += left
-    size = np.linalg.norm(robot.gravity[0])
+    size, usual = np.linalg.norm(robot.gravity[0]), np.log(robot.stiffness).mean()
     tilt = np.column_stack([down_ahead, down_left]) + LEVEL
     down = -np.sqrt(1 - (tilt**2).sum(axis=1))
     return replace(
@@ -126,5 +171,5 @@ def _changed(robot: Robots, values: Array) -> Robots:
         mass=lanes.mass + mass,
         body_center=moment / body[:, None],
         gravity=size * np.column_stack([tilt, down]),
-        stiffness=lanes.stiffness * np.exp(stiffness)[:, None, None],
+        stiffness=lanes.stiffness * np.exp(stiffness - usual)[:, None, None],
     )

@@ -126,13 +126,13 @@ def test_a_card_is_written_that_walks_use(tmp_path, capsys):
     words = ["fit", "hexapod-classroom", str(tmp_path / "log.csv"), "--out", str(card)]
     assert main([*words, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    zeros = told["settings"]["zero_offset"]
+    zeros = told["settings"]["zero_offset"]["value"]
     robot = load(str(card.with_suffix(".xml")))
     assert robot.card.fitted["zero_offset"] == zeros
     assert robot.card.fitted["source"] == words[1:3]
     assert zeros[:2] == pytest.approx([np.radians(0.5)] * 2, abs=0.003)
     assert zeros[2:] == [0.0] * 10
-    assert all(told["held_out"][j]["after"] < 0.002 for j in joints)
+    assert all(told["servos"]["held_out"][j]["after"] < 0.002 for j in joints)
     scenario = load_scenario("line", {"robot": str(robot.path)})
     assert prepare(scenario).scenario.zero_offset == tuple(zeros)
     given = replace(scenario, zero_offset=0.01)
@@ -144,7 +144,10 @@ def test_a_card_is_written_that_walks_use(tmp_path, capsys):
     [
         (["log.csv"], "'log.csv' is no robot, and a log does not name its own"),
         (["hexapod-classroom"], "nothing to fit: hexapod-classroom; name a LOG"),
-        (["hexapod-classroom", "log.csv"], "no measured angles: log.csv; give columns"),
+        (
+            ["hexapod-classroom", "log.csv"],
+            "nothing was measured: log.csv; give columns",
+        ),
         (
             ["hexapod-classroom", "log.csv", "--out", "card.xml"],
             "no place for a card: card.xml; give --out FOLDER/NAME.toml",
