@@ -78,8 +78,11 @@ def measured(folder: Path, told: Path, out: Path) -> None:
     table = np.genfromtxt(told, delimiter=",", names=True, deletechars="")
     commanded = [np.interp(found.time, table["time"], table[j]) for j in found.joints]
     position, angle = NOISE
-    pose = found.pose + random.normal(0, [position, position, angle], found.pose.shape)
-    joints = found.measured + random.normal(0, angle, found.measured.shape)
+    if found.pose is None or found.measured is None:
+        raise ValueError("a walk has poses and angles")
+    rows, width = found.measured.shape
+    pose = found.pose + random.normal(0, [position, position, angle], (rows, 3))
+    joints = found.measured + random.normal(0, angle, (rows, width))
     log = Log(found.time, found.joints, np.stack(commanded, axis=1), joints, pose)
     out.write_text(written(log))
 

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
 from math import floor, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import TRUST, option, robot_of, set_option, settings_of
+from sim.commands.options import (
+    TRUST,
+    option,
+    report,
+    robot_of,
+    set_option,
+    settings_of,
+)
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
@@ -74,16 +80,11 @@ def execute(options: argparse.Namespace) -> None:
             told |= fit.settings(setup.robot.card.joints)
             facts["servos"] = _facts(fit)
             lines += _table(fit)
-    if options.json:
-        settings = {key: {"value": v, "error": e} for key, (v, e) in told.items()}
-        print(json.dumps({"settings": settings} | facts))
-    else:
-        print("\n".join(lines))
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
-        use = write_card(setup.robot, Path(options.out), text)
-        if not options.json:
-            print(f"written: {use}")
+        lines.append(f"written: {write_card(setup.robot, Path(options.out), text)}")
+    settings = {key: {"value": v, "error": e} for key, (v, e) in told.items()}
+    report(options, {"settings": settings} | facts, *lines)
 
 
 def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | None]:
@@ -154,6 +155,7 @@ def _body_lines(fit: PoseFit) -> list[str]:
     return [
         *rows,
         *fit.found.unseen_directions(0),
+        "zeros are not fitted to where the body went, only to measured joints",
         f"the walk's last quarter is missed by {1e3 * fit.before:.2f} mm as the robot "
         f"was described, and by {1e3 * fit.after:.2f} as it was fitted to the rest",
         "",

@@ -12,8 +12,8 @@ from math import atan2, hypot
 import numpy as np
 
 from planner import Array
+from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
-from sim.compliant.places import Robots
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
 from sim.fitting.fitting import FITTED, Told
