@@ -96,11 +96,3 @@ def test_the_paper_fields_part_ideal_from_quasi_static(shown):
     assert ideal > 100 * real  # measured: 271 times
     _, ideal, real, _ = rows["lifted"]
     assert max(ideal, real) < 0.1  # mm; 0.02 measured
-
-
-@pytest.mark.full
-@pytest.mark.physics
-def test_a_fitted_robot_goes_where_the_hidden_one_goes(shown, tmp_path):
-    printed = shown("fitted_robot", "--keep", str(tmp_path))
-    before, after = numbers(printed.splitlines()[-1])
-    assert after < before / 3

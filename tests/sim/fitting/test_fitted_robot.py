@@ -4,21 +4,17 @@ A hidden robot has softer servos, a load, a slope and late commands. A motion is
 on it, and its joints and its body are measured with noise. `fit` reads that log and
 writes a card; then another motion is played on the hidden robot, on the robot as it was
 described, and on the one that was fitted. It takes a minute or two.
-
-Example:
-    python examples/fitted_robot.py
 """
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import json
 import tempfile
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from models import load
 from sim import cli
@@ -110,16 +106,8 @@ def tried(folder: Path) -> tuple[float, float]:
     return missed(described, truth), missed(fitted, truth)
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Print what the fit finds, and how far another motion is off before and after."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--keep", type=Path, help="folder for all that is written")
-    kept = parser.parse_args(arguments).keep
-    with tempfile.TemporaryDirectory() as name:
-        before, after = tried(kept or Path(name))
-    print(f"another motion is {1e3 * before:.2f} mm off as described, ", end="")
-    print(f"{1e3 * after:.2f} mm as fitted")
-
-
-if __name__ == "__main__":
-    main()
+@pytest.mark.full
+@pytest.mark.physics
+def test_a_fitted_robot_goes_where_the_hidden_one_goes(tmp_path):
+    before, after = tried(tmp_path)
+    assert after < before / 3
