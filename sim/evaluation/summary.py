@@ -245,7 +245,7 @@ class Summary(Numbers):
         }
         if (sensed := table.get("feedback")) is not None:
             inner["feedback"] = Sensed.read(sensed)
-        if (real := table.get("measured")) is not None:
+        if isinstance(real := table.get("measured"), Mapping):
             inner["measured"] = Real.read(real)
         return super().read({**table, **inner})
 

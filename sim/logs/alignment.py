@@ -17,10 +17,10 @@ from planner import Array
 from sim.logs.log import Log
 from sim.motion.poses import relative, rotate, seen_from, wrap
 
-TURNED = radians(5)  # from which on a frame is taken to be turned
-PIECES = 20  # of the way, over which directions are compared
-MOVED = 0.01  # [m] in all, without which nothing is known of directions
-SAME = radians(1)  # by which commands of trials may differ
+TURNED_FRAME = radians(5)  # from which on a frame is taken to be turned
+WAY_PIECES = 20  # of the way, over which directions are compared
+MOVED_ENOUGH = 0.01  # [m] in all, without which nothing is known of directions
+SAME_COMMAND = radians(1)  # by which commands of trials may differ
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def together(logs: Sequence[Log]) -> Log:
             raise ValueError(f"trial {number} commands other joints than the first")
         order = [log.joints.index(joint) for joint in first.joints]
         off = float(np.abs(log.at(first.time)[:, order] - first.commanded).max())
-        if off > SAME:
+        if off > SAME_COMMAND:
             done.append(
                 f"trial {number} commands up to {degrees(off):.2g} degrees else; the "
                 "commands of the first are played"
@@ -81,7 +81,7 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
         done.append("no yaw was measured; the prediction's stands for it")
     seen = seen_from(pose[0], pose)
     turned = _turned(seen, predicted)
-    if abs(turned) > TURNED:
+    if abs(turned) > TURNED_FRAME:
         seen[:, :2] = rotate(seen[:, :2], -turned)
         done.append(
             f"its frame is turned by {degrees(turned):.1f} degrees against the robot, "
@@ -95,10 +95,10 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
 
 def _turned(pose: Array, predicted: Array) -> float:
     """Angle from the prediction's directions of motion to the measured ones [rad]."""
-    rows = np.linspace(0, len(pose) - 1, PIECES + 1).round().astype(int)
+    rows = np.linspace(0, len(pose) - 1, WAY_PIECES + 1).round().astype(int)
     ways = [relative(p[rows[:-1]], p[rows[1:]])[:, :2] for p in (predicted, pose)]
     one, other = (way[:, 0] + 1j * way[:, 1] for way in ways)
-    if min(np.abs(one).sum(), np.abs(other).sum()) < MOVED:
+    if min(np.abs(one).sum(), np.abs(other).sum()) < MOVED_ENOUGH:
         return 0.0
     return float(wrap(np.angle((np.conj(one) * other).sum())))
 

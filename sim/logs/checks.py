@@ -8,10 +8,10 @@ import numpy as np
 
 from planner import Array
 
-LONGEST = 600.0  # [s]
+LONGEST_LOG = 600.0  # [s]
 FARTHEST = 4 * np.pi  # [rad]
 JITTER = 0.05  # of a step of the clock, that is mentioned
-GAP = 2.5  # steps of the clock; what is longer is a gap
+CLOCK_GAP = 2.5  # steps of the clock; what is longer is a gap
 
 
 def check_time(time: Array) -> None:
@@ -25,9 +25,9 @@ def check_time(time: Array) -> None:
             f"time goes from {time[row]:.9g} s to {time[row + 1]:.9g} s in row "
             f"{row + 2}; sort the rows, and keep one a moment"
         )
-    if (length := time[-1] - time[0]) > LONGEST:
+    if (length := time[-1] - time[0]) > LONGEST_LOG:
         raise ValueError(
-            f"it lasts {length:.6g} s; give at most {LONGEST:g} s, with time in seconds"
+            f"it lasts {length:.6g} s; give at most {LONGEST_LOG:g} s, in seconds"
         )
 
 
@@ -37,7 +37,7 @@ def clock(time: Array) -> Iterator[str]:
     usual = float(np.median(steps))
     if time[0] != 0:
         yield f"time begins at {time[0]:.6g} s and is counted from there"
-    if (gaps := steps > GAP * usual).any():
+    if (gaps := steps > CLOCK_GAP * usual).any():
         yield (
             f"gaps of up to {steps.max():.3g} s between rows, {gaps.sum()} in all; "
             "commands go evenly across"

@@ -30,8 +30,8 @@ from sim.motion.poses import rotate
 
 LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
 LEAST_LIFT = 5e-4  # [m]
-INSIDE = -1e-6  # share of the weight on each of three feet that bear it
-FLAT = 1e-9  # [m^2]; feet on a line make no triangle
+INSIDE_FEET = -1e-6  # share of the weight on each of three feet that bear it
+FLAT_FEET = 1e-9  # [m^2]; feet on a line make no triangle
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,10 +62,14 @@ class Posture:
         """
         above, near = self.height, self.near
         rise = np.abs(np.gradient(above, axis=0)) if len(above) > 1 else above * 0.0
-        standing = (above <= near) & (rise <= max(LIFTED * float(rise.max()), FLAT))
+        standing = (above <= near) & (
+            rise <= max(LIFTED * float(rise.max()), FLAT_FEET)
+        )
         rests, bearing = _resting(self.feet, self.center_of_mass, near)
         three = np.array([*combinations(range(above.shape[1]), 3)])
-        inside = _shares(self.feet, self.center_of_mass, three).min(axis=2) >= INSIDE
+        inside = (
+            _shares(self.feet, self.center_of_mass, three).min(axis=2) >= INSIDE_FEET
+        )
         held = (inside & standing[:, three].all(axis=2)).any(axis=1)
         standing[rests & ~held] = bearing[rests & ~held]
         return standing
@@ -107,7 +111,7 @@ def _together(J: Array) -> Array:
     A force f moves the sole by J J' f; what counts are its upward parts.
     """
     upward = float(np.sqrt((J[2] ** 2).sum()))
-    gives: Array = np.append(J[:2] @ J[2] / max(upward, FLAT), upward)
+    gives: Array = np.append(J[:2] @ J[2] / max(upward, FLAT_FEET), upward)
     return gives
 
 
@@ -118,7 +122,7 @@ def _shares(feet: Array, center: Array, three: Array) -> Array:
     after = np.roll(spokes, -1, axis=2)
     area = spokes[..., 0] * after[..., 1] - spokes[..., 1] * after[..., 0]
     whole = area.sum(axis=2, keepdims=True)
-    whole = np.where(np.abs(whole) > FLAT, whole, np.nan)
+    whole = np.where(np.abs(whole) > FLAT_FEET, whole, np.nan)
     shares: Array = np.nan_to_num(np.roll(area, -1, axis=2) / whole, nan=-1.0)
     return shares
 
@@ -134,13 +138,13 @@ def _resting(feet: Array, center: Array, near: float) -> tuple[Array, Array]:
     flat = np.concatenate([ones, feet[..., :2]], axis=2)
     for chosen in combinations(range(feet.shape[1]), 3):
         three = np.array([chosen])
-        inside = _shares(feet, center, three)[:, 0].min(axis=1) >= INSIDE
+        inside = _shares(feet, center, three)[:, 0].min(axis=1) >= INSIDE_FEET
         rows = np.flatnonzero(inside & ~rests)
         corners = np.ix_(rows, three[0])
         plane = np.linalg.solve(flat[corners], feet[corners][..., 2:])[..., 0]
         above = feet[rows, :, 2] - np.einsum("nfi,ni->nf", flat[rows], plane)
         upright = np.hypot(*plane[:, 1:].T) <= np.tan(UPRIGHT)
-        fits = upright & (above >= -FLAT).all(axis=1)
+        fits = upright & (above >= -FLAT_FEET).all(axis=1)
         rests[rows[fits]] = True
         bearing[rows[fits]] = above[fits] <= near
     return rests, bearing

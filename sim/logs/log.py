@@ -21,14 +21,14 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
-from sim.logs.checks import LONGEST, bridged, check_angles, check_time, clock
+from sim.logs.checks import LONGEST_LOG, bridged, check_angles, check_time, clock
 
-LARGEST = 10**8  # bytes
+LARGEST_LOG = 10**8  # bytes
 MOST_ROWS = 10**6
 TIME, MEASURED, BODY, CONTACT = "time", "measured.", "body.", "contact."
 POSE, LEAN = ("x", "y", "yaw"), ("roll", "pitch")
 SPREAD = ".error"  # of a column with its standard error
-TURNED = ("yaw", *LEAN)  # columns of the body that are angles
+ANGLES = ("yaw", *LEAN)  # columns of the body that are angles
 
 Gait = Callable[[float], Mapping[str, float]]  # joint angles [rad] at a time [s]
 Reader = Callable[[str, Array], Array]  # angles [rad] of a joint's numbers
@@ -109,7 +109,7 @@ class Log:
 
 def of_function(gait: Gait, duration: float, rate: float = 200.0) -> Log:
     """The log of a gait that gives the angle of each joint [rad] at a time [s]."""
-    if not 0 < duration <= LONGEST or not 1 <= rate <= 1e4:
+    if not 0 < duration <= LONGEST_LOG or not 1 <= rate <= 1e4:
         raise ValueError(f"{duration} s at {rate} rows a second; give a duration")
     time = np.arange(round(duration * rate) + 1) / rate
     rows = [dict(gait(float(t))) for t in time]
@@ -155,7 +155,7 @@ def _table(path: Path) -> tuple[list[str], Array]:
 
     A file that is no table of numbers is a ValueError.
     """
-    text = read_file(path, LARGEST).decode("utf-8-sig")
+    text = read_file(path, LARGEST_LOG).decode("utf-8-sig")
     first = text.partition("\n")[0]
     parted = max(",;\t", key=first.count)
     lines = (row for row in csv.reader(text.splitlines(), delimiter=parted) if row)
@@ -224,7 +224,7 @@ def _log(
     check_angles(start, commanded, np.stack(asked, axis=1))
     measured = {j: turned(n, j) for j in commanded if (n := MEASURED + j) in columns}
     body = {
-        part: turned(BODY + part) if part in TURNED else columns[BODY + part]
+        part: turned(BODY + part) if part in ANGLES else columns[BODY + part]
         for part in (*POSE, *LEAN)
         if BODY + part in columns
     }

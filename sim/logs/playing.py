@@ -24,9 +24,9 @@ from sim.motion.stability import stability_margin
 from sim.scenarios.file import scenario_from
 from sim.scenarios.scenario import Scenario
 
-STEP = 0.005  # [s] between moments at which feet are looked at
-MOST = 20_000  # of these moments
-SHORTEST = 0.02  # [s] of a contact, or of its interruption, that is planned
+LOOKS_APART = 0.005  # [s] between moments at which feet are looked at
+MOST_LOOKS = 20_000  # of these moments
+SHORTEST_CONTACT = 0.02  # [s] of a contact, or of its interruption, that is planned
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class Motion:
     @cached_property
     def time(self) -> Array:
         """Moments that are looked at, evenly spaced, (N,) [s]."""
-        count = min(int(np.ceil(self.log.duration / STEP)), MOST)
+        count = min(int(np.ceil(self.log.duration / LOOKS_APART)), MOST_LOOKS)
         return np.linspace(0.0, self.log.duration, count + 1)
 
     @cached_property
@@ -52,7 +52,7 @@ class Motion:
     def contact(self) -> Array:
         """Feet that are planned to stand at these moments, (N, F), bool."""
         standing = self.posture.standing
-        shortest = round(SHORTEST / (self.time[1] - self.time[0]))
+        shortest = round(SHORTEST_CONTACT / (self.time[1] - self.time[0]))
         for foot in standing.T:
             edges = np.flatnonzero(np.diff(foot)) + 1
             for begin, end in zip(edges[:-1], edges[1:], strict=True):
@@ -108,7 +108,7 @@ class Motion:
         standing = self.low if kind == "hold" else self.contact[row]
         feet = tuple(standing.tolist())
         inside = np.arange(
-            span[0], span[1] + 1, max(round(STEP / self.limits.timestep), 1)
+            span[0], span[1] + 1, max(round(LOOKS_APART / self.limits.timestep), 1)
         )
         ways = np.abs(np.diff(self.log.at(inside * self.limits.timestep), axis=0)).sum(
             0

@@ -64,7 +64,7 @@ class Settings:
         "plan",
     )
     motion: str | None = setting(
-        "log of joint angles to play in place of a plan", None, ("world", "motion")
+        "log of joint angles to play in place of a plan", None, ("plan", "world")
     )
     segments: Annotated[int, Range(1, 100_000)] = setting(
         "pieces into which the path is cut; each is planned for itself", 20, "plan"
