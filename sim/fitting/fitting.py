@@ -20,6 +20,7 @@ from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
 
+NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
@@ -98,7 +99,9 @@ def _fitted_model(setup: Setup, log: Log, whole: Array) -> mujoco.MjModel:
         servo_stiffness=stiffness,
         servo_damping=damping,
         backlash=float(whole[0, 3]),
-        dead_band=tuple(own.get(joint, 0.0) for joint in setup.robot.card.joints),
+        dead_band=tuple(
+            max(own.get(joint, 0.0), NARROWEST) for joint in setup.robot.card.joints
+        ),
     )
     return built(setup.robot, found)[1]
 
