@@ -17,7 +17,7 @@ from planner import Array
 
 UNSEEN = 0.5  # of the spread of a direction that measurements leave
 PART = 0.25  # of a direction, from which on a parameter takes part in it
-STEPS = 15  # of Gauss and Newton at most
+MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
 LEAST_NOISE = 1e-12
@@ -102,7 +102,7 @@ def estimate(
     parameters: Sequence[Parameter],
     start: Array,
     guess: Array,
-    steps: int = STEPS,
+    steps: int = MOST_ROUNDS,
 ) -> Estimates:
     """Fit P problems by Gauss and Newton's method, each with steps that help it.
 

@@ -23,7 +23,7 @@ SERVO = (
     Parameter(name="delay", unit="s", spread=0.05, step=1e-3, low=0.0),
 )
 MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
-LONGEST = 0.3  # [s]; delay that is looked for
+LONGEST_DELAY = 0.3  # [s]; delay that is looked for
 APART = 0.01  # [s]; delays that are tried
 DAMPINGS = (-0.7, 0.0, 0.7)  # logarithms of factors that are tried
 LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tried
@@ -60,7 +60,7 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
     tried[..., 1:4] += np.array(grid)[:, None]
     best, least = start.copy(), np.full(len(start), np.inf)
     for servo, found in zip(tried, commanded.answers(tried, rows), strict=True):
-        for delay in np.arange(0.0, LONGEST, APART):
+        for delay in np.arange(0.0, LONGEST_DELAY, APART):
             late = [np.interp(rows - delay, rows, angle) for angle in found.T]
             off = measured - np.stack(late, axis=1)
             left, zero = np.nanvar(off, axis=0), np.nanmean(off, axis=0)

@@ -18,7 +18,7 @@ from sim.physics.engine import STRETCH, Engine
 from sim.preparation.setup import Setup
 from sim.world.dead_bands import BAND
 
-STEP = 0.004  # [s] of the law, which is solved exactly in between
+LAW_STEP = 0.004  # [s] of the law, which is solved exactly in between
 KNOTS = 10  # steps from one evaluation of weights to the next
 GOING = 1.0  # [s] in which the robot goes from its start to the log's first row
 LIGHTEST = 1e-7  # [kg m^2]
@@ -32,7 +32,7 @@ def on_stand(setup: Setup, log: Log) -> Commanded:
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
     places = [int(model.joint(j).qposadr[0]) for j in log.joints]
     dofs = _dofs(model, log)
-    time = np.arange(int(log.duration / STEP) + 1) * STEP
+    time = np.arange(int(log.duration / LAW_STEP) + 1) * LAW_STEP
     knots = np.append(time[::KNOTS], log.duration)
     weights, all_forces = np.empty((len(knots), len(log.joints))), np.empty(model.nv)
     for knot, angles in enumerate(log.at(knots)):
@@ -42,7 +42,9 @@ def on_stand(setup: Setup, log: Log) -> Commanded:
         mujoco.mj_rne(model, data, 0, all_forces)
         weights[knot] = all_forces[dofs]
     load = [np.interp(time, knots, weight) for weight in weights.T]
-    return Commanded(STEP, log.at(time), np.stack(load, axis=1), *_inertia(model, dofs))
+    return Commanded(
+        LAW_STEP, log.at(time), np.stack(load, axis=1), *_inertia(model, dofs)
+    )
 
 
 def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Commanded:
@@ -71,10 +73,10 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     inertia, leg = _inertia(setup.as_planned.model, _dofs(setup.as_planned.model, log))
     load = model.actuator_gainprm[actuators, 0] * spring - np.exp(servos[:, 1]) * speed
     load -= inertia * np.gradient(speed, dt, axis=0)
-    begins = np.arange(ahead, len(time), round(STEP / dt))
+    begins = np.arange(ahead, len(time), round(LAW_STEP / dt))
     mean = np.add.reduceat(load, begins)
     mean /= np.diff(np.append(begins, len(time)))[:, None]
-    return Commanded(STEP, log.at(time[begins]), mean, inertia, leg)
+    return Commanded(LAW_STEP, log.at(time[begins]), mean, inertia, leg)
 
 
 def _places(model: mujoco.MjModel, log: Log) -> Array:

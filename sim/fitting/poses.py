@@ -33,7 +33,7 @@ BODY = (
     Parameter(name="stiffness", unit="N m/rad", spread=0.5, step=0.05, logarithm=True),
 )
 LEVEL = 1e-5  # [rad]; a slope from which on directions of phases matter
-STEPS = 4  # of the search, each of which walks eleven robots
+ROUNDS = 4  # of the search, each of which walks eleven robots
 CARRIER = 0.05  # of the robot's mass; a payload whose place shows, and not its mass
 STILL = 0.2  # [s] in which the body has not moved, for the place where it begins
 MOMENTS = 400  # of a walk at most, at which its pose is fitted
@@ -140,7 +140,7 @@ def fit_poses(walked: Walked) -> PoseFit:
     friction, stiffness = robot.friction.mean(), np.log(robot.stiffness).mean()
     start = np.array([[friction, *np.zeros(len(BODY) - 2), stiffness]])
     found = estimate(
-        lambda v: model(v)[:, :cut], measured[:cut, None], BODY, start, start, STEPS
+        lambda v: model(v)[:, :cut], measured[:cut, None], BODY, start, start, ROUNDS
     )
     off = measured[cut:] - model(np.stack([start, found.value]))[:, cut:, 0]
     before, after = np.sqrt((off**2).mean(axis=1) * 3).tolist()
