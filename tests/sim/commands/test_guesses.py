@@ -143,7 +143,7 @@ def test_the_version_of_a_run_ends_no_entry_of_a_bibliography(folder, capsys):
     assert main(["cite", str(folder)]) == 0
     said = capsys.readouterr().out
     assert "version = {1.0miscevil" in said
-    assert "@misc" not in said
+    assert "@misc{evil" not in said
 
 
 @pytest.mark.parametrize(
@@ -188,7 +188,7 @@ def completed(tmp_path, capsys):
 
 
 def test_bash_completes_commands_options_and_what_is_shipped(completed):
-    assert completed("stratawalk", "pl") == ["plan"]
+    assert completed("stratawalk", "exp") == ["export"]
     assert completed("stratawalk", "run", "--seg") == ["--segments"]
     assert completed("stratawalk", "run", "li") == ["line"]
     assert completed("stratawalk", "run", "line", "--robot", "qua") == ["quadruped"]
