@@ -123,6 +123,7 @@ class MeasuredField:
     twist: tuple[Polynomial, Polynomial, Polynomial]  # per unit, along the swing
     slip: float  # of all feet, during the whole swing [m]
     reach: float = np.inf  # a stroke it was not made from confirms it so far [rad]
+    off: float = 0.0  # share of that stroke, up to the span, that it misses
 
     def __call__(self, way: Array) -> Array:
         """Body twist per unit of the field, constant beyond the span, (..., 3)."""

@@ -19,9 +19,9 @@ from sim.evaluation.deviations import (
     departure,
     deviations,
     error_sources,
-    left_out,
     off,
     per_metre,
+    require_holding,
     sensed,
 )
 from sim.evaluation.motions import (
@@ -160,6 +160,7 @@ def evaluate(
             alike = motion is None and follows_commands(walk.setup, name, strata)
             caches[name] = cache if alike else no_cache
             twists = partial(of_world, name, partial(twist_model, setup, name))
+            require_holding(walk, name, twists, strata)
             follow: Callable[[], Prediction]
             follow = partial(predicted_along, walk, twists, given)
             if motion is not None:
@@ -175,9 +176,6 @@ def evaluate(
     judged = walking & walk.recording.marks.inspected  # whichever rows are written
     poses = {name: found.pose[judged] for name, found in predicted.items()}
     poses["achieved"] = achieved.pose[judged]
-    unlike = left_out(walk.setup, poses)
-    unpredicted |= unlike
-    predicted = {key: p for key, p in predicted.items() if key not in unlike}
     creep, stand = None, partial(creep_floor, walk.setup, walk.duration)
     if "creep_floor" not in without:
         with stage(progress, "measuring the solver's creep"):

@@ -7,12 +7,13 @@ add up to the error exactly. They are summed by stratum and kind of phase.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
+from models import IdentifiedTwists, MeasurementError, TwistModel
 from planner import Array, Path
 from sim.evaluation.summary import (
     DEGREE,
@@ -25,12 +26,10 @@ from sim.evaluation.summary import (
 from sim.motion.poses import compose, path_deviation, relative, wrap
 from sim.motion.prediction import Prediction
 from sim.planning.sharing import Cache, no_cache
-from sim.preparation.setup import Setup
 from sim.scenarios.body_path import NominalPath
 from sim.scenarios.predictions import (
     IDEAL,
     IDENTIFIED,
-    PREDICTIONS,
     QUASI_STATIC,
     best,
     prediction_key,
@@ -39,7 +38,7 @@ from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 SWAY = 0.25  # of the feet's distance from the middle
-UNLIKE = 2.0  # times the distance from the walk of the prediction that judges it
+TRUSTED = 0.05  # of the path that a measured prediction may miss
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -231,29 +230,25 @@ def error_sources(
     return {name: part.tolist() for name, part in sources.items()}
 
 
-def left_out(setup: Setup, poses: Mapping[str, Array]) -> dict[str, str]:
-    """Measured predictions that do not hold for a walk, and why; not one steered on.
+def require_holding(
+    walk: Walk, name: str, made: Callable[[], TwistModel], strata: Collection[str]
+) -> None:
+    """Refuse a measured prediction whose misses of single strokes may add up to much.
 
-    They were made from single strokes, and the walk is others, often several at a time.
-
-    Given are poses of what was `achieved` and of the predictions, (T, 3) each.
+    It was fitted to other strokes than those of the walk, whose way is several times as
+    long as the path. One that the walk is steered on is kept. What is left out of the
+    walk raises MeasurementError.
     """
-    scenario, name = setup.scenario, IDENTIFIED.key
-    if name not in poses or scenario.steered_on == name:
-        return {}
-    scale = Scale.of(scenario.path, setup.kinematics.reach, poses)
-    why = does_not_hold(scale, name, poses)
-    return {name: why} if why else {}
-
-
-def does_not_hold(scale: Scale, name: str, poses: Mapping[str, Array]) -> str:
-    """Why a measured prediction does not hold for a walk; empty if it does."""
-    achieved, judge = poses["achieved"], scale.prediction
-    off, usual = (scale.share(achieved, poses[key]) for key in (name, judge))
-    if off <= max(NEAR, UNLIKE * usual):
-        return ""
-    label = PREDICTIONS[judge].label
-    return (
-        f"left out: made from single strokes, it is up to {100 * off:.1f} % of the "
-        f"path off this walk, and the {label} one {100 * usual:.1f} %"
-    )
+    scenario = walk.setup.scenario
+    if name != IDENTIFIED.key or scenario.steered_on == name:
+        return
+    twists, length, off = made(), scenario.path.length, 0.0
+    if isinstance(twists, IdentifiedTwists):
+        fields = (f for f in twists.fields.values() if f.stratum in strata)
+        off = max((field.off for field in fields), default=0.0)
+    if length and off * walk.distance > TRUSTED * length:
+        raise MeasurementError(
+            f"left out: it misses {100 * off:.1f} % of a stroke that it was not fitted "
+            f"to, which may be {100 * off * walk.distance / length:.0f} % of the path "
+            "in all"
+        )

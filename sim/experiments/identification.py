@@ -4,7 +4,8 @@ Each experiment brings the legs through the air to one end of a field's swing, s
 onto its stratum, swings to the other end, and reads the pose of the body meanwhile,
 without any model of the contacts. Below `SPEED` the physics does not depend on speed. A
 stroke in the opposite direction over the whole range of the joints confirms the field;
-it is used as far as it predicts this stroke, and not beyond.
+it is used as far as it predicts this stroke, and not beyond. What it misses of the
+stroke is kept, and tells on which walks it can be trusted.
 """
 
 from __future__ import annotations
@@ -70,7 +71,7 @@ def confirmed(setup: Setup, name: str, field: MeasuredField) -> MeasuredField:
         )
     beyond = np.flatnonzero(share > TOLERATED)
     reach = float(ways[beyond[0] - 1] if len(beyond) else ways[-1])
-    return replace(field, reach=max(reach, field.span))
+    return replace(field, reach=max(reach, field.span), off=float(worst))
 
 
 def measure(setup: Setup, stratum: str, field: str) -> MeasuredField:

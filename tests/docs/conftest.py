@@ -8,14 +8,19 @@ from sim.preparation.shared import Shared
 from sim.simulation import simulate
 
 
-@pytest.fixture(autouse=True, scope="session")
-def shared():
-    """A test of sharing shows that walks have the numbers of those that do not."""
-    with pytest.MonkeyPatch.context() as patched:
-        cached = Shared()
-        patched.setattr(prepare, "__defaults__", (None, cached, None))
-        without, _, progress = evaluate.__defaults__
-        patched.setattr(evaluate, "__defaults__", (without, cached, progress))
-        own = simulate.__kwdefaults__ | {"shared": cached}
-        patched.setattr(simulate, "__kwdefaults__", own)
-        yield
+@pytest.fixture(scope="session")
+def built():
+    return Shared()
+
+
+@pytest.fixture(autouse=True)
+def shared(built, monkeypatch):
+    """A test of sharing shows that walks have the numbers of those that do not.
+
+    Tests elsewhere write robots anew under names that they had before, and share none.
+    """
+    monkeypatch.setattr(prepare, "__defaults__", (None, built, None))
+    without, _, progress = evaluate.__defaults__
+    monkeypatch.setattr(evaluate, "__defaults__", (without, built, progress))
+    own = simulate.__kwdefaults__ | {"shared": built}
+    monkeypatch.setattr(simulate, "__kwdefaults__", own)

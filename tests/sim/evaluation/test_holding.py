@@ -1,29 +1,31 @@
-"""A measured prediction is left out of a walk for which it does not hold."""
+"""A measured prediction is left out of walks on which its error may add up."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from sim.evaluation.deviations import Scale, does_not_hold
+from models import IdentifiedTwists, MeasurementError
+from models.motion import MeasuredField
+from sim.evaluation.deviations import require_holding
 
 
-@pytest.mark.parametrize(
-    ("identified", "usual", "said"),
-    [
-        (0.019, 0.001, ""),  # within 2 %
-        (0.05, 0.03, ""),  # hardly worse than the other
-        (0.08, 0.008, "8.0 % of the path off this walk, and the quasi-static one 0.8"),
-    ],
-)
-def test_a_measured_prediction_is_left_out_where_it_is_worse_than_others(
-    identified, usual, said
-):
-    scale, still = Scale("quasi_static", 0.2, 1.0), np.zeros((3, 3))
-    off = np.array([0.0, 1.0, 0.0])
-    poses = {
-        "achieved": still,
-        "identified": still + identified * off,
-        "quasi_static": still + usual * off,
-    }
-    found = does_not_hold(scale, "identified", poses)
-    assert said in found
-    assert bool(found) == bool(said)
+def measured(stratum, off):
+    still = np.polynomial.Polynomial([0.0])
+    return MeasuredField(stratum, (1.0,), 0.25, (still,) * 3, slip=0.0, off=off)
+
+
+def walk(distance, steered_on="ideal"):
+    path = SimpleNamespace(length=0.1)
+    scenario = SimpleNamespace(path=path, steered_on=steered_on)
+    return SimpleNamespace(setup=SimpleNamespace(scenario=scenario), distance=distance)
+
+
+def test_a_miss_of_single_strokes_that_adds_up_is_told_before_walking():
+    twists = IdentifiedTwists({"a": measured("1", 0.015), "b": measured("12", 0.5)})
+    require_holding(walk(0.2), "identified", lambda: twists, {"1"})  # 3 % of the path
+    require_holding(walk(9.0), "identified", lambda: twists, {"2"})  # not measured
+    require_holding(walk(9.0), "quasi_static", lambda: twists, {"1"})
+    require_holding(walk(9.0, "identified"), "identified", lambda: twists, {"1"})
+    with pytest.raises(MeasurementError, match=r"misses 1.5 % of a stroke .* 9 % of"):
+        require_holding(walk(0.6), "identified", lambda: twists, {"1"})
