@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import argparse
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.judging import TOLERANCE, judged
+from sim.commands.judging import TOLERANCE
 from sim.commands.options import (
     LOOK,
     folder_of,
     notice,
     option,
-    report,
     robot_of,
     robot_options,
     set_option,
     settings_of,
     whole,
 )
-from sim.commands.run import VIDEO, account, can_film, kept_walk
-from sim.endings import keeping
-from sim.errors import ExitCode
+from sim.commands.run import VIDEO, can_film, walk
+from sim.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
     from models import Robot
@@ -65,8 +62,6 @@ def execute(options: argparse.Namespace) -> ExitCode:
     """Play the motion and print how it went."""
     from sim.folder import claim
     from sim.logs.playing import scenario_of
-    from sim.progress import bar
-    from sim.run_folder import run
 
     robot = robot_of(options, options.robot)
     files = [Path(name) for name in options.files]
@@ -76,32 +71,13 @@ def execute(options: argparse.Namespace) -> ExitCode:
     folder = claim(folder_of(options), scenario.name)
     for line in log.done:
         notice(line)
-    warn = partial(notice, kind="warning")
-    try:
-        with (
-            bar(quiet=options.json) as progress,
-            keeping(partial(kept_walk, folder, look, options.out)),
-        ):
-            summary = run(
-                scenario,
-                folder,
-                robot=robot,
-                look=look,
-                progress=progress,
-                warn=warn,
-                log=log,
-            )
-    finally:
-        folder.discard_if_empty()
-    report(options, summary.to_json(), account(summary, folder))
-    return judged(summary, options.tolerance, f"see {folder.path}")
+    return walk(scenario, robot, folder, look, options, log)
 
 
 def _log(
     robot: Robot, scenario: Scenario, files: list[Path], options: argparse.Namespace
 ) -> Log:
     """The log in the files, in radians."""
-    from sim.errors import UsageError
     from sim.logs.alignment import together
     from sim.logs.log import read_log
 

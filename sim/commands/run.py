@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from models import Robot
     from sim.evaluation.summary import Summary
     from sim.folder import RunFolder
+    from sim.logs.log import Log
     from sim.scenarios.scenario import Scenario
 
 VIDEO = option(
@@ -61,14 +62,11 @@ def execute(options: argparse.Namespace) -> ExitCode:
     scenario = scenario_of(options)
 
     from sim.folder import claim
-    from sim.progress import bar
-    from sim.run_folder import run
     from sim.scenarios.predictions import PREDICTIONS, who_ignores
     from sim.scenarios.scenario import drawn
     from sim.world.changes import changes
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
-    warn = partial(notice, kind="warning")
     look = options.look if can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
@@ -82,7 +80,23 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if robot.opened.files:
         for change in changes(robot, as_drawn):
             notice(f"{change}: {robot.path}")
-    kept = partial(kept_walk, folder, look, options.out)
+    return walk(scenario, robot, folder, look, options)
+
+
+def walk(
+    scenario: Scenario,
+    robot: Robot,
+    folder: RunFolder,
+    look: str | None,
+    options: argparse.Namespace,
+    log: Log | None = None,
+) -> ExitCode:
+    """Walk a scenario or a log into a folder, print how it went, and judge it."""
+    from sim.progress import bar
+    from sim.run_folder import run
+
+    kept = partial(_kept_walk, folder, look, options.out)
+    warn = partial(notice, kind="warning")
     try:
         with bar(quiet=options.json) as progress, keeping(kept):
             summary = run(
@@ -92,10 +106,11 @@ def execute(options: argparse.Namespace) -> ExitCode:
                 look=look,
                 progress=progress,
                 warn=warn,
+                log=log,
             )
     finally:
         folder.discard_if_empty()
-    report(options, summary.to_json(), account(summary, folder))
+    report(options, summary.to_json(), _account(summary, folder))
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 
@@ -122,7 +137,7 @@ def _walk_tries(
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
 
 
-def kept_walk(folder: RunFolder, look: str | None, out: str | None) -> str:
+def _kept_walk(folder: RunFolder, look: str | None, out: str | None) -> str:
     """What is kept of a walk that ends early, and the command that goes on."""
     if (folder.path / "summary.json").exists():
         on = "show" if look is None else "film"
@@ -146,7 +161,7 @@ def can_film(wanted: bool | None) -> bool:
     return True
 
 
-def account(summary: Summary, folder: RunFolder) -> str:
+def _account(summary: Summary, folder: RunFolder) -> str:
     """What is printed of a walk: its comparison, and where its files are."""
     from sim.evaluation.comparison import describe
 

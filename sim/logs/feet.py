@@ -32,6 +32,7 @@ LIFTED = 0.02  # of the highest lift, from which on a foot is in the air
 LEAST_LIFT = 5e-4  # [m]
 INSIDE_FEET = -1e-6  # share of the weight on each of three feet that bear it
 FLAT_FEET = 1e-9  # [m^2]; feet on a line make no triangle
+DIGITS = 9  # of heights [m] that differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,13 +66,17 @@ class Posture:
         standing = (above <= near) & (
             rise <= max(LIFTED * float(rise.max()), FLAT_FEET)
         )
-        rests, bearing = _resting(self.feet, self.center_of_mass, near)
         three = np.array([*combinations(range(above.shape[1]), 3)])
-        inside = (
-            _shares(self.feet, self.center_of_mass, three).min(axis=2) >= INSIDE_FEET
-        )
+        shares = _shares(self.feet, self.center_of_mass, three)
+        inside = shares.min(axis=2) >= INSIDE_FEET
         held = (inside & standing[:, three].all(axis=2)).any(axis=1)
-        standing[rests & ~held] = bearing[rests & ~held]
+        rows = np.flatnonzero(inside.any(axis=1) & ~held)
+        # no foot is beneath that triangle around the weight which is lowest there
+        under = (shares * self.feet[:, three, 2]).sum(axis=2)
+        lowest = np.where(inside, under, np.inf)[rows].round(DIGITS).argmin(axis=1)
+        tilt, above = _seen_from_plane(self.feet[rows], three[lowest])
+        upright = tilt <= np.tan(UPRIGHT)
+        standing[rows[upright]] = above[upright] <= near
         return standing
 
 
@@ -127,27 +132,13 @@ def _shares(feet: Array, center: Array, three: Array) -> Array:
     return shares
 
 
-def _resting(feet: Array, center: Array, near: float) -> tuple[Array, Array]:
-    """Whether the robot comes to rest nearly upright, (N,), and on which feet, (N, F).
-
-    It rests on three feet that bear the weight with all others above their plane.
-    """
-    rests = np.zeros(len(feet), dtype=bool)
-    bearing = np.zeros(feet.shape[:2], dtype=bool)
-    ones = np.ones((*feet.shape[:2], 1))
-    flat = np.concatenate([ones, feet[..., :2]], axis=2)
-    for chosen in combinations(range(feet.shape[1]), 3):
-        three = np.array([chosen])
-        inside = _shares(feet, center, three)[:, 0].min(axis=1) >= INSIDE_FEET
-        rows = np.flatnonzero(inside & ~rests)
-        corners = np.ix_(rows, three[0])
-        plane = np.linalg.solve(flat[corners], feet[corners][..., 2:])[..., 0]
-        above = feet[rows, :, 2] - np.einsum("nfi,ni->nf", flat[rows], plane)
-        upright = np.hypot(*plane[:, 1:].T) <= np.tan(UPRIGHT)
-        fits = upright & (above >= -FLAT_FEET).all(axis=1)
-        rests[rows[fits]] = True
-        bearing[rows[fits]] = above[fits] <= near
-    return rests, bearing
+def _seen_from_plane(feet: Array, corners: Array) -> tuple[Array, Array]:
+    """Steepness (N,) of the plane of three feet (N, 3), heights above it (N, F)."""
+    flat = np.concatenate([np.ones_like(feet[..., :1]), feet[..., :2]], axis=2)
+    own = (np.arange(len(feet))[:, None], corners)
+    plane = np.linalg.solve(flat[own], feet[own][..., 2:])  # (N, 3, 1)
+    above: Array = (feet[..., 2:] - flat @ plane)[..., 0]
+    return np.hypot(*plane[:, 1:, 0].T), above
 
 
 def moved(

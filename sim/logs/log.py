@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import chain
 from math import inf, nan, radians
 from pathlib import Path
 
@@ -21,14 +22,20 @@ import numpy as np
 from planner import Array
 from planner.support import did_you_mean, read_file
 from sim.errors import UsageError
-from sim.logs.checks import LONGEST_LOG, bridged, check_angles, check_time, clock
 
 LARGEST_LOG = 10**8  # bytes
 MOST_ROWS = 10**6
-TIME, MEASURED, BODY, CONTACT = "time", "measured.", "body.", "contact."
-POSE, LEAN = ("x", "y", "yaw"), ("roll", "pitch")
-SPREAD = ".error"  # of a column with its standard error
-ANGLES = ("yaw", *LEAN)  # columns of the body that are angles
+LONGEST_LOG = 600.0  # [s]
+FARTHEST = 4 * np.pi  # [rad]
+JITTER = 0.05  # of a step of the clock, that is mentioned
+CLOCK_GAP = 2.5  # steps of the clock; what is longer is a gap
+TIME, MEASURED, CONTACT = "time", "measured.", "contact."
+BODY = {
+    "pose": ("body.x", "body.y", "body.yaw"),
+    "lean": ("body.roll", "body.pitch"),
+    "spread": ("body.x.error", "body.y.error", "body.yaw.error"),
+}
+ANGLES = ("body.yaw", "body.roll", "body.pitch", "body.yaw.error")
 
 Gait = Callable[[float], Mapping[str, float]]  # joint angles [rad] at a time [s]
 Reader = Callable[[str, Array], Array]  # angles [rad] of a joint's numbers
@@ -71,11 +78,6 @@ class Log:
     def duration(self) -> float:
         """From the first row to the last [s]."""
         return float(self.time[-1] - self.time[0])
-
-    @property
-    def step(self) -> float:
-        """Usual time from one row to the next [s]."""
-        return float(np.median(np.diff(self.time)))
 
     @property
     def fastest(self) -> float:
@@ -145,16 +147,13 @@ def read_log(
         OSError: It cannot be read.
     """
     try:
-        return _log(*_table(path), tuple(joints), tuple(legs), angles)
+        return _log(_table(path), joints, legs, angles)
     except (ValueError, csv.Error) as error:
         raise UsageError.at(str(path), error, "correct the file") from error
 
 
-def _table(path: Path) -> tuple[list[str], Array]:
-    """Names of the columns and their numbers, (n, columns), NaN where cells are empty.
-
-    A file that is no table of numbers is a ValueError.
-    """
+def _table(path: Path) -> dict[str, Array]:
+    """Columns of numbers by name, NaN where cells are empty."""
     text = read_file(path, LARGEST_LOG).decode("utf-8-sig")
     first = text.partition("\n")[0]
     parted = max(",;\t", key=first.count)
@@ -173,15 +172,13 @@ def _table(path: Path) -> tuple[list[str], Array]:
         cells.append([_number(*cell, number) for cell in zip(names, row, strict=True)])
     if len(cells) < 2:
         raise ValueError(f"{len(cells)} rows of numbers; give two at least")
-    return names, np.array(cells)
+    return dict(zip(names, np.array(cells).T, strict=True))
 
 
 def _number(name: str, cell: str, row: int) -> float:
     text = cell.strip().lower()
-    if text in ("", "nan"):
-        return nan
     try:
-        value = float(text)
+        value = float(text or nan)
     except ValueError:
         value = inf
     if abs(value) == inf:
@@ -190,85 +187,113 @@ def _number(name: str, cell: str, row: int) -> float:
 
 
 def _log(
-    names: list[str],
-    table: Array,
-    joints: tuple[str, ...],
-    legs: tuple[int, ...],
+    columns: dict[str, Array],
+    joints: Sequence[str],
+    legs: Sequence[int],
     angles: Reader | str,
 ) -> Log:
-    """The log in a table; what contradicts the robot or itself is a ValueError."""
-    columns = dict(zip(names, table.T, strict=True))
     time = columns.pop(TIME)
-    check_time(time)
-    commanded = tuple(name for name in names if name in joints)
-    known = [
-        *joints,
-        *(MEASURED + joint for joint in joints),
-        *(BODY + part for part in (*POSE, *LEAN)),
-        *(BODY + part + SPREAD for part in POSE),
-        *(f"{CONTACT}{leg}" for leg in legs),
-    ]
-    require_joints([*columns], known)
+    _check_time(time)
+    contacts = {leg: f"{CONTACT}{leg}" for leg in legs}
+    known = (*joints, *(MEASURED + j for j in joints), *chain(*BODY.values()))
+    require_joints([*columns], [*known, *contacts.values()])
+    commanded = tuple(name for name in columns if name in joints)
     if not commanded:
         raise ValueError(f"no column of a joint; give one of {', '.join(joints)}")
-
-    def turned(name: str, joint: str = "") -> Array:
-        column = columns[name]
-        if callable(angles) and joint:
-            return angles(joint, column)
-        return np.radians(column) if angles == "degrees" else column
-
+    for name, numbers in columns.items():
+        joint = name.removeprefix(MEASURED)
+        if callable(angles) and joint in joints:
+            columns[name] = angles(joint, numbers)
+        elif angles == "degrees" and (joint in joints or name in ANGLES):
+            columns[name] = np.radians(numbers)
     start = time - time[0]
-    said = list(clock(time))
-    asked = [bridged(start, turned(j, j), j, said) for j in commanded]
-    check_angles(start, commanded, np.stack(asked, axis=1))
-    measured = {j: turned(n, j) for j in commanded if (n := MEASURED + j) in columns}
-    body = {
-        part: turned(BODY + part) if part in ANGLES else columns[BODY + part]
-        for part in (*POSE, *LEAN)
-        if BODY + part in columns
-    }
-    if body.keys() & {"x", "y"} and not body.keys() >= {"x", "y"}:
+    done = [*_said_of_clock(time)]
+    asked = np.stack([_bridged(start, columns[j], j, done) for j in commanded], axis=1)
+    row, column = map(int, np.unravel_index(np.abs(asked).argmax(), asked.shape))
+    if abs(angle := asked[row, column]) > FARTHEST:
+        what = f"{commanded[column]!r} comes to {angle:.4g} rad in row {row + 1}"
+        remedy = "give --units where these are no radians, or correct it"
+        raise ValueError(f"{what}, at {start[row]:.4g} s; {remedy}")
+    if ("body.x" in columns) != ("body.y" in columns):
         raise ValueError("only one of body.x and body.y; give both")
     return Log(
         time=start,
         joints=commanded,
-        commanded=np.stack(asked, axis=1),
-        measured=_parts(measured, commanded),
-        pose=_parts(body, POSE),
-        spread=_parts(columns, [BODY + part + SPREAD for part in POSE]),
-        lean=_parts(body, LEAN),
-        contact={
-            leg: columns[name] for leg in legs if (name := f"{CONTACT}{leg}") in columns
-        },
-        done=tuple(said),
+        commanded=asked,
+        measured=_stacked(columns, [MEASURED + joint for joint in commanded]),
+        **{part: _stacked(columns, names) for part, names in BODY.items()},
+        contact={leg: columns[c] for leg, c in contacts.items() if c in columns},
+        done=tuple(done),
     )
 
 
-def _parts(columns: Mapping[str, Array], names: Sequence[str]) -> Array | None:
+def _check_time(time: Array) -> None:
+    """Refuse times [s] that are missing, do not ascend, or last too long."""
+    if not np.isfinite(time).all():
+        row = int(np.isfinite(time).argmin()) + 1
+        raise ValueError(f"no time in row {row}; give each row its time [s]")
+    if (back := np.diff(time) <= 0).any():
+        row = int(back.argmax())
+        moments = f"from {time[row]:.9g} s to {time[row + 1]:.9g} s in row {row + 2}"
+        raise ValueError(f"time goes {moments}; sort the rows, and keep one a moment")
+    if (length := time[-1] - time[0]) > LONGEST_LOG:
+        most = f"give at most {LONGEST_LOG:g} s, in seconds"
+        raise ValueError(f"it lasts {length:.6g} s; {most}")
+
+
+def _said_of_clock(time: Array) -> Iterator[str]:
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    if time[0] != 0:
+        yield f"time begins at {time[0]:.6g} s and is counted from there"
+    if (gaps := steps > CLOCK_GAP * usual).any():
+        yield (
+            f"gaps of up to {steps.max():.3g} s between rows, {gaps.sum()} in all; "
+            "commands go evenly across"
+        )
+    regular = steps[~gaps]
+    if len(regular) and regular.std() > JITTER * usual:
+        yield (
+            f"the clock jitters by {1e3 * regular.std():.2g} ms around "
+            f"{1e3 * usual:.3g} ms; each row keeps its own time"
+        )
+
+
+def _bridged(time: Array, angle: Array, joint: str, done: list[str]) -> Array:
+    """Commands with even passages where cells are empty."""
+    there = np.isfinite(angle)
+    if there.all():
+        return angle
+    if not there.any():
+        raise ValueError(f"column {joint!r} is empty; leave it out")
+    rows = np.flatnonzero(there)
+    longest = np.diff(time[rows])[np.diff(rows) > 1].max(initial=0.0)
+    empty = np.count_nonzero(~there)
+    done.append(f"{joint}: {empty} empty cells bridged, {longest:.3g} s at most")
+    return np.interp(time, time[there], angle[there])
+
+
+def _stacked(columns: Mapping[str, Array], names: Sequence[str]) -> Array | None:
     """Some columns, those that are missing without numbers; None if all are."""
-    found = [columns.get(name) for name in names]
-    rows = next((len(column) for column in found if column is not None), None)
-    if rows is None:
+    found = [columns[name] for name in names if name in columns]
+    if not found:
         return None
-    empty = np.full(rows, nan)
-    return np.stack([empty if c is None else c for c in found], axis=1)
+    empty = np.full(len(found[0]), nan)
+    return np.stack([columns.get(name, empty) for name in names], axis=1)
 
 
 def written(log: Log) -> str:
     """The text of a log, which `read_log` reads back with every digit."""
-    columns = {TIME: log.time, **dict(zip(log.joints, log.commanded.T, strict=True))}
-    if log.measured is not None:
-        names = (MEASURED + joint for joint in log.joints)
-        columns |= zip(names, log.measured.T, strict=True)
-    errors = tuple(part + SPREAD for part in POSE)
-    for parts, values in ((POSE, log.pose), (LEAN, log.lean), (errors, log.spread)):
-        if values is not None:
-            names = (BODY + part for part in parts)
-            columns |= zip(names, values.T, strict=True)
-    columns |= {f"{CONTACT}{leg}": column for leg, column in log.contact.items()}
+    names, columns = [TIME, *log.joints], [log.time, *log.commanded.T]
+    measured = {"measured": tuple(MEASURED + joint for joint in log.joints)}
+    for part, own in (measured | BODY).items():
+        if (values := getattr(log, part)) is not None:
+            names += own
+            columns += [*values.T]
+    names += (f"{CONTACT}{leg}" for leg in log.contact)
+    columns += log.contact.values()
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(np.stack([*columns.values()], axis=1).tolist())
+    writer.writerow(names)
+    writer.writerows(np.stack(columns, axis=1).tolist())
     return text.getvalue()

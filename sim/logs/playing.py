@@ -19,7 +19,7 @@ from sim.logs.feet import Posture, moved, posture
 from sim.logs.log import Log
 from sim.motion.poses import wrap
 from sim.motion.prediction import Commanded, Prediction
-from sim.motion.schedule import LegState, MotionLimits, Phase, Schedule
+from sim.motion.schedule import Kind, LegState, MotionLimits, Phase, Schedule
 from sim.motion.stability import stability_margin
 from sim.scenarios.file import scenario_from
 from sim.scenarios.scenario import Scenario
@@ -87,45 +87,44 @@ class Motion:
         return round(self.log.duration / self.limits.timestep) + 1
 
     def _phases(self, begin: int, end: int, standing: bool) -> tuple[Phase, ...]:
-        dt = self.limits.timestep
         if standing:
-            return (self._phase("hold", 0, begin, end - begin, (0.0, 0.0)),)
+            return (self._phase("hold", self.low, begin, end, np.zeros(1)),)
+        dt = self.limits.timestep
+        apart = max(round(LOOKS_APART / dt), 1)
         changes = np.flatnonzero(np.diff(self.contact, axis=0).any(axis=1)) + 1
         rows = [0, *changes.tolist()]
         starts = [begin + round(self.time[row] / dt) for row in rows]
         ends = [*starts[1:], end]
         return tuple(
             self._phase(
-                "swing", row, first, last - first, (first - begin, last - begin)
+                "swing",
+                self.contact[row],
+                first,
+                last,
+                dt * np.arange(first - begin, last - begin + 1, apart),
             )
             for row, first, last in zip(rows, starts, ends, strict=True)
             if last > first
         )
 
     def _phase(
-        self, kind: str, row: int, start: int, steps: int, span: tuple[float, float]
+        self, kind: Kind, standing: Array, start: int, stop: int, looks: Array
     ) -> Phase:
-        standing = self.low if kind == "hold" else self.contact[row]
-        feet = tuple(standing.tolist())
-        inside = np.arange(
-            span[0], span[1] + 1, max(round(LOOKS_APART / self.limits.timestep), 1)
-        )
-        ways = np.abs(np.diff(self.log.at(inside * self.limits.timestep), axis=0)).sum(
-            0
-        )
+        """A phase whose joints move as the log commands at times of it [s]."""
+        feet, card = tuple(standing.tolist()), self.robot.card
+        ways = np.abs(np.diff(self.log.at(looks), axis=0)).sum(axis=0)
         of_joint = dict(zip(self.log.joints, ways.tolist(), strict=True))
-        groups = self.robot.card.groups.values()
         swung = [
-            [of_joint.get(self.robot.card.legs[leg].swing, 0.0) for leg in group.legs]
-            for group in groups
+            [of_joint.get(card.legs[leg].swing, 0.0) for leg in group.legs]
+            for group in card.groups.values()
         ]
         return Phase(
-            kind="hold" if kind == "hold" else "swing",
+            kind=kind,
             stratum=self._name(feet),
             direction=tuple(sum(own) / len(own) for own in swung),
             amount=1.0,
             start=start,
-            steps=steps,
+            steps=stop - start,
             segment=0,
             feet=feet,
         )
