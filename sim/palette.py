@@ -116,7 +116,9 @@ PREDICTED: Mapping[str, PathMark] = {
     "compliant": PathMark(
         "compliant prediction", Colour(210, 29, 195), 0.008, 0.8, (6.0, 1.2)
     ),
-    "measured": PathMark("measured path", Colour(196, 24, 24), 0.008, 1.6),
+    "measured": PathMark(
+        "measured path", Colour(117, 5, 121), 0.008, 1.6, (5.0, 1.0, 1.0, 1.0)
+    ),
 }
 
 # Sizes on the floor, in units of the robot's reach.

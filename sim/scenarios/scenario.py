@@ -158,4 +158,5 @@ def _fitted(scenario: Scenario, robot: Robot) -> Scenario:
         remedy = did_you_mean(key, [*SETTINGS, *REMARKS])
         raise UsageError(what, f"the card of {robot}", remedy)
     open_ = {k for k in told if getattr(scenario, k) == SETTINGS[k].default}
-    return replace(scenario, **{key: told[key] for key in open_})
+    found = {key: told[key] for key in open_}
+    return replace(scenario, **found) if found else scenario
