@@ -35,11 +35,7 @@ def lengths(checkout: Path) -> tuple[float, float, float]:
         for joint in root.iter("joint")
         if (origin := joint.find("origin")) is not None
     }
-    return (
-        origins["joint_1_2"][0],
-        origins["joint_1_3"][0],
-        -origins["joint_1_1"][2],
-    )
+    return origins["joint_1_2"][0], origins["joint_1_3"][0], -origins["joint_1_1"][2]
 
 
 def foot(leg: int, part: np.ndarray, drop: float) -> np.ndarray:
@@ -53,12 +49,12 @@ def foot(leg: int, part: np.ndarray, drop: float) -> np.ndarray:
     along = np.array([np.cos(direction), np.sin(direction), 0.0])
     middle = np.array([RADIUS, 0.0, drop - HEIGHT])
     half = SPEED * PERIOD / 4
-    stance = half * (1 - 4 * part)
     u = np.clip(2 * part - 1, 0.0, 1.0)
     back = half * (2 * (10 * u**3 - 15 * u**4 + 6 * u**5) - 1)
-    raised = STEP * 64 * (u * (1 - u)) ** 3
-    way = np.where(part < 0.5, stance, back)
-    return middle + way[:, None] * along + raised[:, None] * [0.0, 0.0, 1.0]
+    way = np.where(part < 0.5, half * (1 - 4 * part), back)
+    place: np.ndarray = middle + way[:, None] * along
+    place[:, 2] += STEP * 64 * (u * (1 - u)) ** 3
+    return place
 
 
 def angles(place: np.ndarray, coxa: float, femur: float) -> np.ndarray:
@@ -67,10 +63,8 @@ def angles(place: np.ndarray, coxa: float, femur: float) -> np.ndarray:
     out = np.hypot(x, y) - coxa
     bend = (out**2 + z**2 - femur**2 - TIBIA**2) / (2 * femur * TIBIA)
     knee = -np.arccos(np.clip(bend, -1.0, 1.0))
-    raised = np.arctan2(z, out) - np.arctan2(
-        TIBIA * np.sin(knee), femur + TIBIA * np.cos(knee)
-    )
-    return np.stack([np.arctan2(y, x), raised, knee], axis=1)
+    below = np.arctan2(TIBIA * np.sin(knee), femur + TIBIA * np.cos(knee))
+    return np.stack([np.arctan2(y, x), np.arctan2(z, out) - below, knee], axis=1)
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -83,13 +77,10 @@ def main(argv: list[str] | None = None) -> None:
     time = np.arange(round(DURATION * RATE) + 1) / RATE
     columns = {"time": time}
     for leg, phase in TURNS:
-        part = (time / PERIOD - phase) % 1.0
-        for number, column in enumerate(
-            angles(foot(leg, part, drop), coxa, femur).T, 1
-        ):
-            columns[f"joint_{leg}_{number}"] = column
-    table = np.stack([*columns.values()], axis=1)
-    head = ",".join(columns)
+        place = foot(leg, (time / PERIOD - phase) % 1.0, drop)
+        names = (f"joint_{leg}_{number}" for number in (1, 2, 3))
+        columns |= zip(names, angles(place, coxa, femur).T, strict=True)
+    table, head = np.stack([*columns.values()], axis=1), ",".join(columns)
     np.savetxt(options.file, table, "%.9g", ",", header=head, comments="")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext, redirect_stdout
@@ -11,12 +10,13 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from sim.commands.options import notice, option, robot_of, robot_options
+from sim.commands.options import notice, option, report, robot_of, robot_options
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
 
 if TYPE_CHECKING:
     from models import JointServo, Robot, ServoKind
+    from sim.folder import RunFolder
 
 HELP = "find the servos of a robot one at a time, and write them into its card"
 BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
@@ -44,11 +44,11 @@ OPTIONS = (
 
 def execute(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
-    from sim.folder import ensure_folder
+    from sim.folder import RunFolder, ensure_folder
 
     robot = robot_of(options, options.robot)
     kind = _kind(robot)
-    folder = ensure_folder(Path(options.out))
+    folder = RunFolder(ensure_folder(Path(options.out)))
     if options.check:
         told = _check(robot, kind, folder)
     else:
@@ -56,8 +56,7 @@ def execute(options: argparse.Namespace) -> None:
         _prepare(robot, kind, folder, options)
         with redirect_stdout(sys.stderr) if options.json else nullcontext():
             told = _calibrated(robot, kind, folder, options)
-    lines = (f"{name:13}{value}" for name, value in told.items())
-    print(json.dumps(told) if options.json else "\n".join(lines))
+    report(options, told, *(f"{name:13}{value}" for name, value in told.items()))
 
 
 def _kind(robot: Robot) -> ServoKind:
@@ -71,7 +70,7 @@ def _kind(robot: Robot) -> ServoKind:
 
 
 def _prepare(
-    robot: Robot, kind: ServoKind, folder: Path, options: argparse.Namespace
+    robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> None:
     """Write what jogs the servos, and the page with the pictures of the joints."""
     from importlib.resources import files
@@ -79,7 +78,6 @@ def _prepare(
     from models.description import BOARD_CLOCK, board_divider, board_rate
     from sim.export.calibration import marks
     from sim.export.joint_pictures import draw, sheet
-    from sim.folder import RunFolder
     from sim.progress import bar, stage
     from sim.reports.templates import render
 
@@ -95,26 +93,24 @@ def _prepare(
     }
     for name, value in numbers.items():
         text = text.replace(name, value)
-    out, joints = RunFolder(folder), robot.card.joints
-    out.write_text(tool, text)
-    if (folder / PAGE).exists():
+    folder.write_text(tool, text)
+    if (folder.path / PAGE).exists():
         return
     with bar(quiet=options.json) as progress, stage(progress, "drawing the joints"):
-        sheet(robot, folder / SHEET)
+        sheet(robot, folder.path / SHEET)
         try:
-            draw(robot, folder, allow_external=options.allow_external)
+            draw(robot, folder.path, allow_external=options.allow_external)
         except RenderError as error:
             notice(str(error), "warning")
-    rows = [(joint, *map(degrees, marks(robot, joint))) for joint in joints]
+    rows = [(j, *map(degrees, marks(robot, j))) for j in robot.card.joints]
     page = render("calibration.html", title=f"Calibration of {robot}", rows=rows)
-    out.write_text(PAGE, page)
+    folder.write_text(PAGE, page)
 
 
-def _owned(robot: Robot, folder: Path, options: argparse.Namespace) -> Robot:
+def _owned(robot: Robot, folder: RunFolder, options: argparse.Namespace) -> Robot:
     """The robot whose card is written: a copy in the folder of one that is shipped."""
     from models import load
     from models.description import FOLDER
-    from sim.folder import RunFolder
 
     source = robot.path
     if robot.has_card_inside:
@@ -122,17 +118,17 @@ def _owned(robot: Robot, folder: Path, options: argparse.Namespace) -> Robot:
         raise UsageError("the card is inside the robot's file", str(source), remedy)
     if source.parent != FOLDER:
         return robot
-    own = folder / source.name
+    own = folder.path / source.name
     if not own.exists():
         spec = robot.read()
         spec.compile()
-        RunFolder(folder).write_text(own.with_suffix(".toml").name, robot.card_text)
-        RunFolder(folder).write_text(own.name, spec.to_xml())
+        folder.write_text(own.with_suffix(".toml").name, robot.card_text)
+        folder.write_text(own.name, spec.to_xml())
     return load(str(own), allow_external=options.allow_external)
 
 
 def _calibrated(
-    robot: Robot, kind: ServoKind, folder: Path, options: argparse.Namespace
+    robot: Robot, kind: ServoKind, folder: RunFolder, options: argparse.Namespace
 ) -> Mapping[str, str]:
     """Ask for every servo that the card does not have, and write it at once."""
     from sim.export.calibration import card_with
@@ -141,17 +137,15 @@ def _calibrated(
     card, file = robot.card, robot.path.with_suffix(".toml")
     known, pulse = dict(card.joint_servos), kind.signal == "pulse"
     clock = card.board_clock if "[board]" in robot.card_text else None
-    ask = _Asker(Path(options.answers) if options.answers else None)
+    ask, number = _Asker(options.answers), len(card.joints)
 
     def kept() -> str:
-        return (
-            f"{file} keeps {len(known)} of {len(card.joints)} servos, go on: {again()}"
-        )
+        return f"{file} keeps {len(known)} of {number} servos, go on: {again()}"
 
     with keeping(kept):
-        if len(known) < len(card.joints):
-            tool = folder / (SKETCH if pulse else SCRIPT)
-            print(f"start {tool} and open {folder / PAGE}; Ctrl-C keeps what is told")
+        if len(known) < number:
+            tool, page = (folder.path / n for n in (SKETCH if pulse else SCRIPT, PAGE))
+            print(f"start {tool} and open {page}; Ctrl-C keeps what is told")
         if pulse and not known and clock is None:
             clock = _clock(ask)
         for joint, servo in _found(robot, kind, known, clock, ask):
@@ -186,7 +180,7 @@ def _found(
     from models.description import BOARD_CLOCK
     from sim.export.calibration import joint_servo, marks
 
-    taken = {servo.channel for servo in known.values()}
+    taken, ticks = {s.channel for s in known.values()}, clock or BOARD_CLOCK
     left = [joint for joint in robot.card.joints if joint not in known]
     channels = BOARD_CHANNELS if kind.signal == "pulse" else BUS_NUMBERS
 
@@ -198,14 +192,12 @@ def _found(
     def servo(joint: str, channel: int) -> JointServo:
         angles = marks(robot, joint)
         turned = ask("  from mark 1 to mark 2 as counts grew (+), or back (-)? ", str)
-        first, second = (
+        one, two = (
             ask(f"  count at mark {number}, {degrees(angle):.1f} degrees: ", int)
             for number, angle in enumerate(angles, start=1)
         )
         try:
-            return joint_servo(
-                kind, clock or BOARD_CLOCK, channel, turned, (first, second), angles
-            )
+            return joint_servo(kind, ticks, channel, turned, (one, two), angles)
         except ValueError as error:
             print(f"  {error}")
             return servo(joint, channel)
@@ -228,33 +220,34 @@ def _found(
 class _Asker:
     """Asks on the terminal, or reads the lines of a file in place of answers."""
 
-    def __init__(self, file: Path | None) -> None:
-        self._place = "standard input" if file is None else str(file)
-        try:
-            self._lines = None if file is None else iter(file.read_text().splitlines())
-        except (OSError, UnicodeDecodeError) as error:
-            remedy = "give a file of answers, a line each"
-            raise UsageError.at(self._place, error, remedy) from error
+    def __init__(self, file: str | None) -> None:
+        self._place = file or "standard input"
+        self._answer: Callable[[str], str] = input
+        if file:
+            try:
+                lines = iter(Path(file).read_text().splitlines())
+            except (OSError, UnicodeDecodeError) as error:
+                remedy = "give a file of answers, a line each"
+                raise UsageError.at(file, error, remedy) from error
+            self._answer = lambda _: next(lines)
 
     def __call__(self, question: str, read: Callable[[str], T]) -> T:
         """What is answered, as `read` has it, which may refuse: asked once more."""
         while True:
             try:
-                told = input(question) if self._lines is None else next(self._lines)
-                return read(told.strip())
+                return read(self._answer(question).strip())
             except (EOFError, StopIteration):
                 raise UsageError("answers end", self._place, way_on()) from None
             except ValueError as error:
                 print(f"  {error}")
 
 
-def _check(robot: Robot, kind: ServoKind, folder: Path) -> Mapping[str, str]:
+def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str]:
     """Write three strokes for the servos that the card has."""
     from sim.export.calibration import strokes
     from sim.export.files import write_ticks
     from sim.export.header import write_header
     from sim.export.servo_table import servo_table
-    from sim.folder import RunFolder
 
     card = robot.card
     if missing := [joint for joint in card.joints if joint not in card.joint_servos]:
@@ -266,13 +259,12 @@ def _check(robot: Robot, kind: ServoKind, folder: Path) -> Mapping[str, str]:
     pulse = kind.signal == "pulse"
     commands, told = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)
-    name, text = "check.csv", ""
     if pulse:
-        name, title = "check.h", "Strokes to check"
+        name, title, how = "check.h", "Strokes to check", "its comment has the player"
         text = write_header(commands, table, title=title, name="check", file=name)
-    text = text or write_ticks(commands, table)
-    RunFolder(folder).write_text(name, text)
-    numbers = ",".join(str(servo.channel) for servo in table.channels)
-    how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
-    how = "its comment has the player" if pulse else how
-    return {"file": f"{folder / name}; {how}"} | told
+    else:
+        name, text = "check.csv", write_ticks(commands, table)
+        numbers = ",".join(str(servo.channel) for servo in table.channels)
+        how = f"play it with python {SCRIPT} MAKE PORT {name} {numbers}"
+    folder.write_text(name, text)
+    return {"file": f"{folder.path / name}; {how}"} | told

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from math import floor, log10
+from math import degrees, floor, log10, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,9 +18,7 @@ from sim.commands.options import (
 from sim.errors import UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from sim.fitting.estimate import Estimates
+    from sim.fitting.estimate import Estimates, Parameter
     from sim.fitting.fitting import JointFit, Value
     from sim.fitting.poses import PoseFit, Walked
     from sim.logs.log import Log
@@ -72,14 +70,17 @@ def execute(options: argparse.Namespace) -> None:
             with stage(progress, "fitting what moves the body"):
                 body = fit_poses(walked)
             told |= body.settings
-            facts["body"] = _body_facts(body)
+            missed = {"before": body.before, "after": body.after}
+            facts["body"] = {"unseen": body.found.unseen(), "held_out": missed}
             lines += _body_lines(body)
         if all(log.measured is not None for log in logs):
             with stage(progress, "fitting servos"):
                 fit = fit_joints(setup, logs, walking)
             told |= fit.settings(setup.robot.card.joints)
-            facts["servos"] = _facts(fit)
-            lines += _table(fit)
+            both = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
+            kept = {joint: {"before": b, "after": a} for joint, b, a in both}
+            facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
+            lines += _servo_lines(fit)
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
         lines.append(f"written: {write_card(setup.robot, Path(options.out), text)}")
@@ -90,8 +91,7 @@ def execute(options: argparse.Namespace) -> None:
 def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | None]:
     """The robot as it is known, logs of the same joints, and the first one's poses."""
     from models import shipped_robots
-    from sim.fitting.poses import walked_of_log, walked_of_run
-    from sim.fitting.sources import log_of
+    from sim.fitting.poses import log_of, walked_of_log, walked_of_run
     from sim.logs.log import read_log
     from sim.logs.playing import scenario_of
     from sim.preparation.setup import prepare
@@ -120,41 +120,25 @@ def _sources(options: argparse.Namespace) -> tuple[Setup, list[Log], Walked | No
             raise UsageError("nothing was measured", str(path), remedy)
         if log.joints != logs[0].joints:
             what = f"other joints than in {paths[0]}"
-            raise UsageError(
-                what, str(path), "give the same columns, or fit each alone"
-            )
+            remedy = "give the same columns, or fit each alone"
+            raise UsageError(what, str(path), remedy)
     if run is not None:
         return prepare(run.scenario, robot), logs, walked_of_run(run)
     scenario = scenario_of(robot, paths[0], settings_of(options))
     setup = prepare(scenario, robot, log=logs[0])
     try:
-        return (
-            setup,
-            logs,
-            walked_of_log(setup, logs[0]) if logs[0].pose is not None else None,
-        )
+        walked = None if logs[0].pose is None else walked_of_log(setup, logs[0])
     except ValueError as error:
         raise UsageError.at(str(paths[0]), error) from error
-
-
-def _body_facts(fit: PoseFit) -> dict[str, object]:
-    return {
-        "unseen": list(fit.found.unseen_directions(0)),
-        "held_out": {"before": fit.before, "after": fit.after},
-    }
+    return setup, logs, walked
 
 
 def _body_lines(fit: PoseFit) -> list[str]:
     """What moves the body, what does not show, and what the kept rows say."""
-    cells = _cells(fit.found, 0)
-    units = (MILLI_UNITS.get(p.unit, p.unit) for p in fit.found.parameters)
-    rows = [
-        f"{name:24}{cell:>20} {unit}".rstrip()
-        for (name, cell), unit in zip(cells.items(), units, strict=True)
-    ]
+    cells = zip(fit.found.parameters, _cells(fit.found, 0), strict=True)
     return [
-        *rows,
-        *fit.found.unseen_directions(0),
+        *(f"{p.name:24}{cell:>20} {_unit(p)}".rstrip() for p, cell in cells),
+        *fit.found.unseen(),
         "zeros are not fitted to where the body went, only to measured joints",
         f"the walk's last quarter is missed by {1e3 * fit.before:.2f} mm as the robot "
         f"was described, and by {1e3 * fit.after:.2f} as it was fitted to the rest",
@@ -162,55 +146,44 @@ def _body_lines(fit: PoseFit) -> list[str]:
     ]
 
 
-def _facts(fit: JointFit) -> dict[str, object]:
-    rows = zip(fit.joints, fit.before.tolist(), fit.after.tolist(), strict=True)
-    return {
-        "unseen": list(fit.make.unseen_directions(0)),
-        "held_out": {joint: {"before": b, "after": a} for joint, b, a in rows},
-    }
-
-
-def _table(fit: JointFit) -> list[str]:
+def _servo_lines(fit: JointFit) -> list[str]:
     """Every joint, all of them, what does not show, and what the kept rows say."""
-    import numpy as np
-
-    columns = [p.name for p in fit.each.parameters]
-    units = [f"[{MILLI_UNITS.get(p.unit, p.unit)}]" for p in fit.each.parameters]
-    lines = [_row("", columns), _row("", units)]
-    for number, joint in enumerate(fit.joints):
-        cells = _cells(fit.each, number)
-        lines.append(_row(joint, [cells[name] for name in columns]))
-    cells = _cells(fit.make, 0)
-    lines += [_row("all joints", [cells.get(name, "") for name in columns]), ""]
+    servo = fit.each.parameters
+    shared = dict(zip(fit.make.parameters, _cells(fit.make, 0), strict=True))
+    rows = [
+        ("", [p.name for p in servo]),
+        ("", [f"[{_unit(p)}]" for p in servo]),
+        *((joint, _cells(fit.each, row)) for row, joint in enumerate(fit.joints)),
+        ("all joints", [shared.get(p, "") for p in servo]),
+    ]
     unseen: dict[str, list[str]] = {}
-    for number, joint in enumerate(fit.joints):
-        for words in fit.each.unseen_directions(number):
+    for row, joint in enumerate(fit.joints):
+        for words in fit.each.unseen(row):
             unseen.setdefault(words, []).append(joint)
-    for words in fit.make.unseen_directions(0):
+    for words in fit.make.unseen():
         unseen.setdefault(words, []).append("all joints together")
-    lines += [f"{words}: {', '.join(joints)}" for words, joints in unseen.items()]
-    before, after = (
-        np.degrees(np.sqrt(np.mean(r**2))) for r in (fit.before, fit.after)
-    )
-    lines.append(
+    before, after = (degrees(sqrt((r**2).mean())) for r in (fit.before, fit.after))
+    return [
+        *(f"{name:12}{''.join(f'{c:>20}' for c in row)}" for name, row in rows),
+        "",
+        *(f"{words}: {', '.join(joints)}" for words, joints in unseen.items()),
         f"the last quarter is missed by {before:.3f} degrees as the robot was "
-        f"described, and by {after:.3f} as it was fitted to the rest"
-    )
-    return lines
+        f"described, and by {after:.3f} as it was fitted to the rest",
+    ]
 
 
-def _cells(estimates: Estimates, problem: int) -> dict[str, str]:
-    """Values and standard errors that were seen, by name, in thousandths of rad, s."""
-    found = {}
+def _unit(parameter: Parameter) -> str:
+    return MILLI_UNITS.get(parameter.unit, parameter.unit)
+
+
+def _cells(estimates: Estimates, problem: int) -> list[str]:
+    """Values and standard errors that were seen, in thousandths of rad and s."""
+    cells = []
     for k, parameter in enumerate(estimates.parameters):
         scale = MILLI if parameter.unit in MILLI_UNITS else 1.0
         told = parameter.told(estimates.value[problem, k], estimates.error[problem, k])
         value, error = (scale * float(number) for number in told)
         places = min(max(1 - floor(log10(max(error, 1e-9))), 0), 6)
         text = f"{value:.{places}f} +- {error:.{places}f}"
-        found[parameter.name] = text if estimates.seen[problem, k] else "-"
-    return found
-
-
-def _row(name: str, cells: Sequence[str]) -> str:
-    return f"{name:12}" + "".join(f"{cell:>20}" for cell in cells)
+        cells.append(text if estimates.seen[problem, k] else "-")
+    return cells

@@ -54,9 +54,8 @@ def joint_servo(
             f"{needed} counts for {degrees(apart):.0f} degrees, and its make takes "
             f"{likely:.0f}; look at the marks again"
         )
-    longer = 1.0
+    longer, rate = 1.0, kind.command_rate
     if kind.signal == "pulse":
-        rate = kind.command_rate
         longer = board_divider(rate, clock) / board_divider(rate)
     return JointServo(
         channel=channel,
@@ -84,9 +83,10 @@ def card_with(text: str, servos: Mapping[str, JointServo], clock: float | None) 
         lines += ["", "[board]", f"clock = {clock:.0f}  # [Hz], measured"]
     for joint, servo in servos.items():
         lines += ["", f"[servo.{toml_key(joint)}]"]
-        numbers = {name: getattr(servo, name) for name in NUMBERS}
-        told = {name: value for name, value in numbers.items() if value is not None}
-        lines += [f"{name} = {value:.8g}" for name, value in told.items()]
+        numbers = ((name, getattr(servo, name)) for name in NUMBERS)
+        lines += [
+            f"{name} = {value:.8g}" for name, value in numbers if value is not None
+        ]
         lines += [f"limits = {list(servo.limits)}"] if servo.limits else []
     return "\n".join([*lines, ""])
 
@@ -101,11 +101,9 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
     rest = np.array([robot.standing_angle(joint) for joint in joints])
     turn, rise = np.zeros(len(joints)), np.zeros((len(robot.legs), len(joints)))
     for number, leg in enumerate(robot.leg_cards):
-        room = min(
-            abs(end - rest[joints.index(leg.swing)]) for end in robot.span(leg.swing)
-        )
-        sense = np.sign(kinematics.axis(leg.swing)[2])
-        turn[joints.index(leg.swing)] = sense * min(SWING, room)
+        swing = joints.index(leg.swing)
+        room = min(abs(end - rest[swing]) for end in robot.span(leg.swing))
+        turn[swing] = np.sign(kinematics.axis(leg.swing)[2]) * min(SWING, room)
         rise[number, joints.index(leg.lift)] = leg.raise_sign * robot.card.lift_angle
     moves = [turn, rise.sum(axis=0), *rise]
     angles = np.concatenate([rest + move * _bump(rate)[:, None] for move in moves])
@@ -123,7 +121,6 @@ def strokes(robot: Robot, rate: float) -> tuple[ServoCommands, dict[str, str]]:
 
 def _bump(rate: float) -> Array:
     """From 0 to 1, a while, back to 0, a while; in `SECONDS` each."""
-    count = round(SECONDS * rate)
-    slope, flat = np.linspace(0, 1, count), np.ones(count)
-    bump: Array = np.concatenate([slope, flat, slope[::-1], 0 * flat])
-    return bump
+    slope = np.linspace(0, 1, round(SECONDS * rate))
+    flat = np.ones_like(slope)
+    return np.concatenate([slope, flat, slope[::-1], 0 * flat])

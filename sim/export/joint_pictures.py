@@ -89,19 +89,15 @@ def sheet(robot: Robot, path: Path) -> None:
     from matplotlib.patches import Circle
 
     kinematics = Kinematics(robot)
-    stance = kinematics.standing
-    low, high = (
-        f(stance.feet, axis=0) + s * 2 * SHEET_EDGE
-        for f, s in ((np.min, -1), (np.max, 1))
-    )
+    feet = kinematics.standing.feet
+    low = feet.min(axis=0) - 2 * SHEET_EDGE
+    high = feet.max(axis=0) + 2 * SHEET_EDGE
     with mpl.rc_context({"svg.hashsalt": palette.BASE_STYLE["svg.hashsalt"]}):
         figure = Figure(figsize=(high - low) * METRE)
         axes = figure.add_axes((0, 0, 1, 1), xlim=(low[0], high[0]))
         axes.set(ylim=(low[1], high[1]), aspect="equal")
         axes.set_axis_off()
-        for leg, card, foot in zip(
-            robot.legs, robot.leg_cards, stance.feet, strict=True
-        ):
+        for (leg, card), foot in zip(robot.card.legs.items(), feet, strict=True):
             hip = kinematics.anchor(card.swing)[:2]
             degree = np.radians(1) * np.linalg.norm(foot - hip)
             axes.add_patch(Circle(foot, degree, fill=False))

@@ -8,8 +8,8 @@ named; one is unseen where more than half of what was expected is left open.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -76,13 +76,23 @@ class Estimates:
         """Parameters that the measurements determine, (P, K), bool."""
         return self.error < UNSEEN * self.spread
 
-    def unseen_directions(self, problem: int) -> Iterator[str]:
+    @property
+    def said(self) -> Array:
+        """Information times the values of the measurements alone, (P, K)."""
+        pulled = (self.value - self.start) / self.spread**2  # by what was expected
+        said: Array = np.einsum("pkl,pl->pk", self.information, self.value) + pulled
+        return said
+
+    def unseen(self, problem: int = 0) -> list[str]:
         """In words, what the measurements of a problem do not tell, or not apart."""
         scaled = self.information[problem] * np.outer(self.spread, self.spread)
         strength, directions = np.linalg.eigh(scaled)
-        for weight, direction in zip(strength, directions.T, strict=True):
-            if 1 / np.sqrt(1 + max(weight, 0.0)) > UNSEEN:
-                yield _in_words([p.name for p in self.parameters], direction)
+        names = [p.name for p in self.parameters]
+        return [
+            _in_words(names, direction)
+            for weight, direction in zip(strength, directions.T, strict=True)
+            if 1 / np.sqrt(1 + max(weight, 0.0)) > UNSEEN
+        ]
 
 
 def _in_words(names: Sequence[str], direction: Array) -> str:
@@ -94,6 +104,20 @@ def _in_words(names: Sequence[str], direction: Array) -> str:
     signs = np.sign(direction) * np.sign(direction[parts[0]])
     words = [f"{'more' if signs[i] > 0 else 'less'} {names[i]}" for i in parts]
     return f"{' with '.join(words)} would look the same"
+
+
+def solved(
+    parameters: Sequence[Parameter],
+    start: Array,
+    information: Array,
+    said: Array,
+    noise: Array,
+) -> Estimates:
+    """Estimates from what measurements say, as `Estimates` has it."""
+    found = Estimates(tuple(parameters), start, start, information, noise)
+    toward = said + start / found.spread**2
+    value = np.linalg.solve(information + found.expected, toward[..., None])[..., 0]
+    return replace(found, value=np.maximum(value, [p.low for p in parameters]))
 
 
 def estimate(
@@ -179,25 +203,13 @@ def _alike(left: Array, there: Array) -> Array:
 
 def together(each: Sequence[Estimates]) -> Estimates:
     """The same problems from several sets of measurements, each already fitted."""
-    first = each[0]
-    if len(each) == 1:
+    first, *others = each
+    if not others:
         return first
-    information = sum((e.information for e in each[1:]), first.information)
-    said = sum((_said(e) for e in each[1:]), _said(first))
-    toward = said + first.start / first.spread**2
-    value = np.linalg.solve(information + first.expected, toward[..., None])[..., 0]
+    information = sum((e.information for e in others), first.information)
+    said = sum((e.said for e in others), first.said)
     noise = np.sqrt(np.mean([e.noise**2 for e in each], axis=0))
-    low = [p.low for p in first.parameters]
-    return Estimates(
-        first.parameters, first.start, np.maximum(value, low), information, noise
-    )
-
-
-def _said(each: Estimates) -> Array:
-    """Information times the values of the measurements alone, (P, K)."""
-    pulled = (each.value - each.start) / each.spread**2  # by what was expected
-    said: Array = np.einsum("pkl,pl->pk", each.information, each.value) + pulled
-    return said
+    return solved(first.parameters, first.start, information, said, noise)
 
 
 def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates]:
@@ -207,36 +219,23 @@ def pooled(each: Estimates, shared: Sequence[int]) -> tuple[Estimates, Estimates
     The first estimates are of one problem, the second of P.
     """
     c = np.array(shared)
-    p = np.array([k for k in range(len(each.parameters)) if k not in shared])
-    H, expected = each.information, each.expected
-    said = _said(each)
-    own = H[:, p[:, None], p] + expected[p[:, None], p]
-    cross, others = (
-        H[:, c[:, None], p],
-        said[:, p] + each.start[:, p] / each.spread[p] ** 2,
-    )
+    p = np.setdiff1d(np.arange(len(each.parameters)), c)
+    H, said, expected = each.information, each.said, each.expected[p[:, None], p]
+    own, cross = H[:, p[:, None], p] + expected, H[:, c[:, None], p]
+    others = said[:, p] + each.start[:, p] / each.spread[p] ** 2
     through = cross @ np.linalg.inv(own)
-    told = (H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)).sum(axis=0)
-    toward = (said[:, c] - np.einsum("pkl,pl->pk", through, others)).sum(axis=0)
-    start = each.start[:, c].mean(axis=0)
-    whole = told + expected[c[:, None], c]
-    value = np.linalg.solve(whole, toward + start / each.spread[c] ** 2)
-    one = Estimates(
-        tuple(each.parameters[k] for k in c),
-        start[None],
-        np.maximum(value, [each.parameters[k].low for k in c])[None],
-        told[None],
+    one = solved(
+        [each.parameters[k] for k in c],
+        each.start[:, c].mean(axis=0)[None],
+        (H[:, c[:, None], c] - through @ np.swapaxes(cross, 1, 2)).sum(axis=0)[None],
+        (said[:, c] - np.einsum("pkl,pl->pk", through, others)).sum(axis=0)[None],
         np.sqrt(np.mean(each.noise**2))[None],
     )
     rest = others - np.einsum("pkl,k->pl", cross, one.value[0])
     mine = np.linalg.solve(own, rest[..., None])[..., 0]
-    spread = (
-        np.linalg.inv(own) + np.swapaxes(through, 1, 2) @ np.linalg.inv(whole) @ through
-    )
-    return one, Estimates(
-        tuple(each.parameters[k] for k in p),
-        each.start[:, p],
-        np.maximum(mine, [each.parameters[k].low for k in p]),
-        np.linalg.inv(spread) - expected[p[:, None], p],
-        each.noise,
-    )
+    whole = np.linalg.inv(one.information[0] + one.expected)
+    spread = np.linalg.inv(own) + np.swapaxes(through, 1, 2) @ whole @ through
+    parameters = tuple(each.parameters[k] for k in p)
+    value = np.maximum(mine, [parameter.low for parameter in parameters])
+    information = np.linalg.inv(spread) - expected
+    return one, Estimates(parameters, each.start[:, p], value, information, each.noise)

@@ -1,25 +1,40 @@
 """Servos fitted to logs of a robot: one make for all joints, checked on what was kept.
 
-The first three quarters of every log are fitted, and the last quarter is predicted.
+Each joint is fitted for itself. Stiffness, damping, backlash and delay are those of one
+make, so that all joints together tell them better than each alone. The first three
+quarters of every log are fitted, and the last quarter is predicted.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import mujoco
 import numpy as np
 
 from planner import Array
-from sim.fitting.estimate import Estimates, together
-from sim.fitting.joints import fit_servos, one_make, servos
+from sim.fitting.estimate import Estimates, Parameter, estimate, pooled, together
 from sim.fitting.loads import known_servos, on_floor, on_stand
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
 
+SERVO = (
+    Parameter(name="stiffness", unit="N m/rad", spread=1.0, step=0.02, logarithm=True),
+    Parameter(name="damping", unit="N m s/rad", spread=1.0, step=0.02, logarithm=True),
+    Parameter(name="dead band", unit="rad", spread=0.03, step=5e-4, low=0.0),
+    Parameter(name="backlash", unit="rad", spread=0.03, step=5e-4, low=0.0),
+    Parameter(name="zero", unit="rad", spread=0.05, step=1e-3),
+    Parameter(name="delay", unit="s", spread=0.05, step=1e-3, low=0.0),
+)
+MAKE = (0, 1, 3, 5)  # parameters of a make; dead band and zero are a servo's own
+LONGEST_DELAY = 0.3  # [s]; delay that is looked for
+APART = 0.01  # [s]; delays that are tried
+DAMPINGS = (-0.7, 0.0, 0.7)  # logarithms of factors that are tried
+LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tried
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
@@ -49,15 +64,12 @@ class JointFit:
             if self.make.seen[0, k]:
                 told = parameter.told(self.make.value[0, k], self.make.error[0, k])
                 found[SHARED[parameter.name]] = float(told[0]), float(told[1])
-        place = [self.joints.index(j) if j in self.joints else None for j in joints]
         for k, parameter in enumerate(self.own.parameters):
-            seen = self.own.seen[:, k]
-            numbers = np.where(seen, [self.own.value[:, k], self.own.error[:, k]], 0.0)
-            if seen.any():
-                columns = [
-                    [0.0 if i is None else float(n[i]) for i in place] for n in numbers
-                ]
-                found[OWN[parameter.name]] = columns[0], columns[1]
+            if (seen := self.own.seen[:, k]).any():
+                both = np.where(seen, [self.own.value[:, k], self.own.error[:, k]], 0.0)
+                of = [dict(zip(self.joints, n.tolist(), strict=True)) for n in both]
+                value, error = ([n.get(joint, 0.0) for joint in joints] for n in of)
+                found[OWN[parameter.name]] = value, error
         return found
 
 
@@ -73,19 +85,14 @@ def fit_joints(setup: Setup, logs: Sequence[Log], walking: bool) -> JointFit:
             on_floor(setup, model, log, whole) if walking else on_stand(setup, log)
             for log in logs
         ]
-        pairs = zip(loaded, logs, strict=True)
+        pairs = [*zip(loaded, logs, strict=True)]
         each = together([fit_servos(c, *_rows(log, False), start) for c, log in pairs])
         make, own, whole = one_make(each)
         if walking:
             model = _fitted_model(setup, logs[0], whole)
     before, after = (
-        np.sqrt(
-            np.mean(
-                [_missed(c, log, s) for c, log in zip(loaded, logs, strict=True)],
-                axis=0,
-            )
-        )
-        for s in (start, whole)
+        np.sqrt(np.mean([_missed(*pair, servo) for pair in pairs], axis=0))
+        for servo in (start, whole)
     )
     return JointFit(logs[0].joints, each, make, own, before, after)
 
@@ -120,5 +127,46 @@ def _missed(commanded: Commanded, log: Log, tried: Array) -> Array:
     """Mean square of what the kept rows were not predicted by, (J,) [rad^2]."""
     times, measured = _rows(log, True)
     off = measured - commanded.answers(tried[None], times)[0]
-    mean: Array = np.nanmean(off**2, axis=0)
-    return mean
+    return np.asarray(np.nanmean(off**2, axis=0))
+
+
+def servos(stiffness: Array, damping: Array) -> Array:
+    """Servos (P, 6) of known stiffness and damping, (P,), and else without fault."""
+    known = np.log([stiffness, damping]).T
+    return np.pad(known, ((0, 0), (0, len(SERVO) - 2)))
+
+
+def fit_servos(
+    commanded: Commanded, rows: Array, measured: Array, start: Array
+) -> Estimates:
+    """Servos of P joints, expected at (P, 6), from angles (N, P) at times (N,) [s]."""
+    guess = _scanned(commanded, rows, measured, start)
+    return estimate(
+        lambda tried: commanded.answers(tried, rows), measured, SERVO, start, guess
+    )
+
+
+def one_make(each: Estimates) -> tuple[Estimates, Estimates, Array]:
+    """What the servos share, what each has of its own, and all of it as (P, 6)."""
+    make, own = pooled(each, MAKE)
+    whole = np.tile(make.value[0][[0, 1, 0, 2, 0, 3]], (len(own.value), 1))
+    whole[:, [2, 4]] = own.value
+    return make, own, whole
+
+
+def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -> Array:
+    """Servos of a grid that leave over the least, (P, 6), each with its best zero."""
+    grid = [*product(DAMPINGS, *LOOSE)]
+    tried = np.tile(start, (len(grid), 1, 1))
+    tried[..., 1:4] += np.array(grid)[:, None]
+    best, least = start.copy(), np.full(len(start), np.inf)
+    for servo, found in zip(tried, commanded.answers(tried, rows), strict=True):
+        for delay in np.arange(0.0, LONGEST_DELAY, APART):
+            late = [np.interp(rows - delay, rows, angle) for angle in found.T]
+            off = measured - np.stack(late, axis=1)
+            left, zero = np.nanvar(off, axis=0), np.nanmean(off, axis=0)
+            better = left < least
+            best[better] = servo[better]
+            best[better, 4], best[better, 5] = zero[better], delay
+            least = np.minimum(left, least)
+    return best

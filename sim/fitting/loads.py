@@ -7,6 +7,8 @@ decides how the feet share the load; it depends on the servos little.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 
@@ -63,13 +65,9 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     engine = Engine(model)
     pieces = range(0, len(rows), STRETCH)
     records = [engine.advance(rows[i : i + STRETCH]) for i in pieces]
-    angle = np.concatenate(
-        [r.qpos[:, _places(model, log)].sum(axis=2) for r in records]
-    )
-    speed = np.gradient(angle, dt, axis=0)
-    spring = rows[:, actuators] - np.concatenate(
-        [r.qpos[:, _places(model, log)[:, 0]] for r in records]
-    )
+    qpos = np.concatenate([record.qpos for record in records])
+    speed = np.gradient(turned(model, qpos, log.joints, BAND), dt, axis=0)
+    spring = rows[:, actuators] - turned(model, qpos, log.joints)
     inertia, leg = _inertia(setup.as_planned.model, _dofs(setup.as_planned.model, log))
     load = model.actuator_gainprm[actuators, 0] * spring - np.exp(servos[:, 1]) * speed
     load -= inertia * np.gradient(speed, dt, axis=0)
@@ -79,13 +77,14 @@ def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Co
     return Commanded(LAW_STEP, log.at(time[begins]), mean, inertia, leg)
 
 
-def _places(model: mujoco.MjModel, log: Log) -> Array:
-    """Joints whose angles add up to that of a servo's shaft, (J, 1) or (J, 2)."""
+def turned(
+    model: mujoco.MjModel, qpos: Array, joints: Sequence[str], *parts: str
+) -> Array:
+    """Angles (T, J) of joints, and of those named by a part and them, in sum."""
     there = {model.joint(j).name: int(model.jnt_qposadr[j]) for j in range(model.njnt)}
-    parts = [
-        [j, BAND + j] if BAND + log.joints[0] in there else [j] for j in log.joints
-    ]
-    return np.array([[there[name] for name in names] for names in parts])
+    names = [(joint, *(part + joint for part in parts)) for joint in joints]
+    places = [[there[name] for name in each if name in there] for each in names]
+    return np.stack([qpos[:, place].sum(axis=1) for place in places], axis=1)
 
 
 def known_servos(setup: Setup, log: Log) -> tuple[Array, Array]:

@@ -11,17 +11,21 @@ from math import atan2, hypot
 
 import numpy as np
 
+from models.description import actuator_of
 from planner import Array
 from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
 from sim.fitting.fitting import FITTED, Told
+from sim.fitting.loads import turned
 from sim.logs.log import Log
 from sim.motion.poses import relative
 from sim.preparation.setup import Setup
 from sim.runs.run import Run
 from sim.studies.sensitivities import course_of_run
+from sim.world.dead_bands import BAND
+from sim.world.imperfections import BACKLASH
 
 BODY = (
     Parameter(name="friction", unit="", spread=0.4, step=0.04, low=0.05),
@@ -57,19 +61,15 @@ class PoseFit:
         if seen["friction"]:
             told["friction"] = float(value[0]), float(error[0])
         if seen["its place ahead"] and seen["its place to the left"]:
-            mass = (
-                float(value[1]) if seen["payload"] and value[1] else CARRIER * self.mass
-            )
-            off = float(error[1]) if seen["payload"] else 0.0
+            mass, off = map(float, (value[1], error[1]) if seen["payload"] else (0, 0))
+            mass = mass or CARRIER * self.mass
             places, errors = (value[2:4] / mass).tolist(), (error[2:4] / mass).tolist()
             told["payload"] = [mass, *places, 0.0], [off, *errors, 0.0]
         if seen["slope ahead"] and seen["slope to the left"]:
             x, y = value[4:6].tolist()
             steep, sideways = hypot(x, y), float(np.hypot(*error[4:6]))
-            told["slope"] = (
-                [steep, atan2(y, x)],
-                [sideways, sideways / max(steep, LEVEL)],
-            )
+            errors = [sideways, sideways / max(steep, LEVEL)]
+            told["slope"] = [steep, atan2(y, x)], errors
         if seen["stiffness"]:
             stiffness = BODY[6].told(value[6], error[6])
             told["servo_stiffness"] = float(stiffness[0]), float(stiffness[1])
@@ -85,6 +85,18 @@ class Walked:
     times: Array  # (T,) [s]
     pose: Array  # measured, relative to where it began, (T, 3)
     arm: float  # mean distance of the feet from the body's centre [m]
+
+
+def log_of(run: Run) -> Log:
+    """A walk as the log of a robot that was told what it was, seen without noise."""
+    rows, joints = run.walking, run.card.joints
+    return Log(
+        time=run.time[rows] - run.time[rows][0],
+        joints=joints,
+        commanded=run.ctrl[rows][:, [actuator_of(run.model, j) for j in joints]],
+        measured=turned(run.model, run.qpos[rows], joints, BAND, BACKLASH),
+        pose=run.achieved[rows],
+    )
 
 
 def walked_of_run(run: Run) -> Walked:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.fitting.estimate import NINETY
-from sim.fitting.joints import SERVO, fit_servos, servos
+from sim.fitting.fitting import SERVO, fit_servos, servos
 from tests.sim.fitting.test_servos import EVERY, STEP, commanded, hidden, moves
 
 DRAWS = 100

@@ -17,7 +17,7 @@ import pytest
 
 from models import load
 from sim import cli
-from sim.fitting.sources import log_of
+from sim.fitting.poses import log_of
 from sim.logs.log import Log, written
 from sim.runs.run import read_run
 

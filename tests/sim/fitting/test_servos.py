@@ -9,7 +9,7 @@ import pytest
 from models import load
 from sim.cli import main
 from sim.errors import UsageError
-from sim.fitting.joints import MAKE, fit_servos, one_make, servos
+from sim.fitting.fitting import MAKE, fit_servos, one_make, servos
 from sim.fitting.servo_law import Commanded
 from sim.logs.log import Log, written
 from sim.preparation.setup import prepare
@@ -99,9 +99,7 @@ def test_a_slow_log_without_loads_tells_damping_over_stiffness_alone():
     seen = slow.answers(servos(np.array([9.0]), np.array([0.1]))[None], rows)[0]
     seen += rng.normal(0, NOISE, seen.shape)
     found = fit_servos(slow, rows, seen, servos(np.array([15.0]), np.array([0.1])))
-    assert "more stiffness with more damping would look the same" in set(
-        found.unseen_directions(0)
-    )
+    assert "more stiffness with more damping would look the same" in set(found.unseen())
     assert not found.seen[0, 0]
 
 
