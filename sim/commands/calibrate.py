@@ -180,7 +180,7 @@ def _found(
     from models.description import BOARD_CLOCK
     from sim.export.calibration import joint_servo, marks
 
-    taken, ticks = {s.channel for s in known.values()}, clock or BOARD_CLOCK
+    clock, taken = clock or BOARD_CLOCK, {servo.channel for servo in known.values()}
     left = [joint for joint in robot.card.joints if joint not in known]
     channels = BOARD_CHANNELS if kind.signal == "pulse" else BUS_NUMBERS
 
@@ -197,7 +197,7 @@ def _found(
             for number, angle in enumerate(angles, start=1)
         )
         try:
-            return joint_servo(kind, ticks, channel, turned, (one, two), angles)
+            return joint_servo(kind, clock, channel, turned, (one, two), angles)
         except ValueError as error:
             print(f"  {error}")
             return servo(joint, channel)

@@ -21,7 +21,6 @@ MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
 LEAST_NOISE = 1e-12
-NINETY = 1.645  # standard errors to either side of an interval of 90 %
 
 Model = Callable[[Array], Array]
 """Predictions (V, N, P) for variants of the parameters (V, P, K)."""
@@ -37,12 +36,6 @@ class Parameter:
     step: float  # of finite differences
     low: float = -np.inf
     logarithm: bool = False  # whether the search, spread and step are about it
-
-    def told(self, value: Array, error: Array) -> tuple[Array, Array]:
-        """Values and standard errors themselves, of what is searched for."""
-        return (
-            (np.exp(value), np.exp(value) * error) if self.logarithm else (value, error)
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +68,13 @@ class Estimates:
     def seen(self) -> Array:
         """Parameters that the measurements determine, (P, K), bool."""
         return self.error < UNSEEN * self.spread
+
+    def told(self, parameter: int, problem: int = 0) -> tuple[float, float]:
+        """Value and standard error, of a parameter itself where its logarithm is."""
+        value, error = (float(a[problem, parameter]) for a in (self.value, self.error))
+        if not self.parameters[parameter].logarithm:
+            return value, error
+        return float(np.exp(value)), float(np.exp(value) * error)
 
     @property
     def said(self) -> Array:
@@ -141,7 +141,6 @@ def estimate(
     spread, step, low = np.array([(p.spread, p.step, p.low) for p in parameters]).T
     there = np.isfinite(measured)
     count = np.maximum(there.sum(axis=0) - len(parameters), 1)
-    expected = np.diag(1 / spread**2)
 
     def missed(predicted: Array) -> Array:
         return np.where(there, measured - predicted, 0.0)
@@ -158,8 +157,8 @@ def estimate(
         toward = np.einsum("knp,np,p->pk", slope, left, weight)
         toward -= (value - start) / spread**2
         held = (value <= low) & (toward < 0)  # at a bound, and led beyond it
-        way = _newton_step(information + expected, toward, held)
         found_so_far = Estimates(tuple(parameters), start, value, information, noise)
+        way = _newton_step(information + found_so_far.expected, toward, held)
         if (np.abs(way) < SETTLED * found_so_far.error).all():
             break
         tried = np.maximum(value + LENGTHS[:, None, None] * way, low)

@@ -59,11 +59,11 @@ class JointFit:
 
     def settings(self, joints: Sequence[str]) -> dict[str, tuple[Value, Value]]:
         """Settings that were seen and their standard errors, for a robot's joints."""
-        found: dict[str, tuple[Value, Value]] = {}
-        for k, parameter in enumerate(self.make.parameters):
-            if self.make.seen[0, k]:
-                told = parameter.told(self.make.value[0, k], self.make.error[0, k])
-                found[SHARED[parameter.name]] = float(told[0]), float(told[1])
+        found: dict[str, tuple[Value, Value]] = {
+            SHARED[parameter.name]: self.make.told(k)
+            for k, parameter in enumerate(self.make.parameters)
+            if self.make.seen[0, k]
+        }
         for k, parameter in enumerate(self.own.parameters):
             if (seen := self.own.seen[:, k]).any():
                 both = np.where(seen, [self.own.value[:, k], self.own.error[:, k]], 0.0)

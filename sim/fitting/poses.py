@@ -17,7 +17,7 @@ from sim.compliant.anatomy import Robots
 from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
-from sim.fitting.fitting import FITTED, Told
+from sim.fitting.fitting import FITTED, Told, Value
 from sim.fitting.loads import turned
 from sim.logs.log import Log
 from sim.motion.poses import relative
@@ -57,11 +57,11 @@ class PoseFit:
         """Settings that were seen, with their standard errors."""
         value, error = self.found.value[0], self.found.error[0]
         seen = dict(zip((p.name for p in BODY), self.found.seen[0], strict=True))
-        told: dict[str, tuple[float | list[float], float | list[float]]] = {}
+        told: dict[str, tuple[Value, Value]] = {}
         if seen["friction"]:
-            told["friction"] = float(value[0]), float(error[0])
+            told["friction"] = self.found.told(0)
         if seen["its place ahead"] and seen["its place to the left"]:
-            mass, off = map(float, (value[1], error[1]) if seen["payload"] else (0, 0))
+            mass, off = self.found.told(1) if seen["payload"] else (0.0, 0.0)
             mass = mass or CARRIER * self.mass
             places, errors = (value[2:4] / mass).tolist(), (error[2:4] / mass).tolist()
             told["payload"] = [mass, *places, 0.0], [off, *errors, 0.0]
@@ -71,8 +71,7 @@ class PoseFit:
             errors = [sideways, sideways / max(steep, LEVEL)]
             told["slope"] = [steep, atan2(y, x)], errors
         if seen["stiffness"]:
-            stiffness = BODY[6].told(value[6], error[6])
-            told["servo_stiffness"] = float(stiffness[0]), float(stiffness[1])
+            told["servo_stiffness"] = self.found.told(6)
         return told
 
 

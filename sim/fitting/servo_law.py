@@ -59,14 +59,10 @@ class Commanded:
         for t in range(len(told)):
             e = told[t] - q
             rest = e - np.minimum(np.maximum(e, -w), w) - bent[t]
-            held_turn, held_speed = (
-                rest - held_q * rest + held_v * v,
-                held_t * v - held_p * rest,
-            )
-            free_turn, free_speed = (
-                free_v * v - falls * load[t],
-                free_s * v - slows * load[t],
-            )
+            held_turn = rest - held_q * rest + held_v * v
+            held_speed = held_t * v - held_p * rest
+            free_turn = free_v * v - falls * load[t]
+            free_speed = free_s * v - slows * load[t]
             before = np.abs(e) - w
             after = np.abs(e - np.where(before > 0, held_turn, free_turn)) - w
             out = np.maximum(before, 0) + np.maximum(after, 0)  # of the band, of a step

@@ -48,17 +48,14 @@ def together(logs: Sequence[Log]) -> Log:
         order = [log.joints.index(joint) for joint in first.joints]
         off = float(np.abs(log.at(first.time)[:, order] - first.commanded).max())
         if off > SAME_COMMAND:
-            done.append(
-                f"trial {number} commands up to {degrees(off):.2g} degrees else; the "
-                "commands of the first are played"
-            )
+            other = f"trial {number} commands up to {degrees(off):.2g} degrees else"
+            done.append(f"{other}; the commands of the first are played")
         if log.pose is not None:
             poses.append(_finite(first.time, log.time, log.pose))
     if len(poses) < 2:
         return replace(first, done=(*done, "fewer than two trials have a pose"))
     stack = np.stack([seen_from(pose[0], pose) for pose in poses])
-    yaw = np.unwrap(stack[..., 2], axis=1)
-    stack = np.concatenate([stack[..., :2], yaw[..., None]], axis=2)
+    stack[..., 2] = np.unwrap(stack[..., 2], axis=1)
     spread = stack.std(axis=0, ddof=1) / np.sqrt(len(stack))
     done.append(f"mean of {len(stack)} trials, with its standard error")
     return replace(first, pose=stack.mean(axis=0), spread=spread, done=tuple(done))
@@ -83,13 +80,9 @@ def measured(log: Log, time: Array, predicted: Array) -> Measured | None:
     turned = _turned(seen, predicted)
     if abs(turned) > TURNED_FRAME:
         seen[:, :2] = rotate(seen[:, :2], -turned)
-        done.append(
-            f"its frame is turned by {degrees(turned):.1f} degrees against the robot, "
-            "and was turned back"
-        )
-    spread = None
-    if log.spread is not None:
-        spread = _finite(time, log.time, log.spread)
+        against = f"by {degrees(turned):.1f} degrees against the robot"
+        done.append(f"its frame is turned {against}, and was turned back")
+    spread = None if log.spread is None else _finite(time, log.time, log.spread)
     return Measured(seen, spread, tuple(done))
 
 
@@ -105,12 +98,9 @@ def _turned(pose: Array, predicted: Array) -> float:
 
 def _finite(time: Array, when: Array, rows: Array) -> Array:
     """Rows at other times, evenly across gaps; columns without numbers stay so."""
-    columns = []
+    found = np.full((len(time), rows.shape[1]), np.nan)
     for number, column in enumerate(rows.T):
-        there = np.isfinite(column)
-        if not there.any():
-            columns.append(np.full(len(time), np.nan))
-            continue
-        known = np.unwrap(column[there]) if number == 2 else column[there]
-        columns.append(np.interp(time, when[there], known))
-    return np.stack(columns, axis=1)
+        if (there := np.isfinite(column)).any():
+            known = np.unwrap(column[there]) if number == 2 else column[there]
+            found[:, number] = np.interp(time, when[there], known)
+    return found

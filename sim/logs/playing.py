@@ -163,8 +163,7 @@ class Played(Schedule):
 
     def _time(self, rows: Array) -> Array:
         """Time of the log at steps of the schedule, (T,) [s]."""
-        time: Array = rows * (0.0 if self.standing else self.limits.timestep)
-        return time
+        return np.asarray(rows * (0.0 if self.standing else self.limits.timestep))
 
 
 def rigid(
@@ -173,11 +172,10 @@ def rigid(
     """Rigid quasi-static motion at times (T,) of the log [s], negative before it."""
     grid = motion.time
     pose, slip = moved(motion.posture, motion.contact, ground, grid[1] - grid[0])
-    along = [np.interp(time, grid, column) for column in (*pose.T, *slip.T)]
-    *place, yaw = along[:3]
+    x, y, yaw, *slid = (np.interp(time, grid, n) for n in (*pose.T, *slip.T))
     return Prediction(
-        pose=np.stack([*place, wrap(yaw)], axis=1),
-        slip=np.stack(along[3:], axis=1),
+        pose=np.stack([x, y, wrap(yaw)], axis=1),
+        slip=np.stack(slid, axis=1),
         margin=margin,
         contact=contact,
     )

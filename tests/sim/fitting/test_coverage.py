@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from sim.fitting.estimate import NINETY
 from sim.fitting.fitting import SERVO, fit_servos, servos
 from tests.sim.fitting.test_servos import EVERY, STEP, commanded, hidden, moves
 
 DRAWS = 100
+NINETY = 1.645  # standard errors to either side of an interval of 90 %
 
 
 def covered(lasting, noise, draws=DRAWS, seed=0):
