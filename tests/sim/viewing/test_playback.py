@@ -142,6 +142,13 @@ def test_the_robot_hides_a_ghost_that_stands_where_it_does(recorded, model):
         assert (ghost.size < size).all()
 
 
+def test_round_shapes_are_drawn_in_few_faces(recorded, model):
+    """Half the time of a frame without a graphics card; flat faces need no division."""
+    drawn, before = looked_through(recorded).vis.quality, model.vis.quality
+    assert drawn.numslices * drawn.numstacks < before.numslices * before.numstacks / 4
+    assert drawn.numquads == 1
+
+
 def test_colours_are_explained(recorded):
     said = dict(entries(recorded))
     assert said["achieved path"] == palette.ACHIEVED.colour
