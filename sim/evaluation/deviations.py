@@ -38,7 +38,7 @@ from sim.walking.finished import Walk
 
 NEAR = 0.02  # of the path: with yaw within a degree, as good as there
 SWAY = 0.25  # of the feet's distance from the middle
-TRUSTED = 0.05  # of the path that a measured prediction may miss
+TRUSTED_MISS = 0.05  # of the path that a measured prediction may miss
 COMPARED = 1500  # poses that are compared with the path, evenly taken from all
 
 
@@ -246,7 +246,7 @@ def require_holding(
     if isinstance(twists, IdentifiedTwists):
         fields = (f for f in twists.fields.values() if f.stratum in strata)
         off = max((field.off for field in fields), default=0.0)
-    if length and off * walk.distance > TRUSTED * length:
+    if length and off * walk.distance > TRUSTED_MISS * length:
         raise MeasurementError(
             f"left out: it misses {100 * off:.1f} % of a stroke that it was not fitted "
             f"to, which may be {100 * off * walk.distance / length:.0f} % of the path "

@@ -5,7 +5,6 @@ The pictures are drawn by a process of its own, as films are.
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -30,14 +29,7 @@ SHEET_EDGE = 0.02  # around the sheet's feet [m]
 def draw(robot: Robot, folder: Path, *, allow_external: bool) -> None:
     """Draw `JOINT.png` for every joint of the legs; RenderError where nothing can."""
     words = [str(robot.path), str(folder), *(["external"] if allow_external else [])]
-    done = subprocess.run(
-        [sys.executable, "-P", "-m", "sim.export.joint_pictures", *words],
-        env=gl.environment(gl.probe()),
-        capture_output=True,
-        text=True,
-        errors="replace",
-        timeout=LIMIT,
-    )
+    done = gl.child(gl.probe(), LIMIT, *words, module="sim.export.joint_pictures")
     if done.returncode:
         last = (done.stderr.splitlines() or ["no picture"])[-1]
         raise RenderError("cannot draw the joints", last, "go on without pictures")

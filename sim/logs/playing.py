@@ -78,34 +78,30 @@ class Motion:
         `standing` holds the first row; otherwise the log begins with the first step.
         """
         rest = LegState((0.0,) * len(self.robot.groups), self.robot.card.bottom)
-        phases = self._phases(begin, end, standing)
-        return Played(phases, rest, rest, self.limits, self, standing)
+        if standing:
+            phases = [self._phase("hold", self.low, begin, end, np.zeros(1))]
+        else:
+            phases = self._swings(begin, end)
+        return Played(tuple(phases), rest, rest, self.limits, self, standing)
 
     @property
     def steps(self) -> int:
         """Physics steps that it takes."""
         return round(self.log.duration / self.limits.timestep) + 1
 
-    def _phases(self, begin: int, end: int, standing: bool) -> tuple[Phase, ...]:
-        if standing:
-            return (self._phase("hold", self.low, begin, end, np.zeros(1)),)
+    def _swings(self, begin: int, end: int) -> list[Phase]:
         dt = self.limits.timestep
         apart = max(round(LOOKS_APART / dt), 1)
         changes = np.flatnonzero(np.diff(self.contact, axis=0).any(axis=1)) + 1
         rows = [0, *changes.tolist()]
         starts = [begin + round(self.time[row] / dt) for row in rows]
-        ends = [*starts[1:], end]
-        return tuple(
-            self._phase(
-                "swing",
-                self.contact[row],
-                first,
-                last,
-                dt * np.arange(first - begin, last - begin + 1, apart),
-            )
-            for row, first, last in zip(rows, starts, ends, strict=True)
-            if last > first
-        )
+        phases = []
+        for row, first, last in zip(rows, starts, [*starts[1:], end], strict=True):
+            looks = dt * np.arange(first - begin, last - begin + 1, apart)
+            if last > first:
+                standing = self.contact[row]
+                phases.append(self._phase("swing", standing, first, last, looks))
+        return phases
 
     def _phase(
         self, kind: Kind, standing: Array, start: int, stop: int, looks: Array

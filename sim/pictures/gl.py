@@ -60,7 +60,7 @@ def environment(backend: str) -> dict[str, str]:
 def pictures_per_second(driver: str) -> float:
     """Pictures of the default robot, drafts without captions, drawn in a second."""
     try:
-        done = _child(driver, SPEED_LIMIT, SPEED)
+        done = child(driver, SPEED_LIMIT, SPEED)
         done.check_returncode()
     except (subprocess.CalledProcessError, subprocess.TimeoutExpired) as error:
         where = f"{driver}, {error}"
@@ -68,10 +68,12 @@ def pictures_per_second(driver: str) -> float:
     return float(done.stdout)
 
 
-def _child(driver: str, limit: float, *asked: str) -> subprocess.CompletedProcess[str]:
-    """This module as a process of its own that draws with a driver."""
+def child(
+    driver: str, limit: float, *asked: str, module: str = "sim.pictures.gl"
+) -> subprocess.CompletedProcess[str]:
+    """A module as a process of its own that draws with a driver, in so many seconds."""
     return subprocess.run(
-        [sys.executable, "-P", "-m", "sim.pictures.gl", *asked],
+        [sys.executable, "-P", "-m", module, *asked],
         env=environment(driver),
         capture_output=True,
         text=True,
@@ -94,7 +96,7 @@ def _first_that_draws(backends: tuple[str, ...]) -> str:
 def _trial(backend: str) -> str | None:
     """The reason why a driver does not draw, in a few words; None if it draws."""
     try:
-        trial = _child(backend, TRIAL_LIMIT)
+        trial = child(backend, TRIAL_LIMIT)
     except subprocess.TimeoutExpired:
         return f"no picture after {TRIAL_LIMIT:g} s"
     if trial.returncode == 0:
