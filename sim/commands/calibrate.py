@@ -210,11 +210,9 @@ def _found(
             yield joint, servo(joint, channel)
             left.remove(joint)
     if left:
-        raise UsageError(
-            f"no servo was found for {', '.join(left)}",
-            f"channels {channels[0]} to {channels[-1]}",
-            f"connect {'them' if len(left) > 1 else 'it'}, and go on: {again()}",
-        )
+        where = f"channels {channels[0]} to {channels[-1]}"
+        remedy = f"connect {'them' if len(left) > 1 else 'it'}, and go on: {again()}"
+        raise UsageError(f"no servo was found for {', '.join(left)}", where, remedy)
 
 
 class _Asker:
@@ -251,11 +249,9 @@ def _check(robot: Robot, kind: ServoKind, folder: RunFolder) -> Mapping[str, str
 
     card = robot.card
     if missing := [joint for joint in card.joints if joint not in card.joint_servos]:
-        raise UsageError(
-            f"no servo for joint {missing[0]!r}",
-            "the robot's card",
-            f"find them first: stratawalk calibrate {robot.path}",
-        )
+        what = f"no servo for joint {missing[0]!r}"
+        remedy = f"find them first: stratawalk calibrate {robot.path}"
+        raise UsageError(what, "the robot's card", remedy)
     pulse = kind.signal == "pulse"
     commands, told = strokes(robot, kind.command_rate)
     table = servo_table(card, card.joints, kind, pulse, rate=kind.command_rate)

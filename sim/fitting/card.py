@@ -27,9 +27,8 @@ def card_text(robot: Robot, told: Told, sources: Sequence[str]) -> str:
 def check_free(card: Path) -> None:
     """Refuse a name that is no card's, or that is taken."""
     if card.suffix != ".toml" or not card.parent.is_dir():
-        raise UsageError(
-            "no place for a card", str(card), "give --out FOLDER/NAME.toml"
-        )
+        remedy = "give --out FOLDER/NAME.toml"
+        raise UsageError("no place for a card", str(card), remedy)
     if os.path.lexists(card):
         raise UsageError("already exists", str(card), "give --out another name")
 

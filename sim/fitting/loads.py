@@ -44,9 +44,8 @@ def on_stand(setup: Setup, log: Log) -> Commanded:
         mujoco.mj_rne(model, data, 0, all_forces)
         weights[knot] = all_forces[dofs]
     load = [np.interp(time, knots, weight) for weight in weights.T]
-    return Commanded(
-        LAW_STEP, log.at(time), np.stack(load, axis=1), *_inertia(model, dofs)
-    )
+    torque = np.stack(load, axis=1)
+    return Commanded(LAW_STEP, log.at(time), torque, *_inertia(model, dofs))
 
 
 def on_floor(setup: Setup, model: mujoco.MjModel, log: Log, servos: Array) -> Commanded:

@@ -113,9 +113,8 @@ def walked_of_log(setup: Setup, log: Log) -> Walked:
     """
     motion, dt = setup.motion, setup.limits.timestep
     if motion is None or log.pose is None or not np.isfinite(log.pose).all():
-        raise ValueError(
-            "poses are missing; give body.x, body.y, body.yaw in every row"
-        )
+        columns = "body.x, body.y, body.yaw"
+        raise ValueError(f"poses are missing; give {columns} in every row")
     hold = round(setup.limits.hold / dt)
     parts = [
         motion.schedule(0, hold, standing=True),

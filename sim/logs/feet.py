@@ -63,9 +63,8 @@ class Posture:
         """
         above, near = self.height, self.near
         rise = np.abs(np.gradient(above, axis=0)) if len(above) > 1 else above * 0.0
-        standing = (above <= near) & (
-            rise <= max(LIFTED * float(rise.max()), FLAT_FEET)
-        )
+        still = rise <= max(LIFTED * float(rise.max()), FLAT_FEET)
+        standing = (above <= near) & still
         three = np.array([*combinations(range(above.shape[1]), 3)])
         shares = _shares(self.feet, self.center_of_mass, three)
         inside = shares.min(axis=2) >= INSIDE_FEET

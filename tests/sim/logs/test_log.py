@@ -41,9 +41,11 @@ def test_a_log_without_measured_columns_has_none(read):
 
 
 def test_degrees_hold_for_every_angle_and_a_function_for_joints_alone(read):
-    text = "time,hip_1,measured.hip_1,body.yaw\n0,90,90,90\n1,0,0,0\n"
+    names = "time,hip_1,measured.hip_1,body.yaw,body.yaw.error"
+    text = f"{names}\n0,90,90,90,90\n1,0,0,0,0\n"
     log = read(text, "degrees")
     assert log.commanded[0] == log.measured[0] == log.pose[0, 2] == np.pi / 2
+    assert log.spread[0, 2] == np.pi / 2
     log = read(text, lambda joint, counts: (counts - 90) / 100)
     assert (log.commanded[0], log.measured[0], log.pose[0, 2]) == (0, 0, 90)
 
