@@ -97,10 +97,8 @@ class Log:
         """
         apart = float(np.abs(self.commanded[-1] - self.commanded[0]).max())
         if times > 1 and apart > radians(1):
-            far = f"its last row is {apart:.3g} rad from its first one"
-            raise ValueError(
-                f"{far} and cannot be repeated; let it end where it begins"
-            )
+            what = f"its last row is {apart:.3g} rad from its first one and cannot be"
+            raise ValueError(f"{what} repeated; let it end where it begins")
         starts = np.arange(times)[:, None] * self.time[-1]
         time = np.append((starts + self.time[:-1]).ravel(), times * self.time[-1])
         rows = np.tile(self.commanded[:-1], (times, 1))
