@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from math import degrees, floor, log10, sqrt
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -66,13 +67,6 @@ def execute(options: argparse.Namespace) -> None:
     facts: dict[str, object] = {}
     lines: list[str] = []
     with bar(quiet=options.json) as progress:
-        if walked is not None:
-            with stage(progress, "fitting what moves the body"):
-                body = fit_poses(walked)
-            told |= body.settings
-            missed = {"before": body.before, "after": body.after}
-            facts["body"] = {"unseen": body.found.unseen(), "held_out": missed}
-            lines += _body_lines(body)
         if all(log.measured is not None for log in logs):
             with stage(progress, "fitting servos"):
                 fit = fit_joints(setup, logs, walking)
@@ -81,6 +75,15 @@ def execute(options: argparse.Namespace) -> None:
             kept = {joint: {"before": b, "after": a} for joint, b, a in both}
             facts["servos"] = {"unseen": fit.make.unseen(), "held_out": kept}
             lines += _servo_lines(fit)
+        if walked is not None:
+            delay, _ = told.get("command_delay", (0.0, 0.0))
+            late = replace(walked, times=walked.times - delay)
+            with stage(progress, "fitting what moves the body"):
+                body = fit_poses(late)
+            told = {**body.settings, **told}
+            missed = {"before": body.before, "after": body.after}
+            facts["body"] = {"unseen": body.found.unseen(), "held_out": missed}
+            lines = [*_body_lines(body), *lines]
     if options.out is not None:
         text = card_text(setup.robot, told, options.sources)
         lines.append(f"written: {write_card(setup.robot, Path(options.out), text)}")

@@ -8,7 +8,7 @@ named; one is unseen where more than half of what was expected is left open.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,7 @@ MOST_ROUNDS = 15  # of Gauss and Newton at most
 SETTLED = 0.02  # of standard errors, and of chi square; less ends the search
 LENGTHS = np.array([1.0, 0.3, 0.05])  # of a step, of which the best is taken
 LEAST_NOISE = 1e-12
+FIRM = 1e-6  # share of its spread by which a parameter that is held may move
 
 Model = Callable[[Array], Array]
 """Predictions (V, N, P) for variants of the parameters (V, P, K)."""
@@ -82,6 +83,14 @@ class Estimates:
         pulled = (self.value - self.start) / self.spread**2  # by what was expected
         said: Array = np.einsum("pkl,pl->pk", self.information, self.value) + pulled
         return said
+
+    def held(self, parameters: Collection[int]) -> Estimates:
+        """The same measurements, with some parameters held where they were expected."""
+        firm = [
+            replace(p, spread=FIRM * p.spread) if k in parameters else p
+            for k, p in enumerate(self.parameters)
+        ]
+        return solved(firm, self.start, self.information, self.said, self.noise)
 
     def unseen(self, problem: int = 0) -> list[str]:
         """In words, what the measurements of a problem do not tell, or not apart."""

@@ -36,10 +36,11 @@ BODY = (
     Parameter(name="slope to the left", unit="rad", spread=0.03, step=2e-3),
     Parameter(name="stiffness", unit="N m/rad", spread=0.5, step=0.05, logarithm=True),
 )
+FRICTION, PLACE, SLOPE, STIFFNESS = [0], [2, 3], [4, 5], [6]  # told together or not
 LEVEL = 1e-5  # [rad]; a slope from which on directions of phases matter
 ROUNDS = 4  # of the search, each of which walks eleven robots
 CARRIER = 0.05  # of the robot's mass; a payload whose place shows, and not its mass
-STILL = 0.2  # [s] in which the body has not moved, for the place where it begins
+FIRST = 0.2  # [s] whose mean pose is where a walk begins, measured and predicted
 MOMENTS = 400  # of a walk at most, at which its pose is fitted
 
 
@@ -48,6 +49,7 @@ class PoseFit:
     """What moved a body, and how well its last quarter is predicted."""
 
     found: Estimates  # one problem
+    held: Estimates  # of what is told, the others held as the robot was described
     before: float  # root mean square, yaw at the mean distance of the feet [m]
     after: float  # [m]
     mass: float  # of the robot without payload [kg]
@@ -55,23 +57,22 @@ class PoseFit:
     @property
     def settings(self) -> Told:
         """Settings that were seen, with their standard errors."""
-        value, error = self.found.value[0], self.found.error[0]
-        seen = dict(zip((p.name for p in BODY), self.found.seen[0], strict=True))
-        told: dict[str, tuple[Value, Value]] = {}
-        if seen["friction"]:
-            told["friction"] = self.found.told(0)
-        if seen["its place ahead"] and seen["its place to the left"]:
-            mass, off = self.found.told(1) if seen["payload"] else (0.0, 0.0)
+        value, error = self.held.value[0], self.held.error[0]
+        seen, told = self.found.seen[0], dict[str, tuple[Value, Value]]()
+        if seen[FRICTION].all():
+            told["friction"] = self.held.told(0)
+        if seen[PLACE].all():
+            mass, off = self.held.told(1) if seen[1] else (0.0, 0.0)
             mass = mass or CARRIER * self.mass
-            places, errors = (value[2:4] / mass).tolist(), (error[2:4] / mass).tolist()
-            told["payload"] = [mass, *places, 0.0], [off, *errors, 0.0]
-        if seen["slope ahead"] and seen["slope to the left"]:
-            x, y = value[4:6].tolist()
-            steep, sideways = hypot(x, y), float(np.hypot(*error[4:6]))
+            places, errors = (value[PLACE] / mass).tolist(), error[PLACE] / mass
+            told["payload"] = [mass, *places, 0.0], [off, *errors.tolist(), 0.0]
+        if seen[SLOPE].all():
+            x, y = value[SLOPE].tolist()
+            steep, sideways = hypot(x, y), float(np.hypot(*error[SLOPE]))
             errors = [sideways, sideways / max(steep, LEVEL)]
             told["slope"] = [steep, atan2(y, x)], errors
-        if seen["stiffness"]:
-            told["servo_stiffness"] = self.found.told(6)
+        if seen[STIFFNESS].all():
+            told["servo_stiffness"] = self.held.told(6)
         return told
 
 
@@ -82,7 +83,7 @@ class Walked:
     phases: Phases
     course: Course
     times: Array  # (T,) [s]
-    pose: Array  # measured, relative to where it began, (T, 3)
+    pose: Array  # measured, in a frame of its own, (T, 3)
     arm: float  # mean distance of the feet from the body's centre [m]
 
 
@@ -125,9 +126,8 @@ def walked_of_log(setup: Setup, log: Log) -> Walked:
     phases = phases_of(setup.as_planned)
     none = np.zeros(len(spans))
     course = course_along(setup, phases, ctrl, spans, none, {0: np.zeros(3)})
-    still = log.time < STILL
-    pose = relative(log.pose[still].mean(axis=0), log.pose)
-    return Walked(phases, course, hold * dt + log.time, pose, setup.kinematics.reach)
+    times, reach = hold * dt + log.time, setup.kinematics.reach
+    return Walked(phases, course, times, log.pose, reach)
 
 
 def fit_poses(walked: Walked) -> PoseFit:
@@ -138,13 +138,14 @@ def fit_poses(walked: Walked) -> PoseFit:
     phases, robot = walked.phases, walked.phases.robots
     rows = slice(None, None, max(len(walked.times) // MOMENTS, 1))
     times = walked.times[rows]
-    measured = _scaled(walked.pose[rows], walked.arm)
+    first = times - times[0] < FIRST
+    measured = _scaled(walked.pose[rows], first, walked.arm)
     cut = 3 * int(FITTED * len(times))
 
     def model(values: Array) -> Array:
         lanes = _changed(robot, values.reshape(-1, len(BODY)))
         walks = Phases(phases.mechanics, lanes, phases.pace).follow_all(walked.course)
-        found = [_scaled(walk.at(times).pose, walked.arm) for walk in walks]
+        found = [_scaled(walk.at(times).pose, first, walked.arm) for walk in walks]
         return np.stack(found).reshape(*values.shape[:2], -1).swapaxes(1, 2)
 
     friction, stiffness = robot.friction.mean(), np.log(robot.stiffness).mean()
@@ -152,14 +153,21 @@ def fit_poses(walked: Walked) -> PoseFit:
     found = estimate(
         lambda v: model(v)[:, :cut], measured[:cut, None], BODY, start, start, ROUNDS
     )
-    off = measured[cut:] - model(np.stack([start, found.value]))[:, cut:, 0]
+    seen = found.seen[0]
+    hidden = [g for g in (FRICTION, PLACE, SLOPE, STIFFNESS) if not seen[g].all()]
+    without = {k for group in hidden for k in group}
+    if PLACE in hidden or not seen[1]:
+        without.add(1)
+    held = found.held(without)
+    off = measured[cut:] - model(np.stack([start, held.value]))[:, cut:, 0]
     before, after = np.sqrt((off**2).mean(axis=1) * 3).tolist()
-    return PoseFit(found, before, after, float(robot.mass[0]))
+    return PoseFit(found, held, before, after, float(robot.mass[0]))
 
 
-def _scaled(pose: Array, arm: float) -> Array:
-    """Poses (T, 3) as lengths, one after the other, (3 T,) [m]."""
-    x, y, yaw = pose.T
+def _scaled(pose: Array, first: Array, arm: float) -> Array:
+    """Poses (T, 3) from the mean of the first ones, one after the other, (3 T,) [m]."""
+    pose = np.column_stack([pose[:, :2], np.unwrap(pose[:, 2])])
+    x, y, yaw = relative(pose[first].mean(axis=0), pose).T
     return np.stack([x, y, arm * np.unwrap(yaw)], axis=1).ravel()
 
 
