@@ -34,7 +34,7 @@ from planner.systems.strata import StratifiedSystem
 
 CONTRACTED = 0.5  # part of a step that a plan may leave
 SHORTEST, LONGEST = 1e-9, 1e3  # steps that are tried, in the metric
-COARSE, FINE = 2.0, 1.02  # ratios of successive steps
+COARSEST, COARSE, FINE = 64.0, 2.0, 1.02  # ratios of successive steps
 NOTABLE = 0.05  # part left, from which on steps are tried closely
 NEARLY = 0.4  # part left at a maximum that may lie higher between the steps tried
 BETWEEN = 16  # steps that are tried between two others
@@ -43,9 +43,9 @@ FEW = 4  # of them on the coarse scale, whose long steps take long to play
 ACCURACY = 1e-6  # relative, of the critical step
 EXACT = 1e-9  # part left by plans that are exact but for rounding
 RAYS = 20  # directions for each dimension, among which the least step is looked for
-TRIED = 48  # directions around the best one at a time
-NARROWER = 0.6  # times as far apart, the next of them
-WIDEST, NARROWEST = 0.6, 2e-3
+TRIED, DOWNWARD = 24, 4  # directions around the best one, shorter steps in each
+NARROWER = 0.5  # times as far apart once none of them is shorter
+WIDEST, NARROWEST = 0.6, 4e-3  # how far apart they are
 
 Left = Callable[[Array], Array]
 """The parts that plans leave of steps of given lengths, shape (steps,)."""
@@ -133,24 +133,27 @@ def least_critical_step(
     size = tangent.shape[1]
     drawn = random.normal(size=(RAYS * size, size))
     drawn = np.concatenate([np.eye(size), -np.eye(size), drawn])
-    for found in _scale(SHORTEST, LONGEST, COARSE**2).tolist():
+    for found in _scale(SHORTEST, LONGEST, COARSEST).tolist():
         left = steps.left(found * rays(drawn))
         if left.max() > CONTRACTED:
             break
     else:
         return inf
-    best, width = drawn[left.argmax()], WIDEST
+    best, width, lowest = drawn[left.argmax()], WIDEST, 1.0 / COARSEST
     while width > NARROWEST and found > SHORTEST:
-        shorter = np.geomspace(found / COARSE, found, BETWEEN)
-        found = float(_until_failure(steps.along(rays(best)), shorter)[0][-1])
         best = best / np.linalg.norm(best)
         drawn = best + width * random.normal(size=(TRIED, size)) / np.sqrt(size)
-        closer = found * (1.0 - width**2 / BETWEEN)
-        left = steps.left(closer * rays(drawn))
-        if left.max() > CONTRACTED:
-            best, found = drawn[left.argmax()], closer
+        drawn[0] = best
+        shorter = np.geomspace(lowest * found, found, DOWNWARD + 1)[:-1]
+        tried = shorter[:, None, None] * rays(drawn)
+        left = steps.left(tried.reshape(-1, tried.shape[-1])).reshape(DOWNWARD, -1)
+        failed = left.max(axis=1) > CONTRACTED
+        if failed.any():
+            first = int(failed.argmax())
+            best, found = drawn[left[first].argmax()], float(shorter[first])
         else:
             width *= NARROWER
+        lowest = 1.0 - min(0.5, (2.0 * width) ** 2)
     return steps.critical(rays(best), found)
 
 
