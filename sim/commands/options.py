@@ -186,10 +186,14 @@ def elsewhere(out: str | None) -> list[str]:
     return ["--out", str(next(free))]
 
 
-def whole(least: int) -> Callable[[str], int]:
-    """A reader of whole numbers from a least one on, for `type` of an option."""
-    wanted = f"give a whole number, {least} or more"
-    return _reader(int, lambda value: value >= least, f"cannot be; {wanted}")
+def whole(least: int, most: int | None = None) -> Callable[[str], int]:
+    """A reader of whole numbers between two, or from one on, for an option's `type`."""
+    end = f"{least} or more" if most is None else f"{least} to {most}"
+
+    def fits(value: int) -> bool:
+        return least <= value <= (value if most is None else most)
+
+    return _reader(int, fits, f"cannot be; give a whole number, {end}")
 
 
 def real(what: str, example: float, zero: bool = True) -> Callable[[str], float]:

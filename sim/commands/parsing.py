@@ -106,6 +106,11 @@ def as_meant(words: Sequence[str]) -> list[str]:
     """A command line with its first guesses put right: nothing at all, and `help`."""
     if not words:
         return ["--help"]
+    for word in words:
+        try:
+            word.encode()
+        except UnicodeEncodeError:  # a name from a file system, of another encoding
+            raise UsageError(f"{word!r} is not UTF-8", PLACE, "rename it") from None
     first, *rest = words
     first = SAME.get(first, first)
     if first in HINTS:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 HELP = "walk a scenario with many settings, into one table; what is done is never lost"
 PRINTED = 5  # reasons of failed points, at most
+MOST_WORKERS = 256  # more are for a cluster, with a scheduler
 
 
 def _shard(text: str) -> Shard:
@@ -52,7 +53,7 @@ OPTIONS = (
     ),
     option(
         "--workers",
-        type=whole(1),
+        type=whole(1, MOST_WORKERS),
         metavar="N",
         help="processes on this machine; one a core if not given",
     ),

@@ -30,6 +30,8 @@ SHORT = ("run", "line", "--segments", "2", "--set", "path.goal=[0.01, 0.01, 0]")
         (["run"], 2, "required: SCENARIO"),
         (["run", "line", "--sgments", "3"], 2, "did you mean '--segments'?"),
         (["run", "line", "--segments", "many"], 2, "invalid int value: 'many'"),
+        (["run", "line", "--out", "\udcff"], 2, "udcff' is not UTF-8: the command"),
+        (["sweep", "a", "--out", "b", "--workers", "999"], 2, "number, 1 to 256"),
         (["run", "line", "--segments", "0"], 2, "segments = 0 is not allowed"),
         (["run", "lien"], 2, "unknown scenario 'lien': SCENARIO; did you mean 'line'?"),
         (["run", "gone.toml"], 2, "no such scenario file: gone.toml"),
