@@ -1,6 +1,7 @@
 from .dissipation import (
     foot_velocities as foot_velocities,
     least_dissipation_twist as least_dissipation_twist,
+    viscous_twist as viscous_twist,
 )
 from .kinematics import (
     UPRIGHT as UPRIGHT,

@@ -49,7 +49,7 @@ def outputs(tmp_path, tmp_path_factory, monkeypatch):
 
 def test_every_notebook_is_run_below_and_kept_without_outputs():
     names = sorted(path.stem for path in NOTEBOOKS.glob("*.ipynb"))
-    assert names == ["bracket", "cupboard", "hands-on", "hexapod"]
+    assert names == ["bracket", "cupboard", "hands-on", "hexapod", "panels"]
     for name in names:
         notebook = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
         code = [cell for cell in notebook.cells if cell.cell_type == "code"]
@@ -122,3 +122,14 @@ def test_the_hexapod_walks_sideways_and_is_filmed(outputs, tmp_path):
     (film,) = re.findall(r"data:video/mp4;base64,([^\"]+)", shown[-1]["text/html"])
     (tmp_path / "film.mp4").write_bytes(base64.b64decode(film))
     assert iio.improps(tmp_path / "film.mp4").shape[0] > 30
+
+
+@pytest.mark.full
+def test_panels_beside_brackets(outputs):
+    texts, shown = outputs("panels")
+    bracket, panel, played = np.array(texts.split("0.8 ")[1].split()[:3], dtype=float)
+    assert panel == played  # Green's theorem, to the digits that are printed
+    assert bracket == pytest.approx(played, rel=0.02)  # of the leading order alone
+    assert sum("image/png" in data for data in shown) == 2
+    for law in ("viscous", "Coulomb"):
+        assert f"{law}  -0." in texts
