@@ -4,12 +4,12 @@ from importlib import import_module
 
 import sim
 from models import equations, load
-from sim.commands.parsing import COMMANDS, MODULES
+from sim.commands.parsing import COMMANDS
 
 for name in dir(sim):
     getattr(sim, name)
-for name in COMMANDS:
-    import_module(f"sim.commands.{MODULES.get(name, name)}")
+for module in COMMANDS.values():
+    import_module(f"sim.commands.{module}")
 for name in ("sim.reports.page", "matplotlib.backends.backend_svg"):
     import_module(name)
 equations(load("hexapod"))

@@ -1,5 +1,4 @@
-"""The commands of `stratawalk`, one module each.
+"""The commands of `stratawalk`, each a function that `options.command` declares.
 
-Each module has `HELP`, `OPTIONS` and `execute(options)`. Slow imports take place when
-the command is executed.
+Slow imports take place when a command is executed.
 """

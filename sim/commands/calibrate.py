@@ -10,7 +10,15 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from sim.commands.options import notice, option, report, robot_of, robot_options
+from sim.commands.options import (
+    command,
+    notice,
+    option,
+    report,
+    robot_of,
+    robot_options,
+    working,
+)
 from sim.endings import again, keeping, way_on
 from sim.errors import RenderError, UsageError
 
@@ -18,14 +26,16 @@ if TYPE_CHECKING:
     from models import JointServo, Robot, ServoKind
     from sim.folder import RunFolder
 
-HELP = "find the servos of a robot one at a time, and write them into its card"
 BOARD_CHANNELS, BUS_NUMBERS = range(16), range(1, 254)
 MEGAHERTZ = 1e6  # [Hz]
 JOG = 20  # counts
 NONE = "-"
 T = TypeVar("T")
 SKETCH, SCRIPT, PAGE, SHEET = "jog.ino", "bus.py", "index.html", "feet.svg"
-OPTIONS = (
+
+
+@command(
+    "find the servos of a robot one at a time, and write them into its card",
     *robot_options("the robot that is to be calibrated"),
     option(
         "--out",
@@ -40,9 +50,7 @@ OPTIONS = (
         help="write three strokes that show what is wrong, for servos that are found",
     ),
 )
-
-
-def execute(options: argparse.Namespace) -> None:
+def calibrate(options: argparse.Namespace) -> None:
     """Ask for what is not known yet, and write the card; or write strokes to check."""
     from sim.folder import RunFolder, ensure_folder
 
@@ -78,7 +86,6 @@ def _prepare(
     from models.description import BOARD_CLOCK, board_divider, board_rate
     from sim.export.calibration import marks
     from sim.export.joint_pictures import draw, sheet
-    from sim.progress import bar, stage
     from sim.reports.templates import render
 
     tool = SKETCH if kind.signal == "pulse" else SCRIPT
@@ -96,7 +103,7 @@ def _prepare(
     folder.write_text(tool, text)
     if (folder.path / PAGE).exists():
         return
-    with bar(quiet=options.json) as progress, stage(progress, "drawing the joints"):
+    with working(options, "drawing the joints"):
         sheet(robot, folder.path / SHEET)
         try:
             draw(robot, folder.path, allow_external=options.allow_external)

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING
 
 from sim.commands.options import (
     TRUST,
+    command,
     option,
     report,
     robot_of,
     set_option,
     settings_of,
+    working,
 )
 from sim.errors import UsageError
 
@@ -23,8 +25,10 @@ if TYPE_CHECKING:
     from planner.extension import DirectionCost
 
 Loads = Mapping[str, tuple[float, float]]  # by stratum: at rest, and at best
-HELP = "test a system's or robot's gait for controllability (ends with 0 either way)"
-OPTIONS = (
+
+
+@command(
+    "test a system's or robot's gait for controllability (ends with 0 either way)",
     option(
         "system",
         metavar="SYSTEM|ROBOT",
@@ -40,9 +44,7 @@ OPTIONS = (
     option("--depth", type=int, metavar="N", help="highest degree of brackets to form"),
     set_option("a parameter of the system"),
 )
-
-
-def execute(options: argparse.Namespace) -> None:
+def check(options: argparse.Namespace) -> None:
     """Test the gait by both criteria of Sec. 4 and print the results."""
     from dataclasses import asdict
 
@@ -50,18 +52,13 @@ def execute(options: argparse.Namespace) -> None:
     from planner import gait_controllability
     from planner.controllability import MAX_DEPTH
     from sim.commands.systems import coordinates, refused
-    from sim.progress import bar, stage
 
-    with bar(quiet=options.json) as progress, stage(progress, "reading the fields"):
+    with working(options, "reading the fields"):
         subject = _subject(options)
     system, gait, start = subject.system, subject.gait, subject.start
     if options.gait:
         gait = _gait(system, options.gait)
-    with (
-        bar(quiet=options.json) as progress,
-        stage(progress, "testing the gait"),
-        refused(options.system),
-    ):
+    with working(options, "testing the gait"), refused(options.system):
         at = coordinates(options.at or (), "--at")
         found = gait_controllability(
             system,
@@ -69,7 +66,7 @@ def execute(options: argparse.Namespace) -> None:
             configuration(system, "--at", at, start).tolist(),
             MAX_DEPTH if options.depth is None else options.depth,
         )
-    with bar(quiet=options.json) as progress, stage(progress, "finding the strokes"):
+    with working(options, "finding the strokes"):
         costs = _costs(subject, found) if found.controllable else ()
     theory = [cost.direction for cost in costs if cost.in_theory_only]
     facts = asdict(found) | {

@@ -1,24 +1,37 @@
-"""`stratawalk doctor`: what works on this machine, and how to repair what does not."""
+"""`stratawalk doctor` and `bench`: what works on this machine, and how fast.
+
+A checkout pins versions in `scripts/constraints*.txt`, with the hashes of the archives
+that pip may install; elsewhere the package's own requirements are all there is. What an
+archive held is compared with the hashes that pip has written down as it unpacked it.
+"""
 
 from __future__ import annotations
 
 import argparse
+import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from importlib.metadata import Distribution, PackageNotFoundError, distribution
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
-from sim.commands.options import report
-from sim.errors import ExitCode, FilesError, RenderError, one_line
+from sim.commands.options import command, option, report
+from sim.errors import ROOT, ExitCode, FilesError, RenderError, UsageError, one_line
+from sim.progress import bar, stage
 
-OPTIONS = ()
-HELP = "say what works here: physics, pictures, films, reports, installed packages"
+if TYPE_CHECKING:
+    from packaging.requirements import Requirement
+
 PICTURES = 3  # of a film to try
 PROBE_STEPS = 2000  # of the default robot, a tenth of a second or less
 SHOWN = 3  # differences of packages
 MUJOCO = "mujoco==4.0.0"
 REINSTALL = f"{sys.executable} -m pip install --force-reinstall"
+PINS = ROOT / "scripts"
+BUILDING = ("setuptools",)  # never loaded
 
 
 @dataclass(frozen=True)
@@ -39,10 +52,9 @@ class Check:
     package: str  # to install anew if nothing better is known
 
 
-def execute(options: argparse.Namespace) -> int:
+@command("say what works here: physics, pictures, films, reports, installed packages")
+def doctor(options: argparse.Namespace) -> ExitCode:
     """Check every part; ends with 0 if all work, else with the code of the first."""
-    from sim.progress import bar, stage
-
     findings = {}
     with bar(quiet=options.json) as progress:
         for name, check in CHECKS.items():
@@ -136,8 +148,6 @@ def _report() -> str:
 
 
 def _packages() -> str:
-    from sim.packages import differences
-
     if differ := list(differences()):
         said = ", ".join(what for _, what in differ[:SHOWN])
         more = f", and {len(differ) - SHOWN} more" if differ[SHOWN:] else ""
@@ -145,6 +155,55 @@ def _packages() -> str:
         remedy = f"{REINSTALL} --no-deps {anew}"
         raise FilesError(said + more, "packages", remedy)
     return "of the wanted versions, every file as it was installed"
+
+
+def differences() -> Iterator[tuple[str, str]]:
+    """What is wanted, and what is there instead, of packages that are installed."""
+    for wanted in _wanted():
+        if wanted.name in BUILDING:
+            continue
+        try:
+            found = distribution(wanted.name)
+        except PackageNotFoundError:  # of an extra, or somebody finds out at once
+            continue
+        name = f"{wanted.name}{wanted.specifier}"
+        if not wanted.specifier.contains(found.version, prereleases=True):
+            yield name, f"{wanted.name} {found.version}, wanted {wanted.specifier}"
+        for path in _changed(found):
+            yield name, f"{path} is not as it was installed"
+
+
+def _wanted() -> list[Requirement]:
+    """What the constraints pin, or the package requires where there are none."""
+    from packaging.requirements import Requirement
+
+    texts = [path.read_text() for path in PINS.glob("constraints*.txt")]
+    lines = [line for text in texts for line in text.splitlines() if "==" in line[:99]]
+    if not texts:
+        lines = distribution("stratawalk").requires or []
+    wanted = (Requirement(line.removesuffix("\\")) for line in lines)
+    here = {"extra": ""}
+    return [one for one in wanted if one.marker is None or one.marker.evaluate(here)]
+
+
+def _changed(found: Distribution) -> Iterator[Path]:
+    """Files of a package that are gone, or are not what their hashes say."""
+    import csv
+    import hashlib
+    from base64 import urlsafe_b64encode
+
+    listed = csv.reader((found.read_text("RECORD") or "").splitlines())
+    for name, sealed, *_ in listed:  # `found.files` leaves out what is gone
+        kind, _, wanted = sealed.partition("=")
+        if not wanted or name.startswith(".."):  # programs name their Python
+            continue
+        path = Path(str(found.locate_file(name)))
+        try:
+            digest = hashlib.new(kind, path.read_bytes()).digest()
+        except OSError:
+            digest = b""
+        if urlsafe_b64encode(digest).rstrip(b"=") != wanted.encode():
+            yield path
 
 
 CHECKS = {
@@ -155,3 +214,49 @@ CHECKS = {
     "report": Check(_report, ExitCode.RENDER, "jinja2"),
     "packages": Check(_packages, ExitCode.FILES, "stratawalk"),
 }
+
+
+@command(
+    "measure speed and memory, side by side with what they are compared to",
+    option(
+        "--sweeps",
+        action="store_true",
+        help="measure sweeps instead, against a bare batch (extra `sweep`)",
+    ),
+    option(
+        "--peers",
+        action="store_true",
+        help="compare plans with those of OMPL and CasADi (extra `peers`)",
+    ),
+    extra="peers",
+)
+def bench(options: argparse.Namespace) -> None:
+    """Print every measurement when it is done."""
+    if options.peers:
+        _compare_peers(["--json"] if options.json else [])
+        return
+    if options.sweeps:
+        from sim.bench.sweep_speed import measure
+    else:
+        from sim.bench.speed import measure
+    rows = measure()
+    if options.json:
+        report(options, [asdict(row) for row in rows])
+        return
+    for row in rows:
+        print(row, flush=True)
+
+
+def _compare_peers(options: list[str]) -> None:
+    """Run the script that knows the other planners; it is part of a checkout only."""
+    if not (ROOT / "scripts" / "bench_peers.py").is_file():
+        raise UsageError(
+            "the other planners are not part of an installed package",
+            "bench --peers",
+            "run it in a checkout of the project",
+        )
+    for package in ("casadi", "ompl"):
+        if find_spec(package) is None:
+            raise ModuleNotFoundError(name=package)
+    script = [sys.executable, "-m", "scripts.bench_peers", *options]
+    subprocess.run(script, cwd=ROOT, check=True)

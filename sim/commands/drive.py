@@ -14,14 +14,25 @@ from queue import Empty, Queue
 from threading import Thread
 from typing import IO, TYPE_CHECKING
 
-from sim.commands.options import notice, option, real, scenario_of, scenario_options
+from sim.commands.options import (
+    command,
+    notice,
+    option,
+    real,
+    scenario_of,
+    scenario_options,
+)
 from sim.errors import FilesError, UsageError
 
 if TYPE_CHECKING:
     from sim.export.served import Row, ServedWalk
 
-HELP = "walk a robot that is not simulated: commands go out, poses come back"
-OPTIONS = (
+LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to be read
+REPLY = 0.02  # [s], for an answer to a command that is written out of real time
+
+
+@command(
+    "walk a robot that is not simulated: commands go out, poses come back",
     *scenario_options(),
     option(
         "--poses",
@@ -48,11 +59,7 @@ OPTIONS = (
         help="seconds to stand still for a pose; then it counts as not seen",
     ),
 )
-LONGEST, MOST = 10_000, 10_000  # characters of a line, and poses that wait to be read
-REPLY = 0.02  # [s], for an answer to a command that is written out of real time
-
-
-def execute(options: argparse.Namespace) -> None:
+def drive(options: argparse.Namespace) -> None:
     """Drive the robot to the end of the scenario's path."""
     scenario = scenario_of(options)
 

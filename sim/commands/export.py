@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from sim.commands.judging import TOLERANCE, judged
 from sim.commands.options import (
     NAMED,
+    command,
     elsewhere,
     notice,
     option,
@@ -24,14 +25,13 @@ from sim.commands.options import (
 )
 from sim.endings import again, keeping
 from sim.errors import ExitCode, UsageError
+from sim.progress import Progress, bar
 
 if TYPE_CHECKING:
     from sim.evaluation.summary import Played
     from sim.export.servo_commands import ServoCommands
     from sim.export.source import Source
-    from sim.progress import Progress
 
-HELP = "write a walk for the servos of a robot, read it back and play it in MuJoCo"
 FORMATS = ("csv", "header", "ros2", "dynamixel")
 RATE = 50.0  # commands a second of a walk without a rate, as most hobby servos take
 WORTH_TELLING = 0.005  # of the path, which an export costs
@@ -39,7 +39,10 @@ COARSE = (
     "this walk was planned for servos that take a command every physics step; plan it "
     "for yours with --set servo=NAME, or with --set command_rate={rate:g}"
 )
-OPTIONS = (
+
+
+@command(
+    "write a walk for the servos of a robot, read it back and play it in MuJoCo",
     *scenario_options(
         "RUN|SCENARIO", "a run folder, a shipped scenario, or the file of one"
     ),
@@ -69,15 +72,12 @@ OPTIONS = (
         help="play what was written in the physics, and compare",
     ),
 )
-
-
-def execute(options: argparse.Namespace) -> ExitCode:
+def export(options: argparse.Namespace) -> ExitCode:
     """Export the walk and print where the export leads."""
     out = Path(options.out)
     _require_sense(options, out)
 
     from sim.folder import blamed_on
-    from sim.progress import bar
 
     folder = Path(options.scenario)
     blame = blamed_on(folder) if folder.is_dir() else nullcontext()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from sim.commands.options import (
     TRUST,
+    command,
     option,
     report,
     robot_of,
@@ -17,6 +18,7 @@ from sim.commands.options import (
     settings_of,
 )
 from sim.errors import UsageError
+from sim.progress import bar, stage
 
 if TYPE_CHECKING:
     from sim.fitting.estimate import Estimates, Parameter
@@ -25,8 +27,11 @@ if TYPE_CHECKING:
     from sim.logs.log import Log
     from sim.preparation.setup import Setup
 
-HELP = "estimate servos, load and floor from logs and walks, with standard errors"
-OPTIONS = (
+MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
+
+
+@command(
+    "estimate servos, load and floor from logs and walks, with standard errors",
     option(
         "sources",
         metavar="ROBOT|RUN|LOG",
@@ -49,15 +54,11 @@ OPTIONS = (
     TRUST,
     set_option("what is known of the robot, such as friction=0.5"),
 )
-MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
-
-
-def execute(options: argparse.Namespace) -> None:
+def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
     from sim.fitting.card import card_text, check_free, write_card
     from sim.fitting.fitting import fit_joints
     from sim.fitting.poses import fit_poses
-    from sim.progress import bar, stage
 
     if options.out is not None:
         check_free(Path(options.out))

@@ -1,4 +1,4 @@
-"""What the options of several commands share: settings, robots, folders, extras."""
+"""How commands are declared, and what they share: settings, robots, folders, words."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable
-from functools import wraps
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import count
 from operator import methodcaller
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sim.endings import again
 from sim.errors import ExitCode, UsageError, printable
+from sim.progress import bar, stage
 from sim.scenarios.settings import SETTINGS
 
 if TYPE_CHECKING:
@@ -36,8 +38,37 @@ SIZES = 1e-6, 1e9  # of numbers in options
 OF_RUN = ("correct", "imperfect", "draw")  # options that only `run` has
 
 
+@dataclass(frozen=True)
+class Command:
+    """A command, named as the function that executes it."""
+
+    help: str
+    options: Sequence[Option]
+    execute: Execute
+    extra: str  # of pyproject.toml, which has packages that it needs; empty for none
+    epilog: str | None
+
+    def __call__(self, options: argparse.Namespace) -> ExitCode | None:
+        """Execute it; a package that is missing is said with the extra it is of."""
+        try:
+            return self.execute(options)
+        except ModuleNotFoundError as error:
+            if not self.extra or error.name in ("planner", "models", "sim"):
+                raise
+            what, where = f"package {error.name!r} is not installed", repr(self.extra)
+            remedy = f"pip install 'stratawalk[{self.extra}]'"
+            raise UsageError(what, f"the extra {where}", remedy) from error
+
+
+def command(
+    about: str, *options: Option, extra: str = "", epilog: str | None = None
+) -> Callable[[Execute], Command]:
+    """Declare the function below as a command with these options."""
+    return lambda execute: Command(about, options, execute, extra, epilog)
+
+
 def option(*names: str, **declared: object) -> Option:
-    """An option as `argparse` declares it, for the table `OPTIONS` of a command."""
+    """An option as `argparse` declares it, for `command`."""
     return methodcaller("add_argument", *names, **declared)
 
 
@@ -81,11 +112,6 @@ RUN = option(
 )
 LOOK = option(
     "--look", choices=("draft", "final"), default="draft", help="look of the film"
-)
-BROWSER = option(
-    "--browser",
-    action=argparse.BooleanOptionalAction,
-    help="open it; by default where there is a display",
 )
 
 
@@ -223,28 +249,6 @@ def _reader(
     return read
 
 
-def needs_extra(extra: str) -> Callable[[Execute], Execute]:
-    """Have a command say which extra of pyproject.toml a missing package is of."""
-
-    def decorate(execute: Execute) -> Execute:
-        @wraps(execute)
-        def guarded(options: argparse.Namespace) -> ExitCode | None:
-            try:
-                return execute(options)
-            except ModuleNotFoundError as error:
-                if error.name in ("planner", "models", "sim"):
-                    raise
-                raise UsageError(
-                    f"package {error.name!r} is not installed",
-                    f"the extra {extra!r}",
-                    f"pip install 'stratawalk[{extra}]'",
-                ) from error
-
-        return guarded
-
-    return decorate
-
-
 def robot_of(options: argparse.Namespace, name: str) -> Robot:
     """Load a robot, and say what it took from elsewhere."""
     from models import load
@@ -265,6 +269,13 @@ def report(options: argparse.Namespace, facts: object, *lines: object) -> None:
     """Print facts as JSON alone where that is asked for, and lines elsewhere."""
     found = json.dumps(facts, indent=1) if options.json else "\n".join(map(str, lines))
     print(printable(found))
+
+
+@contextmanager
+def working(options: argparse.Namespace, on: str) -> Iterator[None]:
+    """Show a stage of the work for as long as the block runs."""
+    with bar(quiet=options.json) as progress, stage(progress, on):
+        yield
 
 
 def notice(text: str, kind: str = "notice") -> None:

@@ -8,15 +8,19 @@ from importlib import import_module
 from typing import NoReturn
 
 from planner.support import did_you_mean
+from sim.commands.options import Command, command, option, report
 from sim.errors import UsageError
 
-COMMANDS = (
-    "run", "play", "show", "film", "view", "compare", "sweep", "merge", "study",
-    "design", "plan", "export", "calibrate", "drive", "check", "identify", "fit",
-    "sensitivities", "figures", "robots", "adopt", "systems", "scenarios", "bench",
-    "doctor", "completion", "cite",
-)  # fmt: skip
-MODULES = {"film": "film_run", "play": "play_motion"}  # functions of the front door
+COMMANDS = {  # in the order of help, and the module that each is in
+    "run": "walks", "play": "walks", "show": "finished", "film": "finished",
+    "view": "finished", "compare": "comparing", "sweep": "studies",
+    "merge": "studies", "study": "studies", "design": "studies", "plan": "plan",
+    "export": "export", "calibrate": "calibrate", "drive": "drive", "check": "check",
+    "identify": "robots", "fit": "fit", "sensitivities": "comparing",
+    "figures": "comparing", "robots": "robots", "adopt": "robots",
+    "systems": "systems", "scenarios": "systems", "bench": "doctor",
+    "doctor": "doctor", "completion": "parsing", "cite": "finished",
+}  # fmt: skip
 DESCRIPTION = "Plan how a legged robot walks from its equations, and walk it in MuJoCo."
 EPILOG = (
     "stratawalk help COMMAND explains a command; docs/glossary.md defines the terms."
@@ -86,19 +90,19 @@ def parser() -> Parser:
         "--version", action=Version, nargs=0, help="print the version and end"
     )
     commands = stratawalk.add_subparsers(metavar="COMMAND", required=True)
-    for name in COMMANDS:
-        module = import_module(f"sim.commands.{MODULES.get(name, name)}")
-        command = commands.add_parser(
-            name, help=module.HELP, description=module.HELP, allow_abbrev=False
+    for name, module in COMMANDS.items():
+        found: Command = getattr(import_module(f"sim.commands.{module}"), name)
+        own = commands.add_parser(
+            name, help=found.help, description=found.help, allow_abbrev=False
         )
-        for add_option in module.OPTIONS:
-            add_option(command)
-        command.epilog = getattr(module, "EPILOG", None)
-        command.add_argument("--json", action="store_true", help="print JSON alone")
-        command.add_argument(
+        for add_option in found.options:
+            add_option(own)
+        own.epilog = found.epilog
+        own.add_argument("--json", action="store_true", help="print JSON alone")
+        own.add_argument(
             "--debug", action="store_true", help="show the traceback of an error"
         )
-        command.set_defaults(execute=module.execute)
+        own.set_defaults(execute=found)
     return stratawalk
 
 
@@ -140,3 +144,37 @@ def _name_setting(word: str, rest: Sequence[str], where: str) -> None:
 def _refuse_option(word: str, where: str, known: Sequence[str]) -> NoReturn:
     option = word.partition("=")[0]
     raise UsageError(f"unknown option {option}", where, did_you_mean(option, known))
+
+
+@command(
+    "print a script that completes this command's words in a shell",
+    option("shell", choices=("bash", "zsh", "tcsh"), help="the shell it is for"),
+    epilog="To install it for good: stratawalk completion bash > "
+    "~/.local/share/bash-completion/completions/stratawalk",
+)
+def completion(options: argparse.Namespace) -> None:
+    """Print the script; `shtab` writes it from our parser."""
+    import shtab
+
+    from models import SYSTEMS, shipped_robots
+    from sim.scenarios.file import shipped_scenarios
+
+    robots, shell, commands = shipped_robots(), options.shell, parser()
+    shipped = {"SCENARIO": shipped_scenarios(), "SYSTEM": tuple(SYSTEMS)}
+    _name_what_is_shipped(commands, shipped | {"ROBOT": robots, "NAME": robots})
+    script = shtab.complete(commands, shell)
+    report(options, {"shell": shell, "script": script}, script)
+
+
+def _name_what_is_shipped(
+    parser: argparse.ArgumentParser, known: dict[str, tuple[str, ...]]
+) -> None:
+    """Names and files where robots, scenarios and systems are asked for."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for own in action.choices.values():
+                _name_what_is_shipped(own, known)
+        kinds = str(action.metavar).partition("|")
+        names = [name for kind in kinds for name in known.get(kind, ())]
+        if names:
+            action.choices = names  # of this parser alone, which reads no words

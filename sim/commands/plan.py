@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands.options import (
+    command,
     option,
     report,
     robot_of,
@@ -28,18 +29,17 @@ from sim.commands.plan_report import (
     WalkFacts,
 )
 from sim.errors import UsageError
+from sim.progress import Progress, at_most, bar, stage
 
 if TYPE_CHECKING:
     from models import Robot
     from planner import Plan
     from sim.problems.problem import Problem
-    from sim.progress import Progress
     from sim.scenarios.scenario import Scenario
 
 Outcome = tuple["Plan", dict[str, object], list[str]]
 """A plan, its facts for JSON, and lines of them."""
 
-HELP = "plan a scenario or a system and play it on the exact kinematics"
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
@@ -75,18 +75,16 @@ def _for_systems(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--save", metavar="FILE.json", help="keep the plan")
 
 
-OPTIONS = (
+@command(
+    "plan a scenario or a system and play it on the exact kinematics",
     *scenario_options("SCENARIO|SYSTEM"),
     _for_systems,
     option("--flows", action="store_true", help="print every flow as well"),
 )
-
-
-def execute(options: argparse.Namespace) -> None:
+def plan(options: argparse.Namespace) -> None:
     """Plan the scenario or the system and print the result."""
     from planner import load_plan, save_plan
     from sim.commands.systems import refused
-    from sim.progress import bar
 
     source = options.scenario
     if not _is_for_systems(options):
@@ -142,7 +140,6 @@ def _refuse(options: argparse.Namespace, names: Mapping[str, str], why: str) -> 
 def _walk(scenario: Scenario, robot: Robot, progress: Progress) -> Outcome:
     from sim.preparation.setup import prepare
     from sim.problems.scenario import ScenarioProblem
-    from sim.progress import at_most, stage
 
     began = time.perf_counter()
     with stage(progress, "compiling"):
@@ -159,7 +156,6 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
     from planner.support import limited
     from sim.commands.systems import coordinates, find
     from sim.problems.system import PLAN_TIME, SystemProblem
-    from sim.progress import stage
 
     began = time.perf_counter()
     with stage(progress, "compiling"):
@@ -209,7 +205,6 @@ def _outcome(
     """Plan; where no number of segments makes a plan fit, what was tried is said."""
     from planner import BudgetError, RangeError
     from planner.support import limited
-    from sim.progress import at_most, stage
 
     try:
         with at_most(progress, "planning", problem.plan_time):

@@ -1,18 +1,41 @@
-"""`stratawalk robots`: the shipped robots, or one robot in numbers."""
+"""Robots: those shipped, in numbers; one adopted from its file; fields measured."""
 
 from __future__ import annotations
 
 import argparse
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-from sim.commands.options import report, robot_of, robot_options
-
-HELP = "list the shipped robots, or check one and show it in numbers"
-OPTIONS = robot_options(
-    "a shipped robot, or your FILE.xml with its card (docs/robots.md)", nargs="?"
+from sim.commands.options import (
+    command,
+    report,
+    robot_of,
+    robot_options,
+    set_option,
+    working,
 )
+from sim.errors import UsageError
+from sim.progress import Progress, bar, stage
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from models import Draft, Source, TwistModel
+    from models.motion import MeasuredField
+    from sim.preparation.setup import Setup
+
+BUDGET = 30.0  # [s] of the processor, to adopt a robot
+PLACES = (-1.0, 0.0, 1.0)  # of the span at which measured twists are shown
 
 
-def execute(options: argparse.Namespace) -> None:
+@command(
+    "list the shipped robots, or check one and show it in numbers",
+    *robot_options(
+        "a shipped robot, or your FILE.xml with its card (docs/robots.md)", nargs="?"
+    ),
+)
+def robots(options: argparse.Namespace) -> None:
     """Print names and descriptions, or everything about one robot."""
     if options.robot is not None:
         _show(options)
@@ -36,10 +59,153 @@ def execute(options: argparse.Namespace) -> None:
 
 def _show(options: argparse.Namespace) -> None:
     from sim.preparation.inspection import describe, facts, inspected
-    from sim.progress import bar, stage
     from sim.scenarios.file import load_scenario
 
     scenario = load_scenario("line", {"robot": options.robot})
-    with bar(quiet=options.json) as progress, stage(progress, "trying it out"):
+    with working(options, "trying it out"):
         found = facts(inspected(scenario, robot_of(options, scenario.robot)))
     report(options, found, describe(found))
+
+
+@command(
+    "draft the card of a robot in MJCF or URDF: legs, groups, posture, servos",
+    *robot_options(
+        "an MJCF or URDF file, or a model folder of MuJoCo Menagerie", "FILE"
+    ),
+)
+def adopt(options: argparse.Namespace) -> None:
+    """Draft the card, try whether the robot stands, and write it beside the file."""
+    from models import ModelError
+    from sim.interruption import processor_time
+    from sim.preparation.inspection import Inspected, describe, facts
+
+    too_long = ModelError(
+        f"no card was found within {BUDGET:g} s of the processor: {options.robot}; "
+        "leave parts out, or write its card by hand as docs/robots.md has it"
+    )
+    with processor_time(BUDGET, too_long):
+        source, draft, setup, written = _adopted(options)
+    found, files = facts(Inspected.of(setup)), [str(path) for path in written]
+    lines = [
+        f"{'' if number else head:12}{line}"
+        for head, lines in {"guessed": draft.guesses, "written": files}.items()
+        for number, line in enumerate(lines)
+    ]
+    trust = " --allow-external" if setup.robot.opened.external else ""
+    to_do = (
+        f"{'to do':12}read the card, correct what is wrong, and walk: "
+        f"stratawalk run line --robot {source.path}{trust}"
+    )
+    written_down = {"written": files, "guesses": draft.guesses, "robot": found}
+    report(options, written_down, describe(found), "", *lines, to_do)
+
+
+def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
+    """What was found and what was written, which is nothing where it does not stand."""
+    from models import draft_card, load, source_of
+    from sim.folder import whole
+
+    source = source_of(options.robot, options.allow_external)
+    card, picture = source.path.with_suffix(".toml"), source.path.with_suffix(".png")
+    model = [] if source.text is None else [source.path]
+    for path in (card, picture, *model):
+        if os.path.lexists(path):  # a link may lead anywhere
+            raise UsageError(
+                "already exists", str(path), "move it away: adopt overwrites no file"
+            )
+    with working(options, "finding the legs"):
+        draft = draft_card(source)
+    from sim.figures.from_above import draw
+    from sim.preparation.setup import prepare
+    from sim.scenarios.file import load_scenario
+
+    try:
+        for path, text in ((source.path, source.text), (card, draft.card)):
+            if text is not None:
+                with whole(path) as part:
+                    part.write_text(text)
+        with bar(quiet=options.json) as progress:
+            with stage(progress, "trying to stand"):
+                robot = load(str(source.path), allow_external=options.allow_external)
+                setup = prepare(
+                    load_scenario("line", {"robot": str(source.path)}), robot
+                )
+            with stage(progress, "drawing it from above"), whole(picture) as part:
+                draw(setup, draft.gait.pivots, part)
+    except BaseException:
+        for path in (card, picture, *model):
+            path.unlink(missing_ok=True)
+        raise
+    return source, draft, setup, [*model, card, picture]
+
+
+@command(
+    "measure a robot's fields by short experiments in the physics",
+    *robot_options("a shipped robot, or a FILE.xml"),
+    set_option("any setting of a scenario, such as friction=0.5"),
+)
+def identify(options: argparse.Namespace) -> None:
+    """Measure, and print every field at three places of its swing."""
+    from sim.preparation.setup import prepare
+    from sim.scenarios.file import load_scenario, parse_override
+
+    overrides = dict(parse_override(text) for text in options.set)
+    scenario = load_scenario("line", overrides | {"robot": options.robot})
+    robot = robot_of(options, scenario.robot)
+    with bar(quiet=options.json) as progress:
+        with stage(progress, "compiling"):
+            setup = prepare(scenario, robot)
+        found = fields(setup, progress)
+    report(options, found, *map(_describe, found))
+
+
+def fields(setup: Setup, progress: Progress) -> list[dict[str, Any]]:
+    """Every loaded field: measured, quasi-static and ideal twists along its swing.
+
+    A field that could not be measured has nulls, and the reason.
+    """
+    from sim.experiments.identification import identify
+    from sim.experiments.predictions import MODELS, twist_model
+
+    identified = identify(setup, progress)
+    others = {name: twist_model(setup, name) for name in MODELS if name != "identified"}
+    models = {**others, "identified": identified}
+    unmeasured = {"angles": None, "twists": None, "slip": None}
+    return [
+        {"field": name, "stratum": field.stratum, **_along(field, models)}
+        for name, field in identified.fields.items()
+    ] + [
+        {"field": name, "stratum": field.stratum, **unmeasured, "reason": field.reason}
+        for name, field in identified.failed.items()
+    ]
+
+
+def _along(field: MeasuredField, models: Mapping[str, TwistModel]) -> dict[str, Any]:
+    """Twists of one field by every model at `PLACES`."""
+    import numpy as np
+
+    d = np.array(field.direction)
+    ways = field.span * np.array(PLACES)
+    swing, rates = ways[:, None] * d, np.tile(d, (len(ways), 1))
+    twists = {
+        name: model(field.stratum, swing, rates).tolist()
+        for name, model in models.items()
+    }
+    facts = {"angles": ways.tolist(), "twists": twists, "slip": field.slip}
+    return facts | {"reason": None}
+
+
+def _describe(field: dict[str, Any]) -> str:
+    place = f"{field['field']} on S{field['stratum']}"
+    if field["reason"]:
+        return f"{place}: not measured, {field['reason']}\n"
+    lines = [
+        f"{place}: forward and left [m/rad], yaw [rad/rad]; "
+        f"{1e3 * field['slip']:.1f} mm slip in the whole swing"
+    ]
+    heads = "".join(f"at {angle:+.2f} rad{'':17}" for angle in field["angles"])
+    lines.append(f"{'':14}{heads}".rstrip())
+    for model, twists in field["twists"].items():
+        row = "".join(f"{t[0]:8.4f}{t[1]:9.4f}{t[2]:9.4f}   " for t in twists)
+        lines.append(f"{model.replace('_', '-'):14}{row}".rstrip())
+    return "\n".join(lines) + "\n"

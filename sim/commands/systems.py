@@ -1,4 +1,4 @@
-"""`stratawalk systems`, and systems of the command line: shipped ones, or files."""
+"""Shipped systems and scenarios, and what names a system on the command line."""
 
 from __future__ import annotations
 
@@ -9,20 +9,37 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sim.commands.options import option, report
+from sim.commands.options import command, option, report
 from sim.errors import StratawalkError, UsageError
 
 if TYPE_CHECKING:
     from models import Problem
 
 SUFFIXES = (".toml", ".py")
-HELP = "list the shipped systems and their parameters"
-OPTIONS = (
+
+
+@command(
+    "list the shipped scenarios, or print one with all its settings",
+    option("scenario", metavar="SCENARIO", nargs="?", help="print this one as TOML"),
+)
+def scenarios(options: argparse.Namespace) -> None:
+    """Print the list, or one scenario."""
+    from sim.scenarios.file import dumps, load_scenario, shipped_scenarios, to_table
+
+    if options.scenario:
+        one = load_scenario(options.scenario)
+        report(options, to_table(one), dumps(one).rstrip())
+        return
+    all = [load_scenario(name) for name in shipped_scenarios()]
+    lines = (f"{s.name:12}{s.segments:4} segments  {s.description}" for s in all)
+    report(options, [to_table(scenario) for scenario in all], *lines)
+
+
+@command(
+    "list the shipped systems and their parameters",
     option("system", metavar="SYSTEM", nargs="?", help="one of them; otherwise all"),
 )
-
-
-def execute(options: argparse.Namespace) -> None:
+def systems(options: argparse.Namespace) -> None:
     """Print names, descriptions and parameters."""
     from models import SYSTEMS, shipped_system
     from models.systems import parameters

@@ -11,7 +11,7 @@ import pytest
 from models.library import load
 from scripts.adoptees import ADOPTEES, Adoptee, radial
 from sim.cli import main
-from sim.commands import adopt
+from sim.commands import robots
 
 SPIDER, BOX = ADOPTEES[0], ADOPTEES[-1]
 FOUR = Adoptee("four", radial(4), drive="motor")
@@ -98,7 +98,7 @@ def test_a_robot_that_takes_too_long_is_refused_in_time(tmp_path, capsys, monkey
         while True:
             sum(range(1000))
 
-    monkeypatch.setattr(adopt, "BUDGET", 0.5)
+    monkeypatch.setattr(robots, "BUDGET", 0.5)
     monkeypatch.setattr(draft, "find_limbs", for_ever)
     path, began = SPIDER.write(tmp_path), process_time()
     assert main(["adopt", str(path)]) == 3

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from sim import packages
 from sim.cli import main
+from sim.commands import doctor as packages
 from sim.commands.doctor import CHECKS, MUJOCO
 from sim.pictures import gl
 

@@ -21,7 +21,7 @@ def test_asking_for_nothing_or_help_lists_the_commands(words, capsys):
     assert main(words) == 0
     said = capsys.readouterr()
     listed = re.findall(r"^    (\w+)\b", said.out, re.MULTILINE)
-    assert tuple(listed) == COMMANDS
+    assert listed == list(COMMANDS)
     assert said.err == ""
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from models import MeasurementError
-from sim.commands import sensitivities as command
+from sim.commands import comparing
 from sim.compliant.phases import Phases
 from sim.errors import UsageError
 from sim.runs.run import read_run
@@ -92,11 +92,11 @@ def test_a_finished_run_is_asked_for_some_changes_at_some_times(walked):
 def test_the_command_gives_a_row_for_each(walked, tmp_path, monkeypatch, capsys):
     some = [{"what": f"length of leg {n}", "unit": "mm"} for n in LEGS]
     found = [row | {"x": 1e-3, "y": -1e-3, "yaw": 0.01} for row in some]
-    monkeypatch.setattr(command, "rows", lambda _: found)
+    monkeypatch.setattr(comparing, "rows", lambda _: found)
     drawn = tmp_path / "above.png"
     options = type("O", (), {"run": walked, "out": drawn, "json": True})
-    command.execute(options)
+    comparing.sensitivities(options)
     assert json.loads(capsys.readouterr().out) == found
     assert drawn.stat().st_size > 1000
-    command.execute(type("O", (options,), {"json": False}))
+    comparing.sensitivities(type("O", (options,), {"json": False}))
     assert "mm     length of leg 3" in capsys.readouterr().out

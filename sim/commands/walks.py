@@ -1,16 +1,18 @@
-"""`stratawalk run`: plan, walk in MuJoCo, compare and film, into a run folder."""
+"""`stratawalk run` and `play`: a scenario or a log is walked into a run folder."""
 
 from __future__ import annotations
 
 import argparse
 from dataclasses import asdict, replace
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sim.commands.judging import TOLERANCE, judged, judged_tries
 from sim.commands.options import (
     LOOK,
     OF_RUN,
+    command,
     elsewhere,
     folder_of,
     kept_in,
@@ -18,28 +20,35 @@ from sim.commands.options import (
     option,
     report,
     robot_of,
+    robot_options,
     scenario_of,
     scenario_options,
+    set_option,
     setting_option,
+    settings_of,
     whole,
 )
 from sim.endings import again, keeping
-from sim.errors import ExitCode, RenderError, one_line
+from sim.errors import ExitCode, RenderError, UsageError, one_line
+from sim.progress import bar
 
 if TYPE_CHECKING:
     from models import Robot
     from sim.evaluation.summary import Summary
     from sim.folder import RunFolder
-    from sim.logs.log import Log
+    from sim.logs.log import Log, Reader
     from sim.scenarios.scenario import Scenario
 
+UNITS = ("radians", "degrees", "counts", "microseconds")
 VIDEO = option(
     "--video",
     action=argparse.BooleanOptionalAction,
     help="film the walk; by default if this machine can draw",
 )
-HELP = "plan a scenario, walk it in MuJoCo, compare the two and film it"
-OPTIONS = (
+
+
+@command(
+    "plan a scenario, walk it in MuJoCo, compare the two and film it",
     *scenario_options(),
     option(
         "--out", metavar="DIR", help="run folder to make; otherwise runs/SCENARIO-NNN"
@@ -55,9 +64,7 @@ OPTIONS = (
         help="walk N draws of imperfections, of hobby if none are named",
     ),
 )
-
-
-def execute(options: argparse.Namespace) -> ExitCode:
+def run(options: argparse.Namespace) -> ExitCode:
     """Walk the scenario and print how it went."""
     scenario = scenario_of(options)
 
@@ -67,7 +74,7 @@ def execute(options: argparse.Namespace) -> ExitCode:
     from sim.world.changes import changes
 
     robot = robot_of(options, scenario.robot)  # the slow part comes after refusals
-    look = options.look if can_film(options.video) else None
+    look = options.look if _can_film(options.video) else None
     if options.tries is not None and scenario.imperfect is None:
         scenario = replace(scenario, imperfect="hobby")
     folder = claim(folder_of(options), scenario.name)
@@ -80,10 +87,10 @@ def execute(options: argparse.Namespace) -> ExitCode:
     if robot.opened.files:
         for change in changes(robot, as_drawn):
             notice(f"{change}: {robot.path}")
-    return walk(scenario, robot, folder, look, options)
+    return _walk(scenario, robot, folder, look, options)
 
 
-def walk(
+def _walk(
     scenario: Scenario,
     robot: Robot,
     folder: RunFolder,
@@ -92,7 +99,6 @@ def walk(
     log: Log | None = None,
 ) -> ExitCode:
     """Walk a scenario or a log into a folder, print how it went, and judge it."""
-    from sim.progress import bar
     from sim.run_folder import run
 
     kept = partial(_kept_walk, folder, look, options.out)
@@ -118,7 +124,6 @@ def _walk_tries(
     scenario: Scenario, robot: Robot, folder: RunFolder, options: argparse.Namespace
 ) -> ExitCode:
     """Walk draws one after another; the worst and the median are printed."""
-    from sim.progress import bar
     from sim.tries import TABLE, describe, walk_tries
 
     draws = range(scenario.draw, scenario.draw + options.tries)
@@ -145,7 +150,7 @@ def _kept_walk(folder: RunFolder, look: str | None, out: str | None) -> str:
     return kept_in(folder.path, out)
 
 
-def can_film(wanted: bool | None) -> bool:
+def _can_film(wanted: bool | None) -> bool:
     """Whether to film; it is an error if a requested film cannot be drawn."""
     if wanted is False:
         return False
@@ -170,3 +175,80 @@ def _account(summary: Summary, folder: RunFolder) -> str:
         if (folder.path / name).exists():
             lines.append(f"{what:13}{folder.path / name}")
     return "\n".join(lines)
+
+
+@command(
+    "play joint motion from elsewhere in MuJoCo: a gait, or the log of a robot",
+    *robot_options("a shipped robot, or an MJCF file", "NAME|FILE.xml"),
+    option(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="CSV of time [s] and a column a joint; several are trials of one motion",
+    ),
+    option(
+        "--units",
+        choices=UNITS,
+        default=UNITS[0],
+        help="what the columns of joints are in; counts and microseconds are those of "
+        "the card's servo table",
+    ),
+    option(
+        "--repeat",
+        type=whole(1),
+        default=1,
+        metavar="N",
+        help="play a period that ends as it begins so many times",
+    ),
+    option("--out", metavar="DIR", help="run folder to make; otherwise runs/FILE-NNN"),
+    VIDEO,
+    LOOK,
+    set_option("replace a setting, as in run"),
+    TOLERANCE,
+)
+def play(options: argparse.Namespace) -> ExitCode:
+    """Play the motion and print how it went."""
+    from sim.folder import claim
+    from sim.logs.playing import scenario_of
+
+    robot = robot_of(options, options.robot)
+    files = [Path(name) for name in options.files]
+    scenario = scenario_of(robot, files[0], settings_of(options))
+    log = _read(robot, scenario, files, options)
+    look = options.look if _can_film(options.video) else None
+    folder = claim(folder_of(options), scenario.name)
+    for line in log.done:
+        notice(line)
+    return _walk(scenario, robot, folder, look, options, log)
+
+
+def _read(
+    robot: Robot, scenario: Scenario, files: list[Path], options: argparse.Namespace
+) -> Log:
+    """The log in the files, in radians."""
+    from sim.logs.alignment import together
+    from sim.logs.log import read_log
+
+    angles: Reader | str = options.units
+    if options.units in UNITS[2:]:
+        angles = _by_servo_table(robot, scenario, pulses=options.units == UNITS[3])
+    logs = [read_log(file, robot.card.joints, robot.legs, angles) for file in files]
+    try:
+        log = together(logs)
+        return log.repeated(options.repeat) if options.repeat > 1 else log
+    except ValueError as error:
+        raise UsageError.at(str(files[0]), error) from error
+
+
+def _by_servo_table(robot: Robot, scenario: Scenario, pulses: bool) -> Reader:
+    """A reader of counts, or of the length of pulses [us], by the card's servos."""
+    from sim.export.servo_table import servo_table
+    from sim.world.servo_settings import servo_settings
+
+    card, settings = robot.card, servo_settings(scenario, robot.card)
+    make = settings.kind
+    pwm = pulses or (make is not None and make.signal == "pulse")
+    table = servo_table(card, card.joints, make, pwm, rate=settings.rate)
+    servos = (table.in_microseconds() if pulses else table).channels
+    of = {servo.joint: servo for servo in servos}
+    return lambda joint, numbers: of[joint].angle(numbers)

@@ -1,0 +1,182 @@
+"""Runs beside one another, beside small changes of one, and the paper's own figures."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.commands.options import command, folder_of, kept_in, option, report
+from sim.endings import keeping
+from sim.errors import UsageError
+from sim.figures import NAMES
+from sim.progress import bar
+
+if TYPE_CHECKING:
+    from sim.reports.tables import Table
+    from sim.runs.run import Run
+
+POSE = ("x", "y", "yaw")
+
+
+@command(
+    "compare finished runs: settings that differ first, then what came of them",
+    option(
+        "runs", metavar="RUN", nargs="+", help="folders of finished runs, at least two"
+    ),
+    option(
+        "--out", metavar="FILE.html", help="page to make, with the paths of all runs"
+    ),
+)
+def compare(options: argparse.Namespace) -> None:
+    """Print the comparison, and write its page."""
+    if len(options.runs) < 2:
+        what = "a single run is compared to nothing"
+        raise UsageError(what, options.runs[0], "give two or more, or use show")
+    if options.out is not None and Path(options.out).suffix not in (".html", ".htm"):
+        raise UsageError(
+            "not a page's name", f"--out {options.out}", "give a name in .html"
+        )
+    from sim.folder import RunFolder, blamed_on, ensure_folder
+    from sim.reports.comparison import compare, names, page
+    from sim.runs.run import read_run
+
+    runs = []
+    with bar(quiet=options.json) as progress:
+        for number, folder in enumerate(map(Path, options.runs), start=1):
+            with blamed_on(folder):
+                runs.append(read_run(folder))
+                compare([runs[-1], runs[-1]])
+            progress("reading", number / len(options.runs))
+        compared = compare(runs)
+        if options.out is not None:
+            with blamed_on(runs[0].folder):
+                text = page(compared, progress)
+            path = Path(options.out)
+            shelf = RunFolder(ensure_folder(path.parent, "page's folder"))
+            shelf.write_text(path.name, text)
+    tables = {
+        "settings": compared.differences,
+        "results": compared.results,
+        "drift": compared.drift,
+    }
+    facts = {  # a row a run, in the order given
+        key: [
+            {"run": name} | {row[0]: row[column] for row in table.rows}
+            for column, name in enumerate(names(runs), start=1)
+        ]
+        for key, table in tables.items()
+    }
+    lines = [
+        _text(table) for key, table in tables.items() if table.rows or key != "drift"
+    ]
+    if options.out is not None:
+        lines.append(f"{'page':13}{options.out}")
+    report(options, facts | {"page": options.out}, "\n\n".join(lines))
+
+
+def _text(table: Table) -> str:
+    """The table in columns; settings that do not differ are not in it."""
+    if not table.rows:
+        return "All settings are the same."
+    rows = [table.header, *table.rows]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+
+
+@command(
+    "what a degree of each zero, a millimetre of each foot and more do to a walk's end",
+    option("run", metavar="RUN", help="folder of a finished run"),
+    option("--out", metavar="FILE.png", help="picture over the robot seen from above"),
+)
+def sensitivities(options: argparse.Namespace) -> None:
+    """Print the table, and draw the picture if one is asked for."""
+    from sim.folder import blamed_on
+    from sim.runs.run import read_run
+
+    folder = Path(options.run)
+    with blamed_on(folder):
+        run = read_run(folder)
+        found = rows(run)
+    if options.out is not None:
+        draw(run, found, Path(options.out))
+    lines = [
+        f"{'a change by one':38}{'moves the end by x, y [mm]':>28}{'yaw [mrad]':>12}"
+    ]
+    for row in found:
+        x, y, yaw = (1e3 * row[key] for key in POSE)
+        lines.append(f"{row['unit']:7}{row['what']:31}{x:18.2f}{y:10.2f}{yaw:12.2f}")
+    report(options, found, *lines)
+
+
+def rows(run: Run) -> list[dict[str, Any]]:
+    """Changes with their units and what one of them does, `x`, `y` [m], `yaw` [rad]."""
+    from sim.studies.sensitivities import sensitivities_of
+
+    found = sensitivities_of(run)
+    return [
+        {"what": each.what, "unit": each.unit} | dict(zip(POSE, moved, strict=True))
+        for each, moved in zip(found.changes, found.pose[:, 0].tolist(), strict=True)
+    ]
+
+
+def draw(run: Run, found: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Arrows from the feet, as the end moves by a unit of what is changed there."""
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    from sim import palette
+
+    feet = run.contact_point[0] - run.achieved[0, :2]
+    longest = max(float(np.hypot(row["x"], row["y"])) for row in found) or 1.0
+    scale = 0.6 * float(np.abs(feet).max()) / longest
+    kinds = sorted({_kind(row) for row in found})
+    figure = Figure(figsize=(6.0, 6.0), layout="constrained")
+    axes = figure.add_subplot(aspect="equal")
+    axes.plot(*feet.T, "o", color=palette.OUTLINE.hex)
+    for row in found:
+        leg = str(row["what"]).rpartition("leg ")[2]
+        own = feet[run.legs.index(int(leg))] if leg.isdigit() else np.zeros(2)
+        at = float(own[0]), float(own[1])
+        tip = at[0] + scale * row["x"], at[1] + scale * row["y"]
+        colour = palette.group(kinds.index(_kind(row))).hex
+        axes.annotate("", tip, at, arrowprops={"arrowstyle": "->", "color": colour})
+        axes.plot(*tip, alpha=0)
+    for number, kind in enumerate(kinds):
+        axes.plot([], [], color=palette.group(number).hex, label=kind)
+    axes.legend(loc="upper right")
+    axes.set(xlabel="x [m], forward", ylabel="y [m], left")
+    axes.set_title(f"where the end moves, {scale:.3g} times as long")
+    figure.savefig(path, dpi=120)
+
+
+def _kind(row: Mapping[str, Any]) -> str:
+    what = str(row["what"]).partition(" of leg")[0]
+    return f"a {row['unit']}: {what}"
+
+
+@command(
+    "draw the paper's Figs. 1 to 9 again, on its kinematics and beside physics",
+    option("--out", metavar="DIR", help="folder to make; otherwise runs/figures-NNN"),
+    option("--only", choices=NAMES, help="draw this one alone"),
+)
+def figures(options: argparse.Namespace) -> None:
+    """Draw the figures, name each when it is written, and print their folder."""
+    from sim.figures.sheet import draw
+    from sim.folder import claim
+
+    folder = claim(folder_of(options), "figures")
+    kept = partial(kept_in, folder.path, options.out)
+    try:
+        with bar(quiet=options.json) as progress, keeping(kept):
+            facts = {}
+            for sheet in draw(folder, options.only, progress=progress):
+                facts[sheet.name] = sheet.caption
+                if not options.json:
+                    print(f"{sheet.name:26}{sheet.title}", flush=True)
+    finally:
+        folder.discard_if_empty()
+    where = f"\n{'folder':26}{folder.path}\n{'captions and tables':26}figures.md in it"
+    report(options, {"folder": str(folder.path), "figures": facts}, where)

@@ -1,0 +1,219 @@
+"""What to do with a finished run: show its report, film it, view it, cite it."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import re
+import sys
+from collections.abc import Iterator
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from sim.commands.options import LOOK, RUN, command, notice, option, report, run_of
+from sim.errors import UsageError
+from sim.progress import bar
+
+if TYPE_CHECKING:
+    from sim.runs.run import Run
+
+FILMS = (".mp4", ".webp")
+CAMERAS = "across, follow, top, front, back, left, right or AZIMUTH,ELEVATION [degrees]"
+PORTS = 65535
+ALWAYS = ("stratawalk", "goodwine2000")
+OF_PREDICTIONS = {
+    "quasi_static": ("murphey2006", "hatton2025"),
+    "compliant": ("alart1991",),
+}
+BROWSER = option(
+    "--browser",
+    action=argparse.BooleanOptionalAction,
+    help="open it; by default where there is a display",
+)
+
+
+@command(
+    "draw the report of a finished run, and open it where there is a display",
+    RUN,
+    BROWSER,
+)
+def show(options: argparse.Namespace) -> None:
+    """Draw the report, print its path and open it."""
+    from sim.folder import blamed_on
+    from sim.reports.page import write_report
+    from sim.runs.run import read_run
+
+    folder = run_of(options)
+    with bar(quiet=options.json) as progress, blamed_on(folder):
+        path = write_report(read_run(folder), progress)
+    report(options, {"report": str(path)}, path)
+    _open(path.as_uri(), options.browser)
+
+
+def _open(address: str, wanted: bool | None) -> None:
+    """Open a page in a browser, by default where its window would be seen."""
+    import webbrowser
+
+    screen = os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    if not (sys.platform == "darwin" or screen if wanted is None else wanted):
+        return
+    sys.stdout.flush()
+    if not webbrowser.open(address):
+        notice(f"no browser found for {address}", "warning")
+
+
+@command(
+    "film a finished run, or a stretch of it, from any side",
+    RUN,
+    option("--camera", default="across", metavar="VIEW", help=CAMERAS),
+    option(
+        "--from", dest="start", type=float, metavar="S", help="begin [s]; or the start"
+    ),
+    option("--to", dest="stop", type=float, metavar="S", help="end [s]; or the end"),
+    LOOK,
+    option(
+        "--out",
+        metavar="FILE",
+        help="film to make in .mp4, or small animated picture in .webp; otherwise "
+        "video.mp4 of the run, which it replaces, or for a stretch of time a name "
+        "beside it",
+    ),
+)
+def film(options: argparse.Namespace) -> None:
+    """Film the run and print the film's path."""
+    path = _new_film(options.out)
+    start = -math.inf if options.start is None else options.start
+    stop = math.inf if options.stop is None else options.stop
+
+    from sim.pictures.run_film import film_folder
+
+    with bar(quiet=options.json) as progress:
+        filmed = film_folder(
+            run_of(options),
+            look=options.look,
+            camera=options.camera,
+            stretch=(start, stop),
+            path=path,
+            progress=lambda part: progress("filming", part),
+        )
+    report(options, {"film": str(filmed)}, filmed)
+
+
+def _new_film(out: str | None) -> Path | None:
+    """The film that `--out` names, which must be new."""
+    from sim.folder import ensure_folder
+
+    if out is None:
+        return None
+    path = Path(out)
+    if path.suffix not in FILMS:
+        remedy = f"give a name in {' or '.join(FILMS)}"
+        raise UsageError("not a film's name", f"--out {out}", remedy)
+    if os.path.lexists(path):
+        raise UsageError("already exists", f"--out {out}", "give another name")
+    ensure_folder(path.parent, "film's folder")
+    return path
+
+
+@command(
+    "look at a finished run in three dimensions, in a browser",
+    RUN,
+    option(
+        "--port", type=int, default=0, metavar="N", help="port; or a free one from 8080"
+    ),
+    option(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="address to listen on; by default this machine alone",
+    ),
+    option(
+        "--public",
+        action="store_true",
+        help="let others connect to --host; nothing is encrypted",
+    ),
+    option(
+        "--speed", type=float, default=1.0, metavar="X", help="against real time, 1"
+    ),
+    option(
+        "--replay",
+        action="store_true",
+        help="write replay.html into the run instead, one file that needs no server",
+    ),
+    BROWSER,
+)
+def view(options: argparse.Namespace) -> None:
+    """Serve the viewer until Ctrl-C, or write the replay."""
+    if options.replay:
+        _write_replay(options)
+        return
+    from sim.viewing.web import require_loopback, serve
+
+    require_loopback(options.host, options.public)
+    if not 0 <= options.port <= PORTS:
+        raise UsageError("no port", f"--port {options.port}", f"give 0 to {PORTS}")
+    if not 0 < options.speed < float("inf"):
+        raise UsageError("no speed", f"--speed {options.speed}", "give 1, or 8, say")
+
+    def started(address: str) -> None:
+        port = urlsplit(address).port
+        print(f"{address}\n\nCtrl-C ends it. From another machine, open it after:")
+        print(f"  ssh -L {port}:localhost:{port} THIS-MACHINE", flush=True)
+        _open(address, options.browser)
+
+    try:
+        serve(run_of(options), options.host, options.port, options.speed, started)
+    except KeyboardInterrupt:
+        print(file=sys.stderr)  # the shell's next line begins below ^C
+
+
+def _write_replay(options: argparse.Namespace) -> None:
+    """Write the page, print its path and open it where that can be seen."""
+    from sim.viewing.replay import write_replay
+
+    with bar(quiet=options.json) as progress:
+        path = write_replay(run_of(options), lambda part: progress("replay", part))
+    report(options, {"replay": str(path)}, path)
+    _open(path.resolve().as_uri(), options.browser)
+
+
+@command(
+    "print what to cite: the program and the paper, or all that a run has used",
+    option("run", metavar="RUN", nargs="?", help="folder of a finished run"),
+)
+def cite(options: argparse.Namespace) -> None:
+    """Print BibTeX entries."""
+    keys, made = list(ALWAYS), version("stratawalk")
+    if options.run is not None:
+        from sim.folder import blamed_on
+        from sim.runs.run import read_run
+
+        folder = Path(options.run)
+        with blamed_on(folder):
+            run = read_run(folder)
+            keys += _used(run)
+            said = str(run.summary.versions.get("stratawalk", made))
+            made = re.sub(r"[^\w.+-]", "", said)  # which ends no entry
+    text = (files("sim.commands") / "references.bib").read_text()
+    entries = {
+        re.findall(r"{(.*?),", part)[0]: f"@{part.strip()}"
+        for part in text.removeprefix("@").split("\n@")
+    }
+    chosen = [entries[key].replace("{VERSION}", f"{{{made}}}") for key in keys]
+    bibtex = "\n".join(chosen)
+    report(options, {"keys": keys, "bibtex": bibtex}, bibtex)
+
+
+def _used(run: Run) -> Iterator[str]:
+    """Keys of what a run was planned, predicted and simulated with."""
+    optimised = run.summary.optimise != "none"
+    yield from ("andersson2019", "waechter2006") if optimised else ("lafferriere1991",)
+    yield "todorov2012"
+    for name, keys in OF_PREDICTIONS.items():
+        yield from keys if run.summary.predicted.get(name) else ()
+    if run.scenario.obstacles:
+        yield "sucan2012"

@@ -1,0 +1,280 @@
+"""Many walks in one table: sweeps and their shards, what they say, and designs."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from sim.commands.options import (
+    command,
+    notice,
+    option,
+    report,
+    robot_of,
+    robot_options,
+    whole,
+)
+from sim.endings import again, keeping
+from sim.errors import ExitCode, UsageError
+from sim.progress import bar, stage
+from sim.scenarios.predictions import LABELS, prediction_key
+
+if TYPE_CHECKING:
+    from sim.sweeps.folder import Shard
+    from sim.sweeps.sweeping import Result
+
+PRINTED = 5  # reasons of failed points, at most
+MOST_WORKERS = 256  # more are for a cluster, with a scheduler
+PAGES = (".html", ".htm")
+
+
+def _shard(text: str) -> Shard:
+    from sim.sweeps.folder import Shard
+
+    number, _, count = text.partition("/")
+    if not (number.isdecimal() and count.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text} is not I/N; give 1/4, say")
+    try:
+        return Shard(int(number), int(count))
+    except UsageError as error:  # which argparse would take for a ValueError of its own
+        raise argparse.ArgumentTypeError(f"{error.what}; {error.remedy}") from error
+
+
+@command(
+    "walk a scenario with many settings, into one table; what is done is never lost",
+    option(
+        "file",
+        metavar="FILE.toml",
+        help="which scenario, what varies; or a shipped study",
+    ),
+    option(
+        "--out", metavar="DIR", required=True, help="folder of the sweep, to be made"
+    ),
+    option(
+        "--resume",
+        action="store_true",
+        help="walk only what is not done yet; begin if there is nothing",
+    ),
+    option(
+        "--force-mix",
+        action="store_true",
+        help="keep points in a table although sweep or versions have changed",
+    ),
+    option(
+        "--workers",
+        type=whole(1, MOST_WORKERS),
+        metavar="N",
+        help="processes on this machine; one a core if not given",
+    ),
+    option(
+        "--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers to take"
+    ),
+    option(
+        "--shard",
+        type=_shard,
+        metavar="I/N",
+        help="walk the I-th of N equal parts alone, I from 1; `merge` joins them",
+    ),
+    extra="sweep",
+)
+def sweep(options: argparse.Namespace) -> ExitCode:
+    """Walk what is not done yet, write the table, and say what failed."""
+    from sim.sweeps.file import read_sweep
+    from sim.sweeps.folder import Shard, claim
+    from sim.sweeps.sweeping import carry_on, points_of, write_run_folders
+
+    asked = read_sweep(options.file)
+    shard = options.shard or Shard()
+    workers, scheduler = _workers(options), options.scheduler
+    points = points_of(asked, shard)
+    folder = claim(Path(options.out), shard, options.resume)
+    far, first = "points that are done", None
+
+    def kept() -> str:
+        on = again(*([] if options.resume else ["--resume"]))
+        return f"{far} are kept in {options.out}, go on: {on}"
+
+    with bar(quiet=options.json) as progress, keeping(kept):
+
+        def show(done: int, failed: int, count: int) -> None:
+            nonlocal far, first
+            far = f"{done} of {count} points are done, they"
+            first = done if first is None else first  # which count for no pace
+            about = f"points, {done} of {count} done, {failed} failed"
+            progress(about, (done - first) / max(count - first, 1))
+
+        result = carry_on(
+            points, folder, workers, scheduler, mix=options.force_mix, show=show
+        )
+        for line in write_run_folders(points, folder):
+            notice(f"no run folder, {line}", "warning")
+    return _print_result(options, result, folder.table)
+
+
+def _workers(options: argparse.Namespace) -> int:
+    if options.workers is None:
+        return len(os.sched_getaffinity(0))
+    if options.scheduler is not None:
+        what = "a scheduler has workers of its own"
+        raise UsageError(what, "--workers and --scheduler", "keep one of them")
+    return int(options.workers)
+
+
+@command(
+    "join what `sweep --shard` has walked to one table",
+    option("folders", metavar="DIR", nargs="+", help="folders of the sweep's shards"),
+    option(
+        "--out",
+        metavar="DIR",
+        help="where the table goes; the first folder if not given",
+    ),
+    extra="sweep",
+)
+def merge(options: argparse.Namespace) -> ExitCode:
+    """Write the table of all shards, and say what failed."""
+    from sim.sweeps.sweeping import merge
+
+    folders = [Path(folder) for folder in options.folders]
+    out = folders[0] if options.out is None else Path(options.out)
+    return _print_result(options, *merge(folders, out))
+
+
+def _print_result(options: argparse.Namespace, result: Result, table: Path) -> ExitCode:
+    """Say what became of a sweep; the code that it ends with."""
+    counts = {key: getattr(result, key) for key in ("points", "failed", "walked")}
+    reasons = dict(result.reasons)
+    shown = list(reasons.items())[:PRINTED]
+    report(
+        options,
+        {**counts, "reasons": reasons, "table": str(table)},
+        f"{result.points} points, {result.walked} walked now, {result.failed} failed",
+        *(f"{count:6}  {reason}" for reason, count in shown),
+        f"{'table':8}{table}",
+    )
+    if result.failed and not options.json:
+        line = f"{result.failed} of {result.points} points failed"
+        where = f"{table}; the column status says why"
+        notice(f"{line}: {where}", "error")
+    return ExitCode.SWEEP if result.failed else ExitCode.OK
+
+
+@command(
+    "map where the predictions of a sweep hold, and tell which settings matter",
+    option("table", metavar="TABLE", help="table of a sweep, or the sweep's folder"),
+    option(
+        "--prediction",
+        choices=LABELS,
+        default="quasi-static",
+        help="prediction that the walks are compared with",
+    ),
+    option(
+        "--out",
+        metavar="DIR|FILE.html",
+        help="folder for the maps, or a page with maps, worst and best walks; `maps` "
+        "beside the table if not given",
+    ),
+    extra="sweep",
+)
+def study(options: argparse.Namespace) -> None:
+    """Print what a sweep has found, and draw its maps."""
+    from sim.folder import RunFolder, blamed_on, ensure_folder
+    from sim.studies.maps import draw_maps
+    from sim.studies.page import page
+    from sim.studies.results import findings, read_results
+
+    given = Path(options.table)
+    results = read_results(given, prediction_key(options.prediction))
+    beside = (given if given.is_dir() else given.parent) / "maps"
+    out = beside if options.out is None else Path(options.out)
+    paged = out.suffix in PAGES
+    folder = ensure_folder(out.parent if paged else out)
+    with (
+        bar(quiet=options.json) as progress,
+        stage(progress, "drawing maps"),
+        blamed_on(given, "give the table that a sweep has written"),
+    ):
+        results = results.fitted() if paged else results
+        found = findings(results)
+        if paged:
+            RunFolder(folder).write_text(out.name, page(results, found, given, folder))
+            made: dict[str, object] = {"page": str(out)}
+            lines = [f"{'page':8}{out}"]
+        else:
+            drawn = draw_maps(results, folder)
+            made = {"maps": [str(path) for path in drawn]}
+            lines = [f"{'map':8}{path}" for path in drawn]
+    report(options, asdict(found) | made, found, *lines)
+
+
+@command(
+    "how few joints suffice: swings locked or coupled, legs lifted in groups",
+    *robot_options("a shipped robot, or MJCF with a card"),
+    option(
+        "--walks",
+        type=whole(0),
+        default=20,
+        metavar="N",
+        help="how many designs to walk, the fewest joints first; 20 if not given",
+    ),
+    option("--designs", type=whole(1), metavar="N", help="look at the first N alone"),
+    option("--out", metavar="FILE", help="Parquet table of all designs"),
+    extra="sweep",
+)
+def design(options: argparse.Namespace) -> None:
+    """Check every design, walk those that go everywhere, and print the table."""
+    from sim.studies.designing import designs, tried
+    from sim.sweeps.identity import software
+    from sim.sweeps.table import write_table
+
+    robot = robot_of(options, options.robot)
+    found = list(islice(designs(robot.legs), options.designs))
+    if not found:
+        what = (
+            f"{len(robot.legs)} legs make no two groups of which each carries the body "
+            "while the other is lifted"
+        )
+        remedy = "take six legs or more; `stratawalk check` judges fewer as they are"
+        raise UsageError(what, options.robot, remedy)
+    rows = []
+    with bar(quiet=options.json) as progress:
+        for row in tried(robot, found, options.walks):
+            rows.append(row)
+            progress("designs", len(rows) / len(found))
+    if options.out is not None:
+        about = {"robot": options.robot, "software": software()}
+        write_table(Path(options.out), rows, about)
+    report(options, rows, *_table(rows))
+
+
+def _table(rows: list[Mapping[str, Any]]) -> Iterator[str]:
+    """By the number of joints: designs, where they go, and the best that walked."""
+    from sim.studies.designing import DIRECTIONS
+
+    by_joints = defaultdict(list)
+    for row in rows:
+        by_joints[row["joints"]].append(row)
+    yield (
+        f"{'joints':>6}{'designs':>9}{'ahead':>7}{'aside':>7}{'round':>7}{'all':>6}"
+        f"{'walked':>8}{'strokes/m':>11}{'margin':>9}{'off':>8}  best design"
+    )
+    for joints, some in sorted(by_joints.items()):
+        walked = [row for row in some if row.get("min_margin") is not None]
+        ways = [sum(row[f"goes.{way}"] for row in some) for way in DIRECTIONS]
+        able = sum(all(row[f"goes.{way}"] for way in DIRECTIONS) for row in some)
+        line = (
+            f"{joints:6}{len(some):9}{ways[0]:7}{ways[1]:7}{ways[2]:7}{able:6}"
+            f"{len(walked):8}"
+        )
+        if walked:
+            best = min(walked, key=lambda row: row["strokes_per_metre"])
+            line += (
+                f"{best['strokes_per_metre']:11.1f}{1e3 * best['min_margin']:6.1f} mm"
+                f"{best['farthest_per_path']:8.1%}  {best['groups']}"
+            )
+        yield line
