@@ -1,8 +1,9 @@
-"""Accuracy of the planner on every shipped system, as a table for the documentation.
+"""Accuracy of the planner on every shipped system, and other planners, as a table.
 
 For every system: degree of the approximation, expected and measured order, critical
 step, shots to 1e-9, flows, and what CasADi and OMPL need for the same goal where they
-are installed (`scripts/peers.py`).
+are installed. Their controls are the fields that the system's elements are made of, one
+at a time; a plan is a sequence of strokes, and its cost is the sum of their lengths.
 
 Example:
     python -m scripts.planner_table docs/planner-table.md
@@ -10,16 +11,19 @@ Example:
 
 from __future__ import annotations
 
+import json
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from models import SYSTEMS, Problem, shipped_system
 from planner import (
+    Array,
     ExtendedSystem,
     PlannerError,
     convergence_order,
@@ -30,14 +34,24 @@ from planner import (
     rollout,
     steer,
 )
+from planner.systems import flow_map, rates_with
 from scripts.pages import parser_of, tabulate
-from scripts.peers import MultipleShooting, Stroke, Task, sampled
 
+Stroke = tuple[str, float]  # name of a field, signed duration
 COUNTS = (32, 64)  # segments between which the order is measured
 HEADER = (
     "system | degree | order expected | measured | critical step | length of the way | "
     "shots to 1e-9 | flows | CasADi | OMPL"
 )
+STEPS = 8  # of Runge and Kutta's method for a stroke of IPOPT's
+ROUNDS = 6  # how often IPOPT may use every field
+GUESS = 0.1  # of every stroke
+UNUSED = 1e-6  # duration below which the interior point leaves what it does not need
+SAMPLING_TIME = 3.0  # [s] of OMPL
+GOAL_REGION = 0.1  # share of the distance from start to goal, where sampling ends
+SAMPLING_STEP = 0.05  # likewise, of which sampled strokes are multiples
+LONGEST_STROKE = 40  # of these steps
+SEED = 1  # time still decides how far samplers get
 
 
 def row(name: str) -> tuple[object, ...]:
@@ -46,10 +60,8 @@ def row(name: str) -> tuple[object, ...]:
     extended = extend(problem.system, problem.elements)
     start, goal = problem.states
     expected = convergence_order(extended, problem.path, "backward")
-    exact, step = (
-        math.isinf(expected.order),
-        critical_step(extended, start, goal - start),
-    )
+    exact = math.isinf(expected.order)
+    step = critical_step(extended, start, goal - start)
     return (
         name,
         expected.degree,
@@ -58,8 +70,7 @@ def row(name: str) -> tuple[object, ...]:
         "any" if math.isinf(step) else f"{step:.3g}",
         f"{np.linalg.norm(goal - start):.3g}",
         *_shots(problem, extended),
-        _peer(Task(problem), lambda task: MultipleShooting(task).once()),
-        _peer(Task(problem), sampled),
+        *(_peer(problem, solve) for solve in (optimised, sampled)),
     )
 
 
@@ -80,22 +91,150 @@ def _shots(problem: Problem, extended: ExtendedSystem) -> tuple[object, object]:
     return len(steered.distances) - 1, len(steered.plan.flows)
 
 
-def _peer(task: Task, solve: Callable[[Task], list[Stroke]]) -> str:
-    """Flows of a peer's plan, its distance from the goal, and its time."""
+def _peer(problem: Problem, solve: Callable[[Problem], list[Stroke]]) -> str:
+    """Strokes of a peer's plan, its distance from the goal, and its time."""
     began = time.perf_counter()
     try:
-        strokes = solve(task)
+        strokes = solve(problem)
     except ImportError:
         return "not installed"
     took = time.perf_counter() - began
-    return f"{len(strokes)}, {task.error(strokes):.0e} off, {took:.1f} s"
+    missed = float(np.linalg.norm(end(problem, strokes) - problem.states[1]))
+    return f"{len(strokes)}, {missed:.0e} off, {took:.1f} s"
+
+
+def end(problem: Problem, strokes: Iterable[Stroke]) -> Array:
+    """Where strokes lead from the start, exactly, shape (n,)."""
+    x = problem.states[0]
+    for name, duration in strokes:
+        x = flow_map(problem.system, name, x, duration)
+    return x
+
+
+def controls(problem: Problem) -> tuple[str, ...]:
+    """Names of the fields that a problem's elements are made of."""
+    return extend(problem.system, problem.elements).steering.hall.generators
+
+
+def optimised(problem: Problem) -> list[Stroke]:
+    """The least strokes by CasADi and IPOPT, multiple shooting from one guess.
+
+    States between strokes are unknowns like the durations, so that a poor first guess
+    does not distort the whole path.
+    """
+    import casadi
+
+    names = controls(problem) * ROUNDS
+    (start, goal), count = problem.states, len(names)
+    forward, back = (casadi.SX.sym(name, count) for name in ("forward", "back"))
+    states = casadi.SX.sym("states", len(start), count)
+    flows = {name: _flow(problem, name, casadi) for name in dict.fromkeys(names)}
+    before: Any = casadi.DM(start)
+    gaps = [states[:, -1] - casadi.DM(goal)]
+    for k, name in enumerate(names):
+        after = flows[name](before, [], forward[k] - back[k])
+        before = states[:, k]
+        gaps.append(after - before)
+    program = {
+        "x": casadi.vertcat(forward, back, casadi.vec(states)),
+        "f": casadi.sum1(forward + back),
+        "g": casadi.vertcat(*gaps),
+    }
+    quiet: Any = {"ipopt.print_level": 0, "ipopt.sb": "yes", "print_time": False}
+    guess = [(name, GUESS) for name in names]
+    passed = [end(problem, guess[: k + 1]) for k in range(count)]
+    found = casadi.nlpsol("shooting", "ipopt", program, quiet)(
+        x0=np.concatenate([np.full(count, GUESS), np.zeros(count), np.ravel(passed)]),
+        lbx=np.repeat([0.0, -np.inf], [2 * count, len(start) * count]),
+        lbg=0,
+        ubg=0,
+    )
+    ahead, behind = np.array(found["x"])[: 2 * count, 0].reshape(2, count)
+    left: list[Stroke] = []
+    for name, duration in zip(names, (ahead - behind).tolist(), strict=True):
+        if abs(duration) <= UNUSED:
+            continue
+        if left and left[-1][0] == name:  # with nothing used between the two
+            duration += left.pop()[1]
+        left.append((name, duration))
+    return left
+
+
+def _flow(problem: Problem, name: str, casadi: Any) -> Any:
+    """The state after a field is followed, by Runge and Kutta's method, in symbols."""
+    functions = {word: getattr(casadi, word) for word in ("sin", "cos", "tan")}
+    field, state = problem.system.fields[name], problem.system.state
+    x, none = casadi.SX.sym("x", len(state)), casadi.SX.sym("none", 0)
+    rates = rates_with(field, state, functions)(*casadi.vertsplit(x))
+    motion = casadi.Function("motion", [x, none], [casadi.vertcat(*rates)])
+    return casadi.simpleRK(motion, STEPS)
+
+
+def sampled(problem: Problem, seconds: float = SAMPLING_TIME) -> list[Stroke]:
+    """Strokes that RRT of OMPL finds in time, near the goal or not.
+
+    The propagator is called from C++ in Python, so that it sees far fewer samples in a
+    second than it would natively.
+    """
+    from ompl import base, control, util
+
+    util.setLogLevel(util.LOG_NONE)
+    util.RNG.setSeed(SEED)
+    names, system, (start, goal) = controls(problem), problem.system, problem.states
+    way, size, count = float(np.linalg.norm(goal - start)), len(start), len(names)
+    room = 3 * max(1.0, float(np.abs(goal - start).max()))
+    space = base.RealVectorStateSpace(size)
+    space.setBounds(-room, room)
+    choices = control.RealVectorControlSpace(space, 1)
+    bounds = base.RealVectorBounds(1)
+    bounds.setLow(-float(count))
+    bounds.setHigh(float(count))
+    choices.setBounds(bounds)
+    setup = control.SimpleSetup(choices)
+    setup.setStateValidityChecker(lambda state: space.satisfiesBounds(state))
+    rates = {name: system.compiled(name).velocity for name in names}
+
+    def stroke(chosen: Any, duration: float) -> Stroke:
+        """The sign of the control is the stroke's, its size says which field."""
+        name = names[min(int(abs(chosen[0])), count - 1)]
+        return name, math.copysign(duration, chosen[0])
+
+    def set_to(state: Any, values: Array) -> Any:
+        for i, value in enumerate(values.tolist()):
+            state[i] = value
+        return state
+
+    def propagate(state: Any, chosen: Any, duration: float, result: Any) -> None:
+        x = np.array([state[i] for i in range(size)])
+        name, h = stroke(chosen, duration)
+        set_to(result, x + h * rates[name](x + h / 2 * rates[name](x)))
+
+    setup.setStatePropagator(propagate)
+    ends = (set_to(space.allocState(), values) for values in (start, goal))
+    setup.setStartAndGoalStates(*ends, GOAL_REGION * way)
+    information = setup.getSpaceInformation()
+    fastest = max(float(np.abs(rate(start)).max()) for rate in rates.values())
+    information.setPropagationStepSize(SAMPLING_STEP * way / fastest)
+    information.setMinMaxControlDuration(1, LONGEST_STROKE)
+    setup.setPlanner(control.RRT(information))
+    setup.solve(seconds)
+    path = setup.getSolutionPath()
+    runs = zip(path.getControls(), path.getControlDurations(), strict=True)
+    return [stroke(chosen, duration) for chosen, duration in runs]
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table, or put it in the place of the one in a file."""
     parser = parser_of(__doc__)
     parser.add_argument("file", type=Path, nargs="?", help="Markdown file with a table")
-    tabulate(HEADER, map(row, SYSTEMS), parser.parse_args(arguments).file)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    options = parser.parse_args(arguments)
+    if options.json:
+        names = HEADER.split(" | ")
+        rows = [dict(zip(names, row(one), strict=True)) for one in SYSTEMS]
+        print(json.dumps(rows, indent=1))
+        return
+    tabulate(HEADER, map(row, SYSTEMS), options.file)
 
 
 if __name__ == "__main__":

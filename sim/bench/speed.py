@@ -1,17 +1,21 @@
 """Speed and memory, measured side by side in one run, with targets where they exist.
 
-The simulation against a bare loop, the planner, and the command as a whole.
+One row each: times are medians, ratios come from interleaved pairs, which affect both
+sides alike if the machine changes its speed. A slow machine is not an error; nothing is
+judged here.
 """
 
 from __future__ import annotations
 
 import resource
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,9 +24,22 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from models import SYSTEMS, equations, load, shipped_robots, shipped_system
+from planner import (
+    Execution,
+    Plan,
+    aim,
+    degree,
+    extend,
+    hall_basis,
+    line,
+    merged,
+    plan,
+    rollout,
+)
+from planner.execution import Coordinates
+from planner.lie import lie_algebra, place, structure_constants
 from planner.support import best_so_far, limited
-from sim.bench import planner_speed
-from sim.bench.row import Row, median, paired, seconds
 from sim.optimisation.judging import Judge
 from sim.physics.engine import STRETCH, Engine
 from sim.physics.measure import Sensors
@@ -33,6 +50,11 @@ from sim.preparation.setup import Setup, prepare
 from sim.problems.scenario import ScenarioProblem
 from sim.scenarios.file import load_scenario
 
+REPEATS = 5
+GENERATORS, DEGREE = 4, 5  # of the Lie algebra, 294 elements
+SHORT, LONG, LONGEST = 60, 1_000, 10_000  # segments
+STRIDE = 0.004  # of each segment in x and in y [m]
+SCENARIOS = ("line", "ellipse", "diagonal")
 STEPS = 20_000  # of physics in each measurement: a third of a second
 FIRST_PLAN_LIMIT = 600.0  # [s]
 Wanted = tuple[dict[str, Any], float]  # settings of a walk, and most seconds
@@ -46,12 +68,129 @@ WALKS: Mapping[str, Wanted] = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One measurement."""
+
+    what: str
+    value: float
+    unit: str
+    wanted: str | None = None
+
+    def __str__(self) -> str:
+        measured = f"{self.what:58}{self.value:12.4g} {self.unit:8}"
+        return f"{measured} wanted {self.wanted}" if self.wanted else measured.rstrip()
+
+
+def paired(
+    other: Callable[[], object], ours: Callable[[], object]
+) -> tuple[float, float]:
+    """Median of other / ours over interleaved pairs, and that of our time [s]."""
+    times = [(seconds(other), seconds(ours)) for _ in range(REPEATS)]
+    ratios = [a / b for a, b in times]
+    return statistics.median(ratios), statistics.median(b for _, b in times)
+
+
+def median(work: Callable[[], object], repeats: int = REPEATS) -> float:
+    """Median time of some work after one warm-up [s]."""
+    work()
+    return statistics.median(seconds(work) for _ in range(repeats))
+
+
+def seconds(work: Callable[[], object]) -> float:
+    """Time that some work takes [s]."""
+    began = time.perf_counter()
+    work()
+    return time.perf_counter() - began
+
+
 def measure() -> Iterator[Row]:
-    """All measurements, one after another."""
-    yield from planner_speed.measure()
+    """All measurements; compilation comes first, before anything is cached."""
+    yield from compilation()
+    yield algebra()
+    yield from plans(prepare(load_scenario("line")))
+    for name in SYSTEMS:
+        yield from segments(name)
+    yield from map(travel, SCENARIOS)
     yield from optimised()
     yield from simulation(prepare(load_scenario("line")))
     yield from command()
+
+
+def compilation() -> Iterator[Row]:
+    """Each shipped system and robot: its equations made and compiled, once."""
+
+    def compiled(kind: str, name: str) -> None:
+        made = shipped_system(name) if kind == "system" else equations(load(name))
+        extend(made.system, made.elements)
+
+    for kind, names in (("system", SYSTEMS), ("robot", shipped_robots())):
+        for name in names:
+            took = seconds(partial(compiled, kind, name))
+            yield Row(f"{kind} {name} compiled in", took, "s", "< 0.5")
+
+
+def algebra() -> Row:
+    """A Hall basis with its structure constants, from nothing."""
+    remembered = (hall_basis, place, degree, structure_constants, lie_algebra)
+
+    def structure() -> object:
+        for function in remembered:
+            function.cache_clear()
+        return lie_algebra(hall_basis(GENERATORS, DEGREE)).structure
+
+    elements = len(hall_basis(GENERATORS, DEGREE))
+    what = f"Hall basis of {elements} elements with its structure constants in"
+    return Row(what, median(structure), "s", "< 2")
+
+
+def plans(setup: Setup) -> Iterator[Row]:
+    """Plans of the compiled hexapod, centred."""
+
+    def planned(segments: int) -> float:
+        far = setup.state(segments * STRIDE * np.array([1.0, 1.0, 0.0]))
+        path = line(setup.state(np.zeros(3)), far)
+        execution = Execution(stance="centred")
+        return median(lambda: plan(setup.extended, path, segments, execution=execution))
+
+    short, long, longest = (planned(n) / n for n in (SHORT, LONG, LONGEST))
+    yield Row(f"{SHORT} segments planned in", 1e3 * SHORT * short, "ms", "< 5")
+    yield Row(f"{LONGEST:,} segments planned, each in", 1e6 * longest, "us", "< 100")
+    what = f"time of each segment, {LONGEST:,} over {LONG:,}"
+    yield Row(what, longest / long, "", "near 1")
+
+
+def segments(name: str, most: int = LONGEST) -> Iterator[Row]:
+    """Time of a segment of a shipped system, and of a rollout over that of its plan."""
+    problem = shipped_system(name)
+    extended = extend(problem.system, problem.elements)
+
+    def planned(count: int, execution: Execution) -> Plan:
+        return plan(extended, problem.path, count, execution=execution)
+
+    each = median(partial(planned, most, problem.open_loop), repeats=2) / most
+    yield Row(f"system {name}: {most:,} segments, each in", 1e6 * each, "us", "< 100")
+    short = partial(planned, SHORT, problem.execution)  # the words that cost least
+    follow = partial(rollout, short())
+    follow()
+    ratio, _ = paired(follow, short)
+    yield Row(f"system {name}: a rollout over its plan", ratio, "", "<= 2")
+
+
+def travel(scenario: str) -> Row:
+    """Swing travel under load of the shortest words over that of the printed ones."""
+    setup = prepare(load_scenario(scenario))
+
+    def swept(coordinates: Coordinates) -> float:
+        """Of a plan that ends exactly at the goal [rad]."""
+        execution = Execution(stance=setup.stance, coordinates=coordinates)
+        segments = setup.scenario.segments
+        aimed = aim(setup.extended, setup.nominal(), segments, execution)
+        loaded = setup.extended.elements[:2]
+        return sum(abs(f.duration) for f in merged(aimed.flows) if f.field in loaded)
+
+    what = f"{scenario}: swing travel of shortest words over the printed"
+    return Row(what, swept("shortest") / swept("backward"), "", "< 1")
 
 
 class _FoundError(Exception):
@@ -65,10 +204,15 @@ def optimised() -> Iterator[Row]:
     """
     if find_spec("casadi") is None:
         return
+
+    def stop_if_found(stage: str, done: float) -> None:
+        if "stages" in best_so_far():
+            raise _FoundError
+
     setup = prepare(load_scenario("line", {"optimise": "time"}))
     began = time.process_time()
     with suppress(_FoundError), limited(FIRST_PLAN_LIMIT):
-        ScenarioProblem(setup, _stop_if_found).solve()
+        ScenarioProblem(setup, stop_if_found).solve()
     took = time.process_time() - began
     yield Row("first optimised plan of line, CPU", took, "s", "< 2")
     for name, (changes, most) in WALKS.items():
@@ -77,17 +221,13 @@ def optimised() -> Iterator[Row]:
         problem = ScenarioProblem(setup)
         found = problem.solve().plan
         took = time.process_time() - began
-        seconds, least = judge.duration(found.flows), problem.least_time or 0.0
+        walk, least = judge.duration(found.flows), problem.least_time
         printed = judge.duration(plan_open_loop(setup).flows)
-        yield Row(f"line optimised ({name}), time", seconds, "s", f"<= {most:g}")
-        yield Row(f"line optimised ({name}), least possible", least, "s", "> 15")
-        yield Row(f"line optimised ({name}), printed over it", printed / seconds, "")
-        yield Row(f"line optimised ({name}), CPU", took, "s")
-
-
-def _stop_if_found(stage: str, done: float) -> None:
-    if "stages" in best_so_far():
-        raise _FoundError
+        what = f"line optimised ({name})"
+        yield Row(f"{what}, time", walk, "s", f"<= {most:g}")
+        yield Row(f"{what}, least possible", least or 0.0, "s", "> 15")
+        yield Row(f"{what}, printed over it", printed / walk, "")
+        yield Row(f"{what}, CPU", took, "s")
 
 
 def simulation(setup: Setup) -> Iterator[Row]:

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from mujoco import batch
 
-from sim.bench.row import Row, paired, seconds
+from sim.bench.speed import Row, paired, seconds
 from sim.physics.engine import STRETCH
 from sim.preparation.setup import prepare
 from sim.preparation.shared import Shared

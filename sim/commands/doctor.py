@@ -249,7 +249,7 @@ def bench(options: argparse.Namespace) -> None:
 
 def _compare_peers(options: list[str]) -> None:
     """Run the script that knows the other planners; it is part of a checkout only."""
-    if not (ROOT / "scripts" / "bench_peers.py").is_file():
+    if not (ROOT / "scripts" / "planner_table.py").is_file():
         raise UsageError(
             "the other planners are not part of an installed package",
             "bench --peers",
@@ -258,5 +258,5 @@ def _compare_peers(options: list[str]) -> None:
     for package in ("casadi", "ompl"):
         if find_spec(package) is None:
             raise ModuleNotFoundError(name=package)
-    script = [sys.executable, "-m", "scripts.bench_peers", *options]
+    script = [sys.executable, "-m", "scripts.planner_table", *options]
     subprocess.run(script, cwd=ROOT, check=True)

@@ -9,8 +9,8 @@ import pytest
 from models.library import shipped_robots
 from models.systems.catalogue import SYSTEMS
 from sim import cli
-from sim.bench import planner_speed, speed
-from sim.bench.row import Row, median, paired
+from sim.bench import speed
+from sim.bench.speed import Row, median, paired
 
 ROWS = [Row("a thing takes", 0.25, "s", "< 0.5"), Row("another weighs", 3, "kg")]
 
@@ -36,22 +36,21 @@ def test_rows_are_also_json(monkeypatch, capsys):
 
 
 def test_everything_that_is_shipped_is_compiled():
-    measured = {row.what.split()[1] for row in planner_speed.compilation()}
+    measured = {row.what.split()[1] for row in speed.compilation()}
     assert measured == {*SYSTEMS, *shipped_robots()}
 
 
 def test_plans_and_rollouts_of_a_system_are_measured_in_one_run():
-    each, ratio = planner_speed.segments("unicycle", most=20)
+    each, ratio = speed.segments("unicycle", most=20)
     assert (each.what, each.unit) == ("system unicycle: 20 segments, each in", "us")
     assert ratio.what == "system unicycle: a rollout over its plan"
     assert each.value > 0
     assert ratio.value > 0
 
 
-@pytest.mark.parametrize("scenario", planner_speed.SCENARIOS)
+@pytest.mark.parametrize("scenario", speed.SCENARIOS)
 def test_shortest_words_sweep_less_than_the_printed_ones(scenario):
-    (row,) = planner_speed.travel(scenario)
-    assert row.value < 1
+    assert speed.travel(scenario).value < 1
 
 
 def test_a_warm_up_is_not_measured():
