@@ -24,8 +24,7 @@ from sim.sweeps.file import Sweep
 from sim.sweeps.folder import Shard, SweepFolder
 from sim.sweeps.ledger import OK, Outcome, opened
 from sim.sweeps.sweeping import carry_on, points_of
-from sim.sweeps.worker import Task, numbers
-from sim.sweeps.worker_pool import open_pool
+from sim.sweeps.worker_pool import Task, numbers, open_pool
 
 FRICTIONS = (0.5, 0.8)
 SHORT = {"path.goal": [0.02, 0.02, 0.0], "segments": 4}

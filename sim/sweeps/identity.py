@@ -18,7 +18,7 @@ from pathlib import Path
 from models import ModelError, load
 from sim.scenarios.file import to_table
 from sim.scenarios.scenario import Scenario
-from sim.sweeps.axes import flat
+from sim.sweeps.file import flat
 from sim.versions import versions
 
 CODE = ("planner", "models", "sim")

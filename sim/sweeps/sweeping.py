@@ -24,8 +24,7 @@ from sim.sweeps.folder import About, Shard, SweepFolder, run_folder, sole_owner
 from sim.sweeps.identity import digest
 from sim.sweeps.ledger import OK, Outcome, opened, read_ledger
 from sim.sweeps.table import Row, write_table
-from sim.sweeps.worker import Task
-from sim.sweeps.worker_pool import open_pool
+from sim.sweeps.worker_pool import Task, open_pool
 
 Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 

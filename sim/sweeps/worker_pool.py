@@ -1,5 +1,7 @@
 """Workers of a sweep: processes of a Dask cluster, here or on many machines.
 
+A worker makes the settings of a point its numbers, or the reason of its failure, and
+keeps what many points have in common between them.
 Every worker has one point at a time, so that the death of a worker tells which point it
 died of. Such a point is tried once more, and then given up.
 """
@@ -13,7 +15,7 @@ import signal
 import tempfile
 import time
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
@@ -24,9 +26,11 @@ from distributed import Client, Future, KilledWorker, LocalCluster, wait
 from distributed.deploy.spec import close_clusters
 
 from sim.errors import SweepError, UsageError, one_line
+from sim.preparation.shared import Shared
+from sim.scenarios.file import scenario_from
+from sim.simulation import simulate
 from sim.sweeps.identity import differences, software
-from sim.sweeps.ledger import Outcome
-from sim.sweeps.worker import Task
+from sim.sweeps.ledger import OK, Outcome
 from sim.versions import PACKAGES
 
 NO_WORKER_TIMEOUT = 120.0  # [s] without any worker, before that is an error
@@ -39,8 +43,40 @@ QUIET = {
     "distributed.scheduler.worker-ttl": None,
     "distributed.comm.timeouts.tcp": "600s",
 }
-SHARED = (*PACKAGES, "machine", "code")
+ALIKE = (*PACKAGES, "machine", "code")
 """Versions that must be the same on every worker."""
+SHARED = Shared()
+"""What this process keeps from point to point."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A point to be walked."""
+
+    digest: str
+    table: Mapping[str, object]  # of its scenario, in plain values
+    without: Sequence[str] = ()
+
+    def carry_out(self) -> Outcome:
+        """Walk the point; whatever goes wrong with it becomes its status."""
+        try:
+            scenario = scenario_from(self.table, {}, "the sweep")
+            summary = simulate(scenario, without=self.without, shared=SHARED).summary
+        except Exception as error:  # any failure of a point is one of its results
+            return Outcome(self.digest, one_line(error), software=software())
+        return Outcome(self.digest, OK, dict(numbers(summary)), software())
+
+
+def numbers(summary: object, name: str = "") -> Iterator[tuple[str, object]]:
+    """Numbers and words of a summary by their dotted names."""
+    if isinstance(summary, list | tuple):
+        summary = {str(place): value for place, value in enumerate(summary)}
+    if not isinstance(summary, Mapping):
+        yield name, summary
+        return
+    for key, value in summary.items():
+        if name or key != "timing":  # which differs from run to run
+            yield from numbers(value, f"{name}.{key}" if name else key)
 
 
 @dataclass
@@ -117,9 +153,7 @@ class WorkerPool:
             else:
                 self.refused[worker] = one_line(error)
             return
-        both = (
-            {k: known[k] for k in SHARED} for known in (software(), answer.result())
-        )
+        both = ({k: known[k] for k in ALIKE} for known in (software(), answer.result()))
         if differ := differences(*both):
             self.refused[worker] = ", ".join(differ).replace("now", "there")
         else:

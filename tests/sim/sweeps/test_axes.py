@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim.errors import UsageError
-from sim.sweeps.axes import grid_blocks, list_block, sobol_block
+from sim.sweeps.file import grid_blocks, list_block, sobol_block
 
 
 def values(table):

@@ -16,7 +16,7 @@ import pytest
 from sim.cli import main
 from sim.simulation import simulate
 from sim.sweeps.file import read_sweep
-from sim.sweeps.worker import numbers
+from sim.sweeps.worker_pool import numbers
 from tests.commands import told
 from tests.sweeps import ENV, command, stratawalk, walked_here, write_sweep
 
