@@ -58,6 +58,7 @@ class Bounds:
 
     seconds: float = 60.0  # on the processor, each
     memory: int = 6 * 10**9  # bytes; a model of 4 GB beside the libraries
+    patience: float = 60.0  # until all of them have ended
 
     def hold(self) -> None:
         """Let this process take no more from now on."""

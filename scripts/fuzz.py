@@ -48,24 +48,14 @@ LOADED = (  # before processes are forked
 )
 
 
-def fault(
-    words: list[str],
-    folder: str | Path,
-    bounds: Bounds = OWN,
-    patience: float = OWN.seconds,
-) -> str | None:
+def fault(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | None:
     """What is wrong with how the command ends in a folder, or None."""
-    seems = answer(words, folder, bounds, patience)
-    wrong = seems and decided(words, folder, bounds, patience)
+    seems = answer(words, folder, bounds)
+    wrong = seems and decided(words, folder, bounds)
     return wrong and f"{wrong} (first: {seems})"
 
 
-def answer(
-    words: list[str],
-    folder: str | Path,
-    bounds: Bounds = OWN,
-    patience: float = OWN.seconds,
-) -> str | None:
+def answer(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | None:
     """What seems wrong where a process forked from this one is the command."""
 
     def command() -> int:
@@ -74,7 +64,7 @@ def answer(
         inspection._tried = _tried  # type: ignore[attr-defined]  # no door leads there
         return int(import_module("sim.cli").main(words))
 
-    return ending(command, folder, patience).wrong
+    return ending(command, folder, bounds.patience).wrong
 
 
 def _tried(path: Path, limits: object) -> list[str]:
@@ -85,23 +75,15 @@ def _tried(path: Path, limits: object) -> list[str]:
     return list(report["files"])
 
 
-def decided(
-    words: list[str],
-    folder: str | Path,
-    bounds: Bounds = OWN,
-    patience: float = OWN.seconds,
-) -> str | None:
-    """What is wrong with how the real command ends, or None.
-
-    It may take what the bounds say besides loading, and `patience` seconds in all.
-    """
+def decided(words: list[str], folder: str | Path, bounds: Bounds = OWN) -> str | None:
+    """What is wrong with how the real command ends, or None; it may load besides."""
 
     def command() -> int:
         replace(bounds, seconds=bounds.seconds + LOADING).hold()
         env = os.environ | {"PYTHONPATH": str(ROOT)}
         return other([sys.executable, "-m", "sim.cli", *words], env)
 
-    return ending(command, folder, patience).wrong
+    return ending(command, folder, bounds.patience).wrong
 
 
 @dataclass
@@ -119,7 +101,7 @@ def search(
     seconds: float,
     cases: float,
     keep: Path,
-    patience: float = OWN.seconds,
+    patience: float = OWN.patience,
 ) -> Found:
     """Run cases of some kinds until time or number is up, and keep those that fail."""
     import_module("sim.pictures.gl").choose()
@@ -131,13 +113,13 @@ def search(
         with tempfile.TemporaryDirectory() as folder:
             began = time.monotonic()
             theirs = ADOPTED if kind.startswith("adopt") else THEIRS
-            bounds = theirs if kind in FOREIGN else OWN
+            bounds = replace(theirs if kind in FOREIGN else OWN, patience=patience)
             try:
                 words = KINDS[kind](Path(folder), random.Random(seed))
             except Exception as error:  # of what is tried in this process
                 words = f"raises {type(error).__name__}: {error}"
             known = isinstance(words, str)
-            wrong = words or None if known else fault(words, folder, bounds, patience)
+            wrong = words or None if known else fault(words, folder, bounds)
             took = round(time.monotonic() - began, 1)
             if wrong is not None:
                 found.faults += 1
@@ -158,7 +140,7 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=10**9)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kinds", nargs="+", choices=KINDS, default=list(KINDS))
-    parser.add_argument("--patience", type=float, default=OWN.seconds, help="[s]")
+    parser.add_argument("--patience", type=float, default=OWN.patience, help="[s]")
     parser.add_argument("--keep", default="fuzz-finds", help="folder for failed cases")
     asked = parser.parse_args()
     rng, keep = random.Random(asked.seed), Path(asked.keep).resolve()

@@ -44,7 +44,7 @@ HEADER = (
     "shots to 1e-9 | flows | CasADi | OMPL"
 )
 STEPS = 8  # of Runge and Kutta's method for a stroke of IPOPT's
-ROUNDS = 6  # how often IPOPT may use every field
+USES = 6  # how often IPOPT may use every field
 GUESS = 0.1  # of every stroke
 UNUSED = 1e-6  # duration below which the interior point leaves what it does not need
 SAMPLING_TIME = 3.0  # [s] of OMPL
@@ -124,7 +124,7 @@ def optimised(problem: Problem) -> list[Stroke]:
     """
     import casadi
 
-    names = controls(problem) * ROUNDS
+    names = controls(problem) * USES
     (start, goal), count = problem.states, len(names)
     forward, back = (casadi.SX.sym(name, count) for name in ("forward", "back"))
     states = casadi.SX.sym("states", len(start), count)

@@ -141,31 +141,32 @@ def simulate(
     timing = dict.fromkeys(("compile", "plan", "simulate", "evaluate"), 0.0)
     with _timed(timing, "compile"), stage(progress, "compiling"):
         setup = prepare(scenario, robot, shared, log)
-    if setup.motion is not None:
-        return _played(setup, progress, witness, without, timing)
-    with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
-        problem = ScenarioProblem.ready(setup, progress, shared)
-    scenario = problem.scenario
-    missed: list[float] = []
-    for attempt in range(scenario.correct):
+    problem = None
+    if setup.motion is not None:  # it is played: there is no plan, and no goal to miss
+        shared = None
+    else:
+        with _timed(timing, "plan"), at_most(progress, "planning", scenario.plan_time):
+            problem = ScenarioProblem.ready(setup, progress, shared)
+        scenario = problem.scenario
+    walks, missed = scenario.correct if problem else 1, list[float]()
+    for number in range(1, walks + 1):
         with _timed(timing, "plan"), limited(scenario.plan_time):
-            prepared = _prepared(problem)
-        if witness is not None and attempt == 0:
+            prepared = _prepared(setup, problem)
+        if witness is not None and number == 1:
             witness.prepared(prepared)
         cache = walk_cache(prepared.setup, shared)
-        walker = Walker(prepared.setup, progress, cache)
-        last = attempt == scenario.correct - 1
-        finished = False
+        walker, finished = Walker(prepared.setup, progress, cache), False
         try:
             walk = carry_out(walker, prepared.plan)
             finished = True
         finally:
-            if witness is not None and (last or not finished):
+            if witness is not None and (number == walks or not finished):
                 witness.walked(walker)
         timing["plan"] += walk.seconds["plan"]
         timing["simulate"] += walk.seconds["simulate"]
-        missed.append(math.dist(walker.pose[:2], scenario.path.goal[:2]))
-        problem = problem.beside(_further(walker.setup, walker.pose))
+        if problem:
+            missed.append(math.dist(walker.pose[:2], scenario.path.goal[:2]))
+            problem = problem.beside(_further(walker.setup, walker.pose))
     with _timed(timing, "evaluate"):
         evaluation = evaluate(walk, without, shared, progress)
     return Simulation(prepared, evaluation, timing, tuple(missed))
@@ -214,41 +215,18 @@ def play(
     return simulate(scenario, robot=robot, progress=progress, log=motion)
 
 
-def _played(
-    setup: Setup,
-    progress: Progress,
-    witness: Witness | None,
-    without: Collection[str],
-    timing: dict[str, float],
-) -> Simulation:
-    """Play joint motion from elsewhere: there is no plan, and no goal to miss."""
-    with _timed(timing, "plan"):
-        steps = expected_steps(setup, None)
-        check_effort(setup, steps)
-    prepared = Prepared(setup.scenario, setup, None, steps, None)
-    if witness is not None:
-        witness.prepared(prepared)
-    walker = Walker(setup, progress)
-    try:
-        walk = carry_out(walker, None)
-    finally:
-        if witness is not None:
-            witness.walked(walker)
-    timing["simulate"] += walk.seconds["simulate"]
-    with _timed(timing, "evaluate"):
-        evaluation = evaluate(walk, without, None, progress)
-    return Simulation(prepared, evaluation, timing, ())
-
-
-def _prepared(problem: ScenarioProblem) -> Prepared:
+def _prepared(setup: Setup, problem: ScenarioProblem | None) -> Prepared:
     plan, fallback = None, None
-    if not problem.replan:
-        solution = problem.solve()
-        plan, fallback = solution.plan, solution.fallback
-    steps = expected_steps(problem.setup, plan)
-    check_effort(problem.setup, steps)
-    least = problem.least_time
-    return Prepared(problem.scenario, problem.setup, plan, steps, fallback, least)
+    scenario = setup.scenario
+    if problem is not None:
+        setup, scenario = problem.setup, problem.scenario
+        if not problem.replan:
+            solution = problem.solve()
+            plan, fallback = solution.plan, solution.fallback
+    steps = expected_steps(setup, plan)
+    check_effort(setup, steps)
+    least = problem.least_time if problem else None
+    return Prepared(scenario, setup, plan, steps, fallback, least)
 
 
 def _further(setup: Setup, reached: Array) -> GoalOffset:

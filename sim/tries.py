@@ -59,7 +59,11 @@ def walk_tries(
         progress("walking draws", done / len(draws))
         inner = folder.inner(f"draw-{draw:03d}")
         tries.append(_try(replace(scenario, draw=draw), robot, inner))
-        folder.write_text(TABLE, _csv(tries))
+        text = io.StringIO()
+        table = csv.writer(text, lineterminator="\n")
+        table.writerow(item.name for item in fields(Try))
+        table.writerows(map(astuple, tries))
+        folder.write_text(TABLE, text.getvalue())
     return tries
 
 
@@ -74,20 +78,8 @@ def _try(scenario: Scenario, robot: Robot, folder: RunFolder) -> Try:
     return Try(scenario.draw, summary.verdict, **found, off=off)
 
 
-def _csv(tries: Sequence[Try]) -> str:
-    text = io.StringIO()
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow(item.name for item in fields(Try))
-    table.writerows(map(astuple, tries))
-    return text.getvalue()
-
-
-def describe(tries: Sequence[Try], path_length: float) -> str:
+def describe(tries: Sequence[Try], path_length: float) -> Iterator[str]:
     """Median and worst of all draws, in lines for a terminal; of a path [m]."""
-    return "\n".join(_lines(tries, path_length))
-
-
-def _lines(tries: Sequence[Try], path_length: float) -> Iterator[str]:
     walked = [one for one in tries if one.goal is not None]
     yield f"{len(walked)} of {len(tries)} draws walked to their end"
     for one in tries:

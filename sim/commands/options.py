@@ -179,10 +179,10 @@ def run_of(options: argparse.Namespace) -> Path:
     A folder of runs that has none is a UsageError.
     """
     folder = Path(options.run)
-    holds_runs = folder == Path("runs") or any(folder.glob("*/summary.json"))
+    ended = list(folder.glob("*/summary.json"))
+    holds_runs = folder == Path("runs") or ended
     if (folder / "scenario.toml").exists() or not holds_runs:
         return folder
-    ended = list(folder.glob("*/summary.json"))
     if not ended:
         raise UsageError("no run here", str(folder), "walk one: stratawalk run line")
     run = max(ended, key=lambda file: file.stat().st_mtime).parent
@@ -235,7 +235,7 @@ def real(what: str, example: float, zero: bool = True) -> Callable[[str], float]
 
 
 def _reader(
-    make: Callable[[str], Number], fits: Callable[[Number], bool], refusal: str
+    make: type[Number], fits: Callable[[Number], bool], refusal: str
 ) -> Callable[[str], Number]:
     def read(text: str) -> Number:
         try:

@@ -37,9 +37,7 @@ if TYPE_CHECKING:
     from sim.problems.problem import Problem
     from sim.scenarios.scenario import Scenario
 
-Outcome = tuple["Plan", dict[str, object], list[str]]
-"""A plan, its facts for JSON, and lines of them."""
-
+Outcome = tuple["Plan", dict[str, object], list[str]]  # facts for JSON, and lines
 FOR_ROBOTS = dict.fromkeys(("robot", "fields", "steer"), "leave it out")
 FOR_SYSTEMS = {
     "start": "leave it out, scenarios start at the origin",
@@ -110,16 +108,17 @@ def plan(options: argparse.Namespace) -> None:
 
 
 def _is_for_systems(options: argparse.Namespace) -> bool:
-    """Whether a system, or a plan saved of one, is to be planned and not a scenario.
-
-    Options that are for the other kind are refused.
-    """
+    """Whether no scenario is to be planned; options for the other kind are refused."""
     from sim.commands.systems import is_system
     from sim.scenarios.file import shipped_scenarios
 
     source = options.scenario
     if source.endswith(".json"):
-        _refuse(options, SETTLED, "cannot change a saved plan")
+        _refuse(
+            options,
+            dict.fromkeys(SETTLED, "leave it out"),
+            "cannot change a saved plan",
+        )
     elif not is_system(source, shipped_scenarios()):
         _refuse(options, FOR_SYSTEMS, "is for systems")
         return False
@@ -173,23 +172,23 @@ def _system(options: argparse.Namespace, progress: Progress) -> Outcome:
             "gait": options.gait and tuple(options.gait),
             "in_gait": bool(options.gait) or None,
         }
-        given = {name: value for name, value in changes.items() if value is not None}
         try:
-            wanted = replace(wanted, **given)
+            wanted = replace(
+                wanted, **{k: v for k, v in changes.items() if v is not None}
+            )
         except StratumError as error:
             raise ValueError(str(error)) from error
-        replan, objective = bool(options.replan), options.optimise or "none"
-        free = options.free or ()
-        if free and objective == "none":
+        objective = options.optimise or "none"
+        if options.free and objective == "none":
             remedy = "give --optimise as well, or leave it out"
             raise UsageError("there is nothing to optimise", "--free", remedy)
         with limited(PLAN_TIME):
             problem = SystemProblem(
                 wanted,
-                replan=replan,
+                replan=bool(options.replan),
                 objective=objective,
                 chained=chained,
-                free=free,
+                free=options.free or (),
             )
     facts = partial(SystemFacts.of, Path(options.scenario).stem)
     return _outcome(problem, facts, began, time.perf_counter(), progress)

@@ -13,6 +13,7 @@ from sim.commands.options import (
     robot_of,
     robot_options,
     set_option,
+    settings_of,
     working,
 )
 from sim.errors import UsageError
@@ -96,8 +97,8 @@ def adopt(options: argparse.Namespace) -> None:
         f"{'to do':12}read the card, correct what is wrong, and walk: "
         f"stratawalk run line --robot {source.path}{trust}"
     )
-    written_down = {"written": files, "guesses": draft.guesses, "robot": found}
-    report(options, written_down, describe(found), "", *lines, to_do)
+    told = {"written": files, "guesses": draft.guesses, "robot": found}
+    report(options, told, describe(found), "", *lines, to_do)
 
 
 def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Path]]:
@@ -124,14 +125,12 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             if text is not None:
                 with whole(path) as part:
                     part.write_text(text)
-        with bar(quiet=options.json) as progress:
-            with stage(progress, "trying to stand"):
-                robot = load(str(source.path), allow_external=options.allow_external)
-                setup = prepare(
-                    load_scenario("line", {"robot": str(source.path)}), robot
-                )
-            with stage(progress, "drawing it from above"), whole(picture) as part:
-                draw(setup, draft.gait.pivots, part)
+        with working(options, "trying to stand"):
+            name = str(source.path)
+            robot = load(name, allow_external=options.allow_external)
+            setup = prepare(load_scenario("line", {"robot": name}), robot)
+        with working(options, "drawing it from above"), whole(picture) as part:
+            draw(setup, draft.gait.pivots, part)
     except BaseException:
         for path in (card, picture, *model):
             path.unlink(missing_ok=True)
@@ -147,10 +146,10 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
 def identify(options: argparse.Namespace) -> None:
     """Measure, and print every field at three places of its swing."""
     from sim.preparation.setup import prepare
-    from sim.scenarios.file import load_scenario, parse_override
+    from sim.scenarios.file import load_scenario
 
-    overrides = dict(parse_override(text) for text in options.set)
-    scenario = load_scenario("line", overrides | {"robot": options.robot})
+    changes = settings_of(options) | {"robot": options.robot}
+    scenario = load_scenario("line", changes)
     robot = robot_of(options, scenario.robot)
     with bar(quiet=options.json) as progress:
         with stage(progress, "compiling"):
@@ -191,8 +190,8 @@ def _along(field: MeasuredField, models: Mapping[str, TwistModel]) -> dict[str, 
         name: model(field.stratum, swing, rates).tolist()
         for name, model in models.items()
     }
-    facts = {"angles": ways.tolist(), "twists": twists, "slip": field.slip}
-    return facts | {"reason": None}
+    along = {"angles": ways.tolist(), "twists": twists, "slip": field.slip}
+    return along | {"reason": None}
 
 
 def _describe(field: dict[str, Any]) -> str:

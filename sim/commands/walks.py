@@ -34,7 +34,6 @@ from sim.progress import bar
 
 if TYPE_CHECKING:
     from models import Robot
-    from sim.evaluation.summary import Summary
     from sim.folder import RunFolder
     from sim.logs.log import Log, Reader
     from sim.scenarios.scenario import Scenario
@@ -99,10 +98,15 @@ def _walk(
     log: Log | None = None,
 ) -> ExitCode:
     """Walk a scenario or a log into a folder, print how it went, and judge it."""
+    from sim.evaluation.comparison import describe
     from sim.run_folder import run
 
-    kept = partial(_kept_walk, folder, look, options.out)
-    warn = partial(notice, kind="warning")
+    def kept() -> str:
+        if (folder.path / "summary.json").exists():
+            on = "show" if look is None else "film"
+            return f"the walk is complete, go on: stratawalk {on} {folder.path}"
+        return kept_in(folder.path, options.out)
+
     try:
         with bar(quiet=options.json) as progress, keeping(kept):
             summary = run(
@@ -111,12 +115,16 @@ def _walk(
                 robot=robot,
                 look=look,
                 progress=progress,
-                warn=warn,
+                warn=partial(notice, kind="warning"),
                 log=log,
             )
     finally:
         folder.discard_if_empty()
-    report(options, summary.to_json(), _account(summary, folder))
+    lines = [describe(summary), "", f"{'folder':13}{folder.path}"]
+    for what, name in (("report", "report.html"), ("film", "video.mp4")):
+        if (folder.path / name).exists():
+            lines.append(f"{what:13}{folder.path / name}")
+    report(options, summary.to_json(), *lines)
     return judged(summary, options.tolerance, f"see {folder.path}")
 
 
@@ -137,17 +145,9 @@ def _walk_tries(
 
     with bar(quiet=options.json) as progress, keeping(kept):
         tries = walk_tries(scenario, robot, folder, draws, progress)
-    text = f"{describe(tries, scenario.path.length)}\n\n{'folder':13}{folder.path}"
-    report(options, [asdict(one) for one in tries], text)
+    lines = [*describe(tries, scenario.path.length), "", f"{'folder':13}{folder.path}"]
+    report(options, [asdict(one) for one in tries], *lines)
     return judged_tries(tries, options.tolerance, f"see {folder.path}")
-
-
-def _kept_walk(folder: RunFolder, look: str | None, out: str | None) -> str:
-    """What is kept of a walk that ends early, and the command that goes on."""
-    if (folder.path / "summary.json").exists():
-        on = "show" if look is None else "film"
-        return f"the walk is complete, go on: stratawalk {on} {folder.path}"
-    return kept_in(folder.path, out)
 
 
 def _can_film(wanted: bool | None) -> bool:
@@ -164,17 +164,6 @@ def _can_film(wanted: bool | None) -> bool:
         notice(f"no film: {one_line(error)}", "warning")
         return False
     return True
-
-
-def _account(summary: Summary, folder: RunFolder) -> str:
-    """What is printed of a walk: its comparison, and where its files are."""
-    from sim.evaluation.comparison import describe
-
-    lines = [describe(summary), "", f"{'folder':13}{folder.path}"]
-    for what, name in (("report", "report.html"), ("film", "video.mp4")):
-        if (folder.path / name).exists():
-            lines.append(f"{what:13}{folder.path / name}")
-    return "\n".join(lines)
 
 
 @command(
@@ -209,35 +198,27 @@ def _account(summary: Summary, folder: RunFolder) -> str:
 def play(options: argparse.Namespace) -> ExitCode:
     """Play the motion and print how it went."""
     from sim.folder import claim
+    from sim.logs.alignment import together
+    from sim.logs.log import read_log
     from sim.logs.playing import scenario_of
 
     robot = robot_of(options, options.robot)
     files = [Path(name) for name in options.files]
     scenario = scenario_of(robot, files[0], settings_of(options))
-    log = _read(robot, scenario, files, options)
-    look = options.look if _can_film(options.video) else None
-    folder = claim(folder_of(options), scenario.name)
-    for line in log.done:
-        notice(line)
-    return _walk(scenario, robot, folder, look, options, log)
-
-
-def _read(
-    robot: Robot, scenario: Scenario, files: list[Path], options: argparse.Namespace
-) -> Log:
-    """The log in the files, in radians."""
-    from sim.logs.alignment import together
-    from sim.logs.log import read_log
-
     angles: Reader | str = options.units
     if options.units in UNITS[2:]:
         angles = _by_servo_table(robot, scenario, pulses=options.units == UNITS[3])
     logs = [read_log(file, robot.card.joints, robot.legs, angles) for file in files]
     try:
         log = together(logs)
-        return log.repeated(options.repeat) if options.repeat > 1 else log
+        log = log.repeated(options.repeat) if options.repeat > 1 else log
     except ValueError as error:
         raise UsageError.at(str(files[0]), error) from error
+    look = options.look if _can_film(options.video) else None
+    folder = claim(folder_of(options), scenario.name)
+    for line in log.done:
+        notice(line)
+    return _walk(scenario, robot, folder, look, options, log)
 
 
 def _by_servo_table(robot: Robot, scenario: Scenario, pulses: bool) -> Reader:

@@ -72,7 +72,7 @@ def test_median_and_worst_are_of_the_draws_that_walked():
         Try(1, "drifted", 0.003, 0.003, 0.003, 0.0, 0.03),
         Try(2, "simulation diverged"),
     ]
-    said = describe(tries, 0.2)
+    said = "\n".join(describe(tries, 0.2))
     assert "2 of 3 draws walked to their end" in said
     assert "draw 2: simulation diverged" in said
     (goal,) = (line for line in said.splitlines() if line.startswith("goal"))

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from scripts import fuzz
-from scripts.endings import Ending, ending, other
+from scripts.endings import Bounds, Ending, ending, other
 from scripts.fuzz import KINDS, answer, decided, fault, main
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -83,9 +83,9 @@ def test_a_case_that_never_ends_is_a_find_and_not_the_end_of_the_fuzz(tmp_path):
     """The compiler is busy for minutes, and no signal of Python's interrupts it."""
     robot(tmp_path, "<worldbody>", BOMB)
     words = ["robots", "mine.xml"]
-    assert "in time" in fault(words, tmp_path, patience=2)
+    assert "in time" in fault(words, tmp_path, Bounds(patience=2))
     (tmp_path / "mine.xml").write_text("")
-    assert fault(words, tmp_path, patience=100) is None  # on a busy machine
+    assert fault(words, tmp_path, Bounds(patience=100)) is None  # on a busy machine
 
 
 def test_what_the_real_command_bears_is_no_find(tmp_path):
