@@ -184,8 +184,7 @@ def _print_result(options: argparse.Namespace, result: Result, table: Path) -> E
 def study(options: argparse.Namespace) -> None:
     """Print what a sweep has found, and draw its maps."""
     from sim.folder import RunFolder, blamed_on, ensure_folder
-    from sim.studies.maps import draw_maps
-    from sim.studies.page import page
+    from sim.studies.maps import draw_maps, page
     from sim.studies.results import findings, read_results
 
     given = Path(options.table)

@@ -1,21 +1,32 @@
-"""Maps of a sweep: where predictions hold and where robots fall, over two settings."""
+"""Maps of a sweep: where predictions hold and where robots fall, over two settings.
+
+A page has them in classes that are fitted to the data, with the best and worst walks.
+"""
 
 from __future__ import annotations
 
+import os
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 import numpy as np
+from markupsafe import Markup
 
 from sim.errors import UsageError
 from sim.figures.style import STYLE, sheet_of
 from sim.folder import whole
 from sim.palette import FAINT, OUTCOMES
+from sim.reports.drawing import finish
+from sim.reports.tables import Table
+from sim.reports.templates import render
+from sim.scenarios.file import toml_value
 from sim.scenarios.settings import FORMER, SETTINGS
-from sim.studies.results import NO_WALK, SEPARATE, Results
+from sim.studies.results import NO_WALK, SEPARATE, Findings, Results
+from sim.sweeps.folder import run_folder
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +43,7 @@ UNITS = {
 """Of the numbers of a robot's shape; the others are lengths."""
 HIGH = 3.2  # [in]
 MOST_LABELS = 200  # at an axis
+EXTREMES = 5  # points among the best, and among the worst
 
 
 def draw_maps(results: Results, folder: Path) -> list[Path]:
@@ -59,6 +71,61 @@ def figures(
             (_draw_map if len(keys) == 2 else _draw_curve)(axes["a"], results, *keys)
             _legend(axes["a"], results)
             yield keys, figure
+
+
+def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
+    """The page as HTML, which will lie in a folder, with links relative to it."""
+    walked = np.flatnonzero(np.isfinite(results.off))
+    order = walked[np.argsort(results.off[walked], kind="stable")].tolist()
+    worst = [*order[: -EXTREMES - 1 : -1]]
+    best = [point for point in order[:EXTREMES] if point not in worst]
+    folder = table if table.is_dir() else table.parent
+    places = os.path.relpath(folder, beside)
+    name = folder.resolve().name
+    counts = [(c, str(n), f"{n / len(results):.0%}") for c, n in found.classes.items()]
+    counts += [(f"no walk: {why}", str(n), "") for why, n in found.reasons.items()]
+    shares = [
+        (key, *("–" if s is None else f"{s:.0%}" for s in (one.departure, one.falls)))
+        for key, one in found.explained.items()
+    ]
+    drawn = figures(results, "none")
+    return render(
+        "study.html",
+        title=f"{name}: {len(results)} points",
+        about=f"{', '.join(results.keys)} vary",
+        label=results.label,
+        counts=Table(("farthest off, of the path", "points", "share"), counts),
+        explained=Table(("alone explains", "of departures", "of lost walks"), shares),
+        maps=[
+            finish(f, " and ".join(keys), []) for keys, f in figures(results, "none")
+        ],
+        worst=_points(results, worst, folder, places),
+        best=_points(results, best, folder, places),
+    )
+
+
+def _points(
+    results: Results, points: Sequence[int], folder: Path, places: str
+) -> Table:
+    """Points with their settings, and the report of each or the command that walks."""
+    rows = []
+    for i in points:
+        number = int(results.column("point")[i])
+        settings = {key: results.columns[key][i] for key in results.keys}
+        own = run_folder(number)
+        if (folder / own / "report.html").exists():
+            link = Markup('<a href="{}">report</a>').format(
+                f"{places}/{own}/report.html"
+            )
+        else:
+            fixed = {**results.asked.get("set", {}), **settings}
+            words = (f"{key}={toml_value(value)}" for key, value in fixed.items())
+            name = quote(str(results.asked.get("scenario", {}).get("name", "SCENARIO")))
+            sets = " ".join(f"--set {quote(word)}" for word in words)
+            link = Markup("<code>stratawalk run {} {}</code>").format(name, sets)
+        cells = (toml_value(value) for value in settings.values())
+        rows.append((str(number), f"{100 * results.off[i]:.3g} %", *cells, link))
+    return Table(("point", "farthest off", *results.keys, "look at it"), rows)
 
 
 def _draw_map(axes: Axes, results: Results, across: str, up: str) -> None:

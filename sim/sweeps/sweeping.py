@@ -29,10 +29,6 @@ from sim.sweeps.worker_pool import Task, open_pool
 Show = Callable[[int, int, int], None]  # given the points done, failed, and all
 
 
-def show_nothing(done: int, failed: int, points: int) -> None:
-    """Show nothing of how far a sweep has come."""
-
-
 @dataclass(frozen=True, slots=True)
 class Result:
     """What became of a sweep."""
@@ -113,7 +109,7 @@ def carry_on(
     scheduler: str | None = None,
     *,
     mix: bool = False,
-    show: Show = show_nothing,
+    show: Show = lambda done, failed, points: None,
 ) -> Result:
     """Walk what is not done yet of a sweep, and write its table.
 
@@ -122,12 +118,20 @@ def carry_on(
     of other versions, unless these are to be mixed in one table.
     """
     about = About.of(points.sweep)
+    times, done, failed = Counter(points.digests.values()), 0, 0
+
+    def count(outcomes: Iterable[Outcome]) -> None:
+        nonlocal done, failed
+        for outcome in outcomes:
+            done += times[outcome.digest]
+            failed += times[outcome.digest] * (outcome.status != OK)
+        show(done, failed, len(points.digests))
+
     with sole_owner(folder.lock):
         folder.agree(about, mix)
         known = read_ledger(folder.ledger)
         if tasks := points.tasks(known):
-            counter = _Counter(points.digests, show)
-            counter.add(known.values())
+            count(known.values())
             with (
                 opened(folder.ledger) as ledger,
                 open_pool(min(workers, len(tasks)), scheduler) as pool,
@@ -135,24 +139,9 @@ def carry_on(
                 for outcome in pool.carry_out(tasks):
                     ledger.add([outcome])
                     known[outcome.digest] = outcome
-                    counter.add([outcome])
+                    count([outcome])
         write_table(folder.table, list(points.rows(known)), asdict(about))
     return points.result(known, len(tasks))
-
-
-class _Counter:
-    """Counts the points that are done, and shows how many there are."""
-
-    def __init__(self, digests: Mapping[int, str], show: Show) -> None:
-        self.points, self.done, self.failed = len(digests), 0, 0
-        self._times, self._show = Counter(digests.values()), show
-
-    def add(self, outcomes: Iterable[Outcome]) -> None:
-        for outcome in outcomes:
-            times = self._times[outcome.digest]
-            self.done += times
-            self.failed += times * (outcome.status != OK)
-        self._show(self.done, self.failed, self.points)
 
 
 def write_run_folders(points: Points, folder: SweepFolder) -> list[str]:
@@ -186,10 +175,8 @@ def merge(sources: Sequence[Path], out: Path) -> tuple[Result, Path]:
     Shards that are not of one sweep, or that lack points, are refused.
     """
     about = _common_about(sources)
-    known: dict[str, Outcome] = {}
-    for source in sources:
-        for path in sorted(source.glob("ledger*.jsonl")):
-            known |= read_ledger(path)
+    ledgers = [path for at in sources for path in sorted(at.glob("ledger*.jsonl"))]
+    known = {k: one for path in ledgers for k, one in read_ledger(path).items()}
     points = points_of(about.sweep, Shard())
     missing = [point for point, code in points.digests.items() if code not in known]
     if missing:
@@ -220,9 +207,10 @@ def _common_about(sources: Sequence[Path]) -> About:
     (first, about), *others = found.items()
     for path, other in others:
         if differ := about.differences(other):
-            what, where = (
-                f"not of one sweep, {'; '.join(differ)}",
-                f"{first} and {path}",
+            what, remedy = (
+                "not of one sweep",
+                "merge shards of the same file and software",
             )
-            raise UsageError(what, where, "merge shards of the same file and software")
+            both = f"{first} and {path}"
+            raise UsageError(f"{what}, {'; '.join(differ)}", both, remedy)
     return about
