@@ -96,9 +96,7 @@ def page(results: Results, found: Findings, table: Path, beside: Path) -> str:
         label=results.label,
         counts=Table(("farthest off, of the path", "points", "share"), counts),
         explained=Table(("alone explains", "of departures", "of lost walks"), shares),
-        maps=[
-            finish(f, " and ".join(keys), []) for keys, f in figures(results, "none")
-        ],
+        maps=[finish(figure, " and ".join(keys), []) for keys, figure in drawn],
         worst=_points(results, worst, folder, places),
         best=_points(results, best, folder, places),
     )
