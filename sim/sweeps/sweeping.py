@@ -207,10 +207,7 @@ def _common_about(sources: Sequence[Path]) -> About:
     (first, about), *others = found.items()
     for path, other in others:
         if differ := about.differences(other):
-            what, remedy = (
-                "not of one sweep",
-                "merge shards of the same file and software",
-            )
-            both = f"{first} and {path}"
-            raise UsageError(f"{what}, {'; '.join(differ)}", both, remedy)
+            what = f"not of one sweep, {'; '.join(differ)}"
+            remedy = "merge shards of the same file and software"
+            raise UsageError(what, f"{first} and {path}", remedy)
     return about
