@@ -43,7 +43,7 @@ ADOPTED = replace(THEIRS, seconds=35.0)  # the command gives itself 30 s
 LOADING = 4.0  # [s] on the processor that the real command takes to begin
 KINDS = OWN_KINDS | FOREIGN
 LOADED = (  # before processes are forked
-    *("sim.commands.systems", "sim.figures.from_above", "sim.reports.page"),
+    *("sim.commands.systems", "sim.figures.mechanism", "sim.reports.page"),
     *("sim.sweeps.sweeping", "sim.studies.maps", "sim.export.played"),
 )
 

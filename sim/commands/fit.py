@@ -56,8 +56,7 @@ MILLI, MILLI_UNITS = 1e3, {"rad": "mrad", "s": "ms"}  # in tables
 )
 def fit(options: argparse.Namespace) -> None:
     """Fit servos and what moves the body, print both, and write a card if asked for."""
-    from sim.fitting.card import card_text, check_free, write_card
-    from sim.fitting.fitting import fit_joints
+    from sim.fitting.fitting import card_text, check_free, fit_joints, write_card
     from sim.fitting.poses import fit_poses
 
     if options.out is not None:

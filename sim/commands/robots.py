@@ -116,7 +116,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             )
     with working(options, "finding the legs"):
         draft = draft_card(source)
-    from sim.figures.from_above import draw
+    from sim.figures.mechanism import save_standing
     from sim.preparation.setup import prepare
     from sim.scenarios.file import load_scenario
 
@@ -130,7 +130,7 @@ def _adopted(options: argparse.Namespace) -> tuple[Source, Draft, Setup, list[Pa
             robot = load(name, allow_external=options.allow_external)
             setup = prepare(load_scenario("line", {"robot": name}), robot)
         with working(options, "drawing it from above"), whole(picture) as part:
-            draw(setup, draft.gait.pivots, part)
+            save_standing(setup, draft.gait.pivots, part)
     except BaseException:
         for path in (card, picture, *model):
             path.unlink(missing_ok=True)

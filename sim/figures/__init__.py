@@ -1,7 +1,7 @@
 """The paper's Figs. 1 to 9 drawn again, on its kinematics and beside the physics.
 
-There is one module for each figure, with two sheets: `paper` in the paper's units
-(l = 1) and `metres` with physics beside the prediction.
+Each has two sheets: `paper` in the paper's units (l = 1) and `metres` with physics
+beside the prediction.
 """
 
 NAMES = (
@@ -16,4 +16,4 @@ NAMES = (
     "diagonal",
     "corridor",
 )
-"""Modules of Figs. 1 to 9: `paper(axes)`, `metres(axes, walks)`, and their `WALKS`."""
+"""Their modules have `paper(axes)`, `metres(axes, walks)` and the `WALKS` of these."""

@@ -59,7 +59,6 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         axes[above].plot(*nominal[:, :2].T, "--", **line)
         centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
         axes[above].plot(*pose[:, :2].T, color=IDEAL, **centre)
-        style.as_map(axes[above], "$l$", "box")
         count = len(cuts) - 1
         course: Style = {"color": NOMINAL, "label": "nominal path, legs at rest"}
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
@@ -83,7 +82,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         clearance, summary = walked.clearance, walked.summary
         _draw_place(axes[above], around, walked.qpos, clearance["achieved"], MM)
         style.draw_walk(axes[above], walked)
-        style.as_map(axes[above], "mm", "box")
         _draw_clearance(axes[below], walked)
         least = (clearance[n].min() for n in ("ideal", "quasi_static", "achieved"))
         counts = summary.wall_contacts, summary.contact_switches
@@ -139,9 +137,7 @@ def _finish_clearance(
 ) -> None:
     """Scales of a plot of clearance, with the surface of the walls marked."""
     axes.axhline(0, color=WALL, linewidth=0.8)
-    axes.set(xlabel="segment", ylabel=f"clearance  [{unit}]", ylim=limits)
     axes.set_xlim(0.5, count + 0.5)
-    axes.legend(loc="upper center", ncols=2)
 
 
 def _draw_clearance(axes: Axes, walked: Walked) -> None:

@@ -13,12 +13,11 @@ from planner import Array, line
 from sim.figures.paper import PaperWalk, configuration, feet, standing, walk
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Shown
-from sim.figures.style import IDEAL, INK, LEGS, MM, NOMINAL, TRIPODS, as_map
+from sim.figures.style import IDEAL, INK, LEGS, MM, NOMINAL, TRIPODS
 from sim.palette import GROUPS, Style
 
 GOAL = (4.0, 4.0, math.pi / 2)
 PAPER_SEGMENTS = 12
-COUNTED = "footprints of each leg so far"
 PALEST = 0.2  # strength of the colour of the first footprint; the last has all of it
 MARKERS = {"1": "^", "2": "v"}
 WALKS = {"diagonal": Job("diagonal", cost=12)}
@@ -112,7 +111,6 @@ def _draw_both(axes: Axes, planned: Footprints, found: Footprints) -> None:
             _draw_prints(axes, tripod, prints, of, (marker, size, filled, label), MM)
     for tripod, leg, of in _legs(planned):
         _number(axes, leg, MM * planned.place[of][0], TRIPODS[tripod])
-    as_map(axes, "mm")
 
 
 def _draw_prints(
@@ -161,9 +159,6 @@ def _draw_over_time(
             dots: Style = {"color": INK, "markersize": 1.5, "markeredgewidth": 0}
             name = "ideal" if tripod == "1" else "_"
             axes.plot(stays, MM * planned.slid[of][order], ".", label=name, **dots)
-    axes.set(xlabel=COUNTED, ylabel=label)
-    axes.set_ylim(0, 1.3 * axes.get_ylim()[1])  # room for the key
-    axes.legend(loc="upper right", ncols=ncols, markerscale=2, columnspacing=1)
 
 
 def _draw_tripods(axes: Axes, prints: Footprints) -> None:
@@ -175,8 +170,6 @@ def _draw_tripods(axes: Axes, prints: Footprints) -> None:
         label = f"tripod {tripod}, legs {'-'.join(map(str, LEGS[tripod]))}"
         _draw_prints(axes, tripod, prints, of, (MARKERS[tripod], 3.0, True, label))
     axes.plot([], [], color=NOMINAL, linewidth=0.5, label="one leg's, in order")
-    as_map(axes, "$l$")
-    axes.legend(loc="upper left", bbox_to_anchor=(0.0, 1.02), handletextpad=0.2)
 
 
 def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
@@ -187,5 +180,3 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
     axes.quiver(x, y, np.cos(yaw), np.sin(yaw), color=INK, zorder=3, **arrows)
     heading: Style = {"marker": ">", "markersize": 3, "color": INK}
     axes.plot([], [], label="heading at segment ends", **heading)
-    as_map(axes, "$l$")
-    axes.legend(loc="upper left")

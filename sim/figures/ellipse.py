@@ -33,18 +33,12 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     axes["a"].plot(*nominal.T, "--", color=NOMINAL, label="nominal")
     dots: Style = {"color": INK, "markersize": 1.5, "label": "segment ends"}
     axes["a"].plot(*walked.states[walked.ends, :2].T, "o", **dots)
-    style.as_map(axes["a"], "$l$")
-    axes["a"].legend(loc="center")
     segment = np.arange(1, SEGMENTS_AROUND + 1)
     axes["b"].step(segment, widths, where="mid", color=IDEAL, label="walked")
-    axes["b"].set(xlabel="segment", ylabel="half width  [$l$]")
     axes["b"].set_ylim(0, 1.35 * widths.max())  # room for the key
-    axes["b"].legend(loc="upper left")
     label = "least to largest"
     style.band(axes["c"], least, most, colour=IDEAL, alpha=0.45, label=label)
     axes["c"].axhline(0, color=NOMINAL, linestyle="--", label="nominal")
-    axes["c"].set(xlabel="segment", ylabel="heading  [rad]", ylim=(-0.45, 0.75))
-    axes["c"].legend(loc="upper left", ncols=2)
     k = _chosen(SEGMENTS_AROUND)
     ends = walked.states[walked.ends][k]
     goals = ellipse(walked.plan.goal, SEMI_AXES).at((k + 1) / SEGMENTS_AROUND)
@@ -59,8 +53,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     """The scenario `ellipse` in the physics."""
     walked = walks["ellipse"]
     style.draw_walk(axes["a"], walked)
-    style.as_map(axes["a"], "mm")
-    axes["a"].legend(loc="center")
     off = []
     for name, colour in (("ideal", IDEAL), ("quasi_static", QUASI_STATIC)):
         apart = walked.pose["achieved"] - walked.pose[name]
@@ -68,9 +60,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         spread = style.extremes(MM * off[-1], walked.segment, walked.segments)
         label = f"off {name.replace('_', '-')}"
         style.band(axes["b"], *spread, colour=colour, alpha=0.55, label=label)
-    axes["b"].set(xlabel="segment", ylabel="distance  [mm]")
-    axes["b"].set_ylim(0, 1.5 * axes["b"].get_ylim()[1])  # room for the legend
-    axes["b"].legend(loc="upper left", ncols=2)
     k = _chosen(walked.segments)
     margins, segment = {}, np.arange(1, walked.segments + 1)
     for name, label, fmt, colour in (
@@ -81,8 +70,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         margins[name] = margin[k]
         dots: Style = {"color": colour, "markersize": 2.5, "label": label}
         axes["c"].plot(segment, MM * margin, fmt, **dots)
-    axes["c"].set(xlabel="segment", ylabel="margin  [mm]", ylim=(40, 60))
-    axes["c"].legend(loc="upper left", ncols=2)
     last = np.searchsorted(walked.segment, k, side="right") - 1
     ends = walked.pose["achieved"][last].T
     columns = *(o[last] for o in off), margins["ideal"], margins["achieved"]

@@ -34,17 +34,15 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     rims = envelope(finest.states[:, :2], finest.ends, np.zeros(2), np.array(GOAL[:2]))
     _fill_between(axes["d"], rims, IDEAL)
     axes["d"].plot([0, GOAL[0]], [0, GOAL[1]], "--", color=INK, linewidth=0.7)
-    style.as_map(axes["d"], "$l$")
     measured = tube(GOAL, TUBE_SEGMENTS)
     n, error, width = measured.segments, measured.error, measured.width
     walked_to = f"walked, power {measured.exponent:.2f}"
     axes["e"].loglog(measured.length, width, "o-", label=walked_to, **_dots(IDEAL))
-    _square_root(axes["e"], measured.length, width[-1], "$l$")
+    _square_root(axes["e"], measured.length, width[-1])
     style.plain_decades(axes["e"].xaxis, subs=(1,))
     axes["e"].set_ylim(top=2)  # room for the legend
     axes["f"].loglog(n, error, "o-", label="walked", **_dots(IDEAL))
     axes["f"].loglog(n, error[-1] * n[-1] / n, "--", color=NOMINAL, label="one over n")
-    axes["f"].set(xlabel="number of segments n", ylabel="distance from the goal  [$l$]")
     _finish(axes, (*SEGMENTS, TUBE_SEGMENTS[-1]))
     return Shown(
         rows_of(n, measured.length, width, measured.turn, error, error * n),
@@ -57,7 +55,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     *coarse, finest = made = [walks[name] for name in WALKS]
     for panel, walked in zip("abc", coarse, strict=True):
         style.draw_walk(axes[panel], walked)
-        style.as_map(axes[panel], "mm")
     _draw_bands(axes["d"], finest)
     widths = {n: np.array([_tube(w, n) for w in made]) for n in ("ideal", "achieved")}
     length = MM * METRES_LENGTH / np.array(SEGMENTS)
@@ -67,9 +64,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     ):
         label += f", power {exponent(length[1:], widths[name][1:]):.2f}"
         axes["e"].loglog(length, MM * widths[name], fmt, label=label, **_dots(colour))
-    _square_root(axes["e"], length, MM * widths["ideal"][-1], "mm")
+    _square_root(axes["e"], length, MM * widths["ideal"][-1])
     style.plain_decades(axes["e"].xaxis)
-    axes["e"].set_ylim(4, 90)  # room for the legend
     ends = np.array([walked.pose["achieved"][-1] for walked in made])
     off = {"goal": np.hypot(*(ends - METRES_GOAL).T[:2])}
     for name in ("ideal", "quasi_static"):
@@ -80,7 +76,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     ):
         label = f"physics off {name.replace('_', '-')}"
         axes["f"].loglog(SEGMENTS, MM * distances, fmt, label=label, **_dots(colour))
-    axes["f"].set(xlabel="number of segments", ylabel="distance at the end  [mm]")
     axes["f"].set_ylim(top=10)  # room for the legend
     _finish(axes, SEGMENTS)
     switches = [walked.summary.contact_switches for walked in made]
@@ -93,7 +88,6 @@ def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
     axes.plot(*walked.states[:, :2].T, color=IDEAL, linewidth=0.8, label="walked")
     ends = walked.states[walked.ends, :2]
     axes.plot(*ends.T, "o", color=INK, markersize=2, label="ends of segments")
-    style.as_map(axes, "$l$")
 
 
 def _draw_bands(axes: Axes, walked: Walked) -> None:
@@ -107,7 +101,6 @@ def _draw_bands(axes: Axes, walked: Walked) -> None:
             continue
         for rim in rims:
             axes.plot(*rim.T, **{**look, "label": "_"})
-    style.as_map(axes, "mm")
 
 
 def _fill_between(axes: Axes, rims: Array, colour: str) -> None:
@@ -117,22 +110,17 @@ def _fill_between(axes: Axes, rims: Array, colour: str) -> None:
     axes.fill(*outline.T, color=colour, alpha=0.6, linewidth=0, label=label)
 
 
-def _square_root(axes: Axes, length: Array, finest: float, unit: str) -> None:
-    """The axes of half widths, and the square root of the length through the finest."""
+def _square_root(axes: Axes, length: Array, finest: float) -> None:
+    """The square root of the length, through the finest half width."""
     ends = length[[0, -1]]
     through = finest * np.sqrt(ends / ends[-1])
     axes.loglog(ends, through, "--", color=NOMINAL, label="square root")
-    axes.set_xlabel(f"length of a segment  [{unit}]")
-    axes.set_ylabel(f"half width of the tube  [{unit}]")
     style.plain_decades(axes.yaxis)
 
 
 def _finish(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
     style.plain_decades(axes["f"].yaxis)
     axes["f"].set_xticks(segments, map(str, segments), minor=False)
-    axes["d"].legend(loc="lower right")
-    axes["e"].legend(loc="upper left")
-    axes["f"].legend(loc="upper right")
 
 
 def _dots(colour: str) -> Style:

@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from models import Kinematics, load
+from models.morphology import PIVOTS
 from planner import Array
 from sim import palette
 from sim.figures.physics import Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.stability import STANCE, draw_body
-from sim.figures.style import INK, LEGS, MM, NOMINAL, TRIPODS, as_map
+from sim.figures.style import INK, LEGS, MM, NOMINAL, STYLE, TRIPODS
+from sim.motion.stability import support_polygons
 from sim.palette import Style
 from sim.pictures.ghost import body_corners
+from sim.preparation.setup import Setup
 
 ROBOTS = ("hexapod", "hexapod-parallel", "quadruped")
 SWUNG = 0.5  # [rad], to either side
 BODY = palette.OUTLINE.tint(0.35).hex
 LIFTED = 0.35  # [l]
+SIDE = 5.0  # of the picture of a robot [inch]
 
 
 def paper(axes: Mapping[str, Axes]) -> Shown:
@@ -56,8 +63,8 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
 
 def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
     front = draw_body(axes)
-    axes.annotate("", (front + 0.75, 0), (front + 0.1, 0),
-                  arrowprops={"arrowstyle": "-|>", "color": NOMINAL})  # fmt: skip
+    arrow = {"arrowstyle": "-|>", "color": NOMINAL}
+    axes.annotate("", (front + 0.75, 0), (front + 0.1, 0), arrowprops=arrow)
     axes.text(front + 0.8, 0, "forward", va="center", color=NOMINAL, fontsize=7)
     for leg, tripod, *places in legs:
         hip, foot = np.reshape(np.array(places, dtype=float), (2, 2))
@@ -69,8 +76,8 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
         phi = np.linspace(-SWUNG, SWUNG, 30)
         reach = np.stack([-np.sin(phi), side * np.cos(phi)])
         axes.plot(*(hip[:, None] + reach), color=colour, linewidth=0.7)
-        axes.text(foot[0], foot[1] + 0.14 * side, str(leg), color=colour, ha="center",
-                  va="bottom" if side > 0 else "top")  # fmt: skip
+        number: Style = {"ha": "center", "va": "bottom" if side > 0 else "top"}
+        axes.text(foot[0], foot[1] + 0.14 * side, str(leg), color=colour, **number)
     hip = STANCE.hips(1)[0]
     swept = hip + np.array([-np.sin(SWUNG), np.cos(SWUNG)])
     axes.plot(*np.transpose([hip, swept]), ":", color=TRIPODS["1"])
@@ -81,8 +88,6 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
         axes.plot([], [], color=TRIPODS[name], label=label)
     axes.plot([], [], "s", color=INK, markersize=3, label="hip, axis of the swing")
     axes.plot([], [], "o", color=INK, markersize=4, label="foot")
-    as_map(axes, "$l$", "box")
-    axes.set(xlim=(-2.3, 3.1), ylim=(-1.9, 1.9))
 
 
 def _draw_side(axes: Axes) -> None:
@@ -92,18 +97,17 @@ def _draw_side(axes: Axes) -> None:
     length = np.linalg.norm(down - hip)
     up = np.array([np.sqrt(length**2 - (hip[1] - LIFTED) ** 2), LIFTED])
     axes.axhline(0, color=INK, linewidth=0.8)
-    axes.plot([-0.35, 0.0], [0.5, 0.5], color=NOMINAL, linewidth=5, alpha=0.5,
-              solid_capstyle="butt")  # fmt: skip
+    body: Style = {"linewidth": 5, "alpha": 0.5, "solid_capstyle": "butt"}
+    axes.plot([-0.35, 0.0], [0.5, 0.5], color=NOMINAL, **body)
     axes.plot(*np.transpose([hip, down]), color=TRIPODS["1"], linewidth=1.6)
     axes.plot(*np.transpose([hip, up]), ":", color=TRIPODS["1"], linewidth=1.6)
     axes.plot(*np.transpose([down, up]), "o", color=TRIPODS["1"], markersize=4)
     axes.plot(*hip, "s", color=INK, markersize=3)
-    axes.annotate("", (1.15, LIFTED), (1.15, 0.0),
-                  arrowprops={"arrowstyle": "<->", "lw": 0.6})  # fmt: skip
+    arrow = {"arrowstyle": "<->", "lw": 0.6}
+    axes.annotate("", (1.15, LIFTED), (1.15, 0.0), arrowprops=arrow)
     axes.text(1.19, LIFTED / 2, "$h_1$", va="center")
     axes.text(-0.33, 0.58, "body", color=NOMINAL)
     axes.text(-0.33, -0.04, "ground", va="top")
-    axes.set(xlim=(-0.4, 1.4), ylim=(-0.3, 0.9), aspect="equal")
     axes.set_axis_off()
 
 
@@ -122,24 +126,22 @@ def _draw_robot(axes: Axes, name: str) -> list[tuple[Cell, ...]]:
         colour, hip, foot = palette.group(group).hex, hips[i], stance.feet[i]
         low, high = robot.swing_range[robot.groups[group]]
         angles = np.linspace(low, high, 25)[:, None] * (np.arange(len(still)) == group)
-        axes.plot(*(MM * kinematics.stance(angles).feet[:, i].T), color=colour,
-                  linewidth=0.7)  # fmt: skip
+        reached = kinematics.stance(angles).feet[:, i]
+        axes.plot(*(MM * reached.T), color=colour, linewidth=0.7)
         axes.plot(*(MM * np.transpose([hip, foot])), color=colour, linewidth=1.4)
         axes.plot(*(MM * foot), "o", color=colour, markersize=4)
         axes.plot(*(MM * hip), "s", color=INK, markersize=2.5)
-        axes.annotate(str(leg), MM * foot, (0, 8 * np.sign(foot[1])), ha="center",
-                      va="center", textcoords="offset points", color=INK,
-                      xycoords="data", annotation_clip=False)  # fmt: skip
+        number: Style = {"color": INK, "ha": "center", "va": "center"}
+        number |= {"textcoords": "offset points", "annotation_clip": False}
+        axes.annotate(str(leg), MM * foot, (0, 8 * np.sign(foot[1])), **number)
         reach = float(np.hypot(*(foot - hip)))
         places = *hip.tolist(), *foot.tolist()
         rows.append((name, leg, robot.groups[group], *places, reach, high))
         inward = hip - (foot - hip) / reach * 0.12
         axes.plot(*(MM * np.transpose([hip, inward])), ":", color=colour, linewidth=0.6)
-    if name == "hexapod":
-        for pivot in _pivots(hips, stance.feet, robot.group_of_leg):
-            axes.plot(*(MM * pivot), "x", color=NOMINAL, markersize=5)
+    for pivot in dict.fromkeys(PIVOTS.values()) if name == "hexapod" else ():
+        axes.plot(*np.multiply(MM, pivot), "x", color=NOMINAL, markersize=5)
     axes.plot(*(MM * stance.center_of_mass), "+", color=INK)
-    as_map(axes, "mm")
     return rows
 
 
@@ -148,16 +150,35 @@ def _draw_body(axes: Axes, corners: Array) -> None:
     hull = shapely.convex_hull(shapely.MultiPoint(MM * corners[:, :2]))
     rim = shapely.get_coordinates(hull)
     axes.fill(*rim.T, facecolor=BODY, edgecolor=NOMINAL, linewidth=0.8, zorder=0)
-    front = rim[:, 0].max()
-    axes.plot(0.8 * front, 0, ">", color=NOMINAL, markersize=6)
+    axes.plot(0.8 * rim[:, 0].max(), 0, ">", color=NOMINAL, markersize=6)
 
 
-def _pivots(hips: Array, feet: Array, groups: Array) -> list[Array]:
-    """Point nearest to the lines of each group's legs, shape (2,)."""
-    found = []
-    for group in np.unique(groups):
-        on = groups == group
-        along = (feet - hips)[on]
-        across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
-        found.append(np.linalg.lstsq(across, (across * hips[on]).sum(axis=1))[0])
-    return found
+def save_standing(setup: Setup, pivots: Sequence[Array], path: Path) -> None:
+    """Draw a robot from above as it starts, as PNG, with its support polygons.
+
+    Pivots are the points, (2,) [m], that its groups turn the body about, if any.
+    """
+    robot, stance = setup.robot, setup.kinematics.standing
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(SIDE, SIDE), layout="constrained")
+        axes = figure.add_subplot(aspect="equal")
+        strata = [s for s in dict.fromkeys(robot.card.gait) if s != robot.card.bottom]
+        for number, name in enumerate(strata):
+            colour, on = palette.group(number).hex, robot.planted(name)[None]
+            hull = support_polygons(stance.feet[None], on)[0]
+            if hull.geom_type == "Polygon":
+                axes.fill(*np.array(hull.exterior.coords).T, color=colour, alpha=0.12)
+            axes.plot(*stance.feet[on[0]].T, "o", color=colour)
+        for number, (pivot, name) in enumerate(zip(pivots, robot.groups, strict=False)):
+            colour = palette.group(number).hex
+            axes.plot(*pivot, "x", color=colour, label=f"pivot of group {name}")
+            for foot in stance.feet[robot.planted(name)]:
+                spoke = np.array([pivot, foot]).T
+                axes.plot(*spoke, ":", color=colour, linewidth=0.8)
+        for leg, foot in zip(robot.legs, stance.feet, strict=True):
+            axes.annotate(str(leg), foot, xytext=(4, 4), textcoords="offset points")
+        axes.plot(*stance.center_of_mass, "k+", label="centre of mass")
+        axes.set(xlabel="x [m], forward", ylabel="y [m], left")
+        axes.set_title(robot.name, parse_math=False)
+        axes.legend(loc="best", fontsize="small")
+        figure.savefig(path, dpi=120)

@@ -12,7 +12,6 @@ from matplotlib.ticker import MaxNLocator
 from models import equations, load, shipped_system
 from planner import Array, Flow, play, stratified_panels
 from planner.extension import StratifiedPanels
-from sim.figures import style
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown
 from sim.figures.style import IDEAL, INK, MM, NOMINAL, PHYSICS, QUASI_STATIC, TRIPODS
@@ -147,8 +146,6 @@ def _draw_way(axes: Axes, states: Array) -> None:
         axes.plot(*part.T, color=colour, linewidth=1.4)
     axes.plot(*states[0, :2], "o", color=INK, markersize=3, label="start")
     axes.plot(*states[-1, :2], "s", color=INK, markersize=4, label="end")
-    style.as_map(axes, "$l$")
-    axes.legend(loc="center left")
 
 
 def _add_key(axes: Axes) -> None:
@@ -170,8 +167,6 @@ def _draw_changes(
                   markerfacecolor="none", label=f"{name}, flows")  # fmt: skip
     alone: Style = {"linewidth": 0.8, "label": "y, bracket alone"}
     axes.plot(sides, 2 * RATIO * sides**2, "--", color=NOMINAL, **alone)
-    axes.set(xlabel="stroke of tripod 1  [rad]", ylabel="change  [$l$]")
-    axes.legend(loc="upper left")
 
 
 def _draw_bars(axes: Axes, rows: list[tuple[Cell, ...]], column: int) -> None:
@@ -184,5 +179,3 @@ def _draw_bars(axes: Axes, rows: list[tuple[Cell, ...]], column: int) -> None:
     names[-1] += "\naround 0"
     axes.set_xticks(range(len(rows)), names)
     axes.axhline(0, color=INK, linewidth=0.6)
-    axes.set(xlabel="sides of the loop  [rad]", ylabel="change  [mm]")
-    axes.legend(loc="best")

@@ -12,7 +12,7 @@ from models import shipped_system
 from planner import Array, Flow, play
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown
-from sim.figures.strata import draw_sheets, draw_way
+from sim.figures.strata import draw_sheets, draw_way, numbered
 from sim.figures.style import INK, LEGS, MM, PATHS, STRATA, TRIPODS
 from sim.palette import Style
 
@@ -54,15 +54,13 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
         axes["b"].plot(flow, states[:, foot - 3], **line)
     for i, (name, style) in enumerate((("x", "-"), ("y", "--"), (r"$\theta$", ":"))):
         axes["c"].plot(flow, states[:, i], style, color=INK, label=name)
-    for name, unit in (("b", "height"), ("c", "pose  [$l$], [rad]")):
+    for name in "bc":
         for number, step in enumerate(SEQUENCE):
             shade: Style = {"color": STRATA[step.stratum], "alpha": 0.08, "lw": 0}
             axes[name].axvspan(number, number + 1, **shade)
-        axes[name].set(xlabel="flow", ylabel=unit, xlim=(0, len(SEQUENCE)))
         axes[name].set_xticks(np.arange(len(SEQUENCE)) + 0.5, list("123456"))
         low, high = axes[name].get_ylim()
         axes[name].set_ylim(low, high + 0.35 * (high - low))  # room for the key
-        axes[name].legend(loc="upper left", ncols=3)
     rows: list[tuple[Cell, ...]] = [(0, "S12", "start", 0.0, *states[0].tolist())]
     for number, step in enumerate(SEQUENCE, start=1):
         facts = number, f"S{step.stratum}", step.field, step.duration
@@ -77,10 +75,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for name, style in PATHS.items():
         axes["b"].plot(*(MM * walked.pose[name][:, :2].T), **style)
         axes["c"].plot(walked.time, walked.pose[name][:, 2], **style)
-    axes["b"].set(xlabel="x  [mm]", ylabel="y  [mm]")
-    axes["b"].set_aspect("equal", adjustable="datalim")
-    axes["c"].set(xlabel="time  [s]", ylabel="yaw  [rad]")
-    axes["b"].legend(loc="best")
     rows: list[tuple[Cell, ...]] = []
     for group, tripod in enumerate(LEGS):
         on = np.flatnonzero(walked.moving == group)
@@ -99,11 +93,7 @@ def _draw_space(axes: Axes3D, states: Array) -> None:
     draw_way(axes, points, [f.stratum for f in SEQUENCE for _ in range(STATES)])
     for number in range(len(SEQUENCE)):
         at = points[number * STATES + STATES // 2]
-        axes.text(
-            *at, str(number + 1), fontsize=6.5, color="white", ha="center", va="center",
-            bbox={"boxstyle": "circle,pad=0.15", "edgecolor": "none",
-                  "facecolor": STRATA[SEQUENCE[number].stratum]},
-        )  # fmt: skip
+        axes.text(*at, str(number + 1), **numbered(STRATA[SEQUENCE[number].stratum]))
     for at, name in ((points[0], "$x_0$"), (points[-1], "$x_f$")):
         axes.plot(*at, "o", color=INK, markersize=3)
         axes.text(*(at + [-0.02, 0.0, 0.04]), name, va="bottom", ha="right")
@@ -124,6 +114,4 @@ def _draw_angles(axes: Axes, walked: Walked) -> None:
     area: Style = {"color": INK, "alpha": 0.06, "linewidth": 0}
     area["transform"] = axes.get_xaxis_transform()
     axes.fill_between(walked.time, 0, 1, where=walked.moving < 0, **area)
-    axes.set(xlabel="time  [s]", ylabel=r"$\varphi$  [rad]")
-    axes.set_ylim(top=0.6)
-    axes.legend(loc="upper left", ncols=2)
+    axes.set_ylim(top=0.6)  # room for the key

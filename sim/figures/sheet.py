@@ -1,7 +1,7 @@
 """Sheets of figures: a drawing with its numbers and its caption each.
 
-`sheets.toml` says what a sheet shows, names its panels and the columns of its table,
-and holds its caption; the module of its figure computes the numbers and draws them.
+`sheets.toml` says what a sheet shows, what its panels and its table look like, and
+holds its caption; the module of its figure computes the numbers and draws them.
 """
 
 from __future__ import annotations
@@ -15,19 +15,22 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from sim.figures import NAMES
 from sim.figures.physics import Job, Walked, begun
-from sim.figures.style import STYLE, sheet_of
+from sim.figures.style import STYLE, as_map, sheet_of
 from sim.folder import RunFolder, whole
 from sim.palette import Style
 from sim.progress import Progress, silent
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 FORMATS = ("png", "svg")
+SHARED = {"biped": "strata", "quadruped": "strata"}  # modules, of two figures each
 KINDS = ("paper", "metres")
 SHEET = 1.0  # about how long a sheet takes [s], for estimates
 LAYOUTS = Path(__file__).with_name("sheets.toml")
@@ -70,6 +73,28 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Panel:
+    """What `sheets.toml` says of a panel."""
+
+    title: str
+    map: str = ""  # unit of a plan view
+    axes: Style = field(default_factory=dict)  # labels, limits and aspect
+    room: float = 0.0  # height for the key, in heights of the curves, from 0 on
+    legend: Style | None = None  # of its own
+
+    def finish(self, axes: Axes, title: str) -> None:
+        """Add to a drawing all that is not its content."""
+        if self.map:
+            as_map(axes, self.map)
+        axes.set(**self.axes)
+        if self.room:
+            axes.set_ylim(0, self.room * axes.get_ylim()[1])
+        if self.legend is not None:
+            axes.legend(**self.legend)
+        axes.set_title(title, loc="left")  # also in 3-D
+
+
+@dataclass(frozen=True)
 class Layout:
     """What `sheets.toml` says of a sheet."""
 
@@ -78,9 +103,10 @@ class Layout:
     caption: str  # what it shows, what the paper leaves open, what was chosen
     mosaic: str  # of the panels, as matplotlib's `subplot_mosaic` takes it
     height: float  # [in]
-    panels: Sequence[str]  # titles in the order of the panels' letters
+    panels: Mapping[str, Panel]  # by their letters
     columns: Sequence[str]  # name and unit of each column of the table
     options: Style = field(default_factory=dict)
+    arguments: Style = field(default_factory=dict)  # of what draws it
     key: str = ""  # letter of the panel whose key stands below all of them
     key_columns: int = 0  # 0 for a single row
 
@@ -100,16 +126,14 @@ def drawn(figure: str, kind: str, walks: Mapping[str, Walked] | None = None) -> 
     """Compute and draw a sheet: `paper`, or `metres` of the figure's `WALKS`."""
     from matplotlib import rc_context
 
-    layout, module = _layouts()[figure][kind], import_module(f"sim.figures.{figure}")
+    layout, module = _layouts()[figure][kind], _module(figure)
+    data = () if kind == "paper" else (walks or {},)
     with rc_context(STYLE):
         canvas, axes = sheet_of(layout.mosaic, layout.height, layout.options)
-        if kind == "paper":
-            shown: Shown = module.paper(axes)
-        else:
-            shown = module.metres(axes, walks or {})
-        for (letter, panel), title in zip(axes.items(), layout.panels, strict=True):
-            words = title.format(**shown.words)
-            panel.set_title(f"({letter}) {words}", loc="left")  # also in 3-D
+        shown: Shown = getattr(module, kind)(axes, *data, **layout.arguments)
+        for letter, panel in layout.panels.items():
+            title = panel.title.format(**shown.words)
+            panel.finish(axes[letter], f"({letter}) {title}")
         canvas.suptitle(layout.title, x=0.01, ha="left", fontweight="bold")
         if layout.key:
             handles, labels = axes[layout.key].get_legend_handles_labels()
@@ -135,10 +159,16 @@ def rows_of(*columns: Iterable[Any]) -> list[tuple[Cell, ...]]:
 @cache
 def _layouts() -> Mapping[str, Mapping[str, Layout]]:
     figures = tomllib.loads(LAYOUTS.read_text(encoding="utf-8"))
+    for layout in (layout for kinds in figures.values() for layout in kinds.values()):
+        layout["panels"] = {k: Panel(**panel) for k, panel in layout["panels"].items()}
     return {
         figure: {kind: Layout(**layout) for kind, layout in kinds.items()}
         for figure, kinds in figures.items()
     }
+
+
+def _module(figure: str) -> ModuleType:
+    return import_module(f"sim.figures.{SHARED.get(figure, figure)}")
 
 
 def save(sheet: Sheet, folder: Path) -> None:
@@ -177,8 +207,7 @@ def draw(
     """
     names = (only,) if only else NAMES
     needed: dict[str, Mapping[str, Job]] = {
-        name: getattr(import_module(f"sim.figures.{name}"), "WALKS", {})
-        for name in names
+        name: getattr(_module(name), "WALKS", {}) for name in names
     }
     jobs = {walk: job for walks in needed.values() for walk, job in walks.items()}
     done: dict[tuple[str, str], Sheet] = {}

@@ -14,7 +14,7 @@ from planner import Array, Flow
 from sim import palette
 from sim.figures.physics import Job, Walked
 from sim.figures.sheet import Cell, Shown, rows_of
-from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS, as_map
+from sim.figures.style import IDEAL, INK, MM, NOMINAL, TRIPODS
 from sim.motion.stability import stability_margin, support_polygons
 from sim.palette import Style
 
@@ -32,7 +32,6 @@ WIDEST = 1.2  # [rad] to either side of the angles compared
 PHI = np.linspace(-WIDEST, WIDEST, 241)
 TABLED = np.linspace(-WIDEST, WIDEST, 15)  # [rad], angles in the table
 MARKED = np.linspace(-1.05, 1.05, 8)  # [rad], angles that crossings are marked at
-ANGLE = r"$\varphi$ of the loaded tripod  [rad]"
 STANDS = palette.STABLE.tint(0.35).hex
 WALKS = {
     robot: Job("line", {"robot": robot, "segments": 1}, flows=SWAYING)
@@ -69,7 +68,6 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
                 k = int(np.abs(phi - angle).argmin())
                 found = (float(margin[k]) for margin in margins)
                 rows.append((robot, group + 1, float(phi[k]), *found))
-    axes["a"].set_ylabel("margin  [mm]")
     return Shown(rows)
 
 
@@ -92,9 +90,6 @@ def _draw_sway(axes: Axes, walked: Walked, parallel: bool) -> None:
         point: Style = {"color": colour, "markersize": 4, "mfc": "white"}
         label = f"{tripod}, physics"
         axes.plot(phi[few], MM * achieved[few], marker, label=label, **point)
-    axes.set(xlabel=ANGLE, xlim=(-1.05 * SWAY, 1.05 * SWAY))
-    axes.set_ylim(8, 80)  # room for the legend
-    axes.legend(loc="lower center", ncols=2)
 
 
 def draw_body(axes: Axes) -> float:
@@ -107,7 +102,6 @@ def draw_body(axes: Axes) -> float:
 
 def _draw_stance(axes: Axes) -> None:
     """The body from above, tripod 1 at one angle, the other at rest and in the air."""
-    as_map(axes, "$l$")
     front = draw_body(axes)
     for tripod, phi in ((1, DRAWN_ANGLE), (2, 0.0)):
         hips, feet = STANCE.hips(tripod), STANCE.feet(tripod, phi)
@@ -124,11 +118,9 @@ def _draw_stance(axes: Axes) -> None:
     for name, words, alpha in (("1", "on the ground", 1.0), ("2", "in the air", 0.35)):
         dot: Style = {"color": TRIPODS[name], "alpha": alpha, "markersize": 3.5}
         axes.plot([], [], "o-", label=f"tripod {name}, {words}", **dot)
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22))
     arrow = {"arrowstyle": "<->", "lw": 0.6}
     axes.annotate("", (0, -0.72), (front, -0.72), arrowprops=arrow)
     axes.text(front / 2, -0.78, "$b$", ha="center", va="top")
-    axes.set_xlim(-2.3, 1.9)
 
 
 def _draw_signs(axes: Axes, signs: SignMap, crossed: Sequence[Array]) -> None:
@@ -144,8 +136,6 @@ def _draw_signs(axes: Axes, signs: SignMap, crossed: Sequence[Array]) -> None:
     axes.plot([], [], color=STANDS, linewidth=6, label="support polygon: margin > 0")
     middle: Style = {"color": NOMINAL, "linestyle": "--", "label": r"$b = l_b/2$"}
     axes.axhline(STANCE.body_length / 2, **middle)
-    axes.set(xlabel=ANGLE, ylabel="$b$  [$l$]", xlim=(PHI[0], PHI[-1]), ylim=(-1, 5.8))
-    axes.legend(loc="upper left")
 
 
 def _draw_margins(axes: Axes) -> None:
@@ -158,9 +148,6 @@ def _draw_margins(axes: Axes) -> None:
         label = f"tripod {tripod}, to the nearest side"
         axes.plot(PHI, margin, style, label=label, **line)
     axes.axhline(0, color=INK, linewidth=0.6)
-    axes.set(xlabel=ANGLE, ylabel="margin  [$l$]", xlim=(PHI[0], PHI[-1]))
-    axes.set_ylim(-0.65, 0.8)  # room for the legend
-    axes.legend(loc="lower center")
 
 
 def polygon_margin(stance: PaperStance, tripod: int, phi: Array, b: Array) -> Array:

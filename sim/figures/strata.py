@@ -1,4 +1,4 @@
-"""Strata as graphs of systems and as sheets of configurations: Figs. 2 to 4.
+"""Figs. 2 and 3: strata as graphs of systems, and as sheets of configurations.
 
 Every set of feet on the ground is a node, placed by the number of these feet; the
 system has a stratum for some of them. A gait is a closed walk along the edges.
@@ -8,7 +8,7 @@ stands and foot 2 may rise, on S2 the other way about; they cross in S12.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise, product
 
@@ -18,10 +18,13 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch, Patch
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
+from models import Kinematics, equations, load, shipped_system
 from planner import Array, Gait, StratifiedSystem
 from sim import palette
-from sim.figures.sheet import Cell
-from sim.figures.style import INK, NOMINAL, STRATA
+from sim.figures.physics import Walked
+from sim.figures.sheet import Cell, Shown
+from sim.figures.style import INK, MM, NOMINAL, STRATA
+from sim.motion.stability import margin_at_rest
 from sim.palette import Style
 
 ABSENT = palette.OUTLINE.hex  # sets of feet that are no strata
@@ -53,12 +56,48 @@ class Graph:
     dimensions: Mapping[str, int]  # of every stratum that there is
 
 
+def paper(axes: Mapping[str, Axes], systems: Sequence[str]) -> Shown:
+    """Strata of systems with their gaits; in a panel before them, a biped's sheets."""
+    panels = [*axes.values()]
+    spaces, panels = panels[: -len(systems)], panels[-len(systems) :]
+    for space in spaces:
+        draw_sheets(space, (0.0, 1.0))
+        space.set_xlabel("everything else", labelpad=-12)
+        space.set_xticks([])
+    rows: list[tuple[Cell, ...]] = []
+    for panel, name in zip(panels, systems, strict=True):
+        problem = shipped_system(name)
+        graph = graph_of(problem.system, problem.gait)
+        draw_graph(panel, graph)
+        rows += _rows(name, graph)
+    _add_key(panels[0])
+    return Shown(rows)
+
+
+def metres(
+    axes: Mapping[str, Axes], walks: Mapping[str, Walked], robots: Sequence[str]
+) -> Shown:
+    """Strata, gaits and margins of robots that walk in MuJoCo."""
+    rows = []
+    for panel, name in zip(axes.values(), robots, strict=True):
+        robot = load(name)
+        kinematics, gait = Kinematics(robot), robot.card.gait
+        margins = {s: margin_at_rest(kinematics, s) for s in dict.fromkeys(gait)}
+        graph = graph_of(equations(robot).system, gait)
+        draw_graph(panel, graph, {s: f"{MM * m:.0f} mm" for s, m in margins.items()})
+        for row in _rows(name, graph):
+            rows.append((*row, margins[str(row[1]).removeprefix("S")]))
+    _add_key(axes["a"])
+    return Shown(rows)
+
+
 def graph_of(system: StratifiedSystem, gait: Sequence[str]) -> Graph:
     """The graph of a system's strata and a closed gait in it."""
-    feet = {contact: contact.rpartition("_")[2] for c in system.contacts.values()
-            for contact in c}  # fmt: skip
-    own = {frozenset(feet[c] for c in system.contacts[s]): s for s in system.strata}
-    everything = sorted(set(feet.values()))
+    own = {
+        frozenset(contact.rpartition("_")[2] for contact in system.contacts[s]): s
+        for s in system.strata
+    }
+    everything = sorted(frozenset().union(*own))
     nodes = {}
     for size in range(len(everything), -1, -1):
         level = [frozenset(some) for some in combinations(everything, size)]
@@ -89,9 +128,7 @@ def draw_graph(
         for n in nodes.values()
     }
     _draw_bottom(
-        axes,
-        bottom,
-        [SPREAD * node.at[0] for node in nodes.values() if node.at[1] == 1],
+        axes, bottom, [SPREAD * n.at[0] for n in nodes.values() if n.at[1] == 1]
     )
     faint: Style = {"color": ABSENT, "linewidth": 0.5, "zorder": 0}
     strong: Style = {"color": NOMINAL, "linewidth": 1.2, "zorder": 1}
@@ -120,14 +157,9 @@ def _draw_bottom(axes: Axes, node: Node, ends: Sequence[float]) -> None:
     """A box as wide as the edges that leave it, so that arrows do not meet."""
     left, right, y = min(ends) - 3 * LANE, max(ends) + 3 * LANE, node.at[1]
     shape: Style = {"facecolor": "white", "edgecolor": NOMINAL, "linewidth": 1.2}
-    box = FancyBboxPatch(
-        (left, y - HIGH),
-        right - left,
-        2 * HIGH,
-        "round,pad=0,rounding_size=0.06",
-        **shape,
-    )
-    axes.add_patch(box).set_zorder(3)
+    shape["boxstyle"] = "round,pad=0,rounding_size=0.06"
+    box = FancyBboxPatch((left, y - HIGH), right - left, 2 * HIGH, zorder=3, **shape)
+    axes.add_patch(box)
 
 
 def _draw_node(axes: Axes, node: Node, note: str, framed: bool) -> Patch | None:
@@ -155,21 +187,22 @@ def _draw_step(
         None if at[1] == HIGH else box for at, box in zip(ends, boxes, strict=True)
     )
     arrow: Style = {"color": INK, "linewidth": 1.0, "mutation_scale": 8, "zorder": 2}
-    clipped: Style = {"patchA": first, "patchB": last, "shrinkA": 0, "shrinkB": 0}
-    line = FancyArrowPatch(
-        start + lane, end + lane, arrowstyle="-|>", **clipped, **arrow
-    )
-    axes.add_patch(line)
+    arrow |= {"patchA": first, "patchB": last, "shrinkA": 0, "shrinkB": 0}
+    arrow["arrowstyle"] = "-|>"
+    axes.add_patch(FancyArrowPatch(start + lane, end + lane, **arrow))
     way = NUMBERED if end[1] > start[1] else 1 - NUMBERED  # beside that back
     x, y = start + lane + way * (end - start)
-    axes.annotate(
-        str(number), (x, y), ha="center", va="center", fontsize=6.5, color="white",
-        zorder=3,
-        bbox={"boxstyle": "circle,pad=0.15", "facecolor": INK, "edgecolor": "none"},
-    )  # fmt: skip
+    axes.text(x, y, str(number), zorder=3, **numbered(INK))
 
 
-def add_key(axes: Axes) -> None:
+def numbered(colour: str) -> Style:
+    """The look of a number in a disc, as matplotlib's text takes it."""
+    box = {"boxstyle": "circle,pad=0.15", "facecolor": colour, "edgecolor": "none"}
+    look: Style = {"color": "white", "fontsize": 6.5, "bbox": box}
+    return look | {"ha": "center", "va": "center"}
+
+
+def _add_key(axes: Axes) -> None:
     """Enter the signs of graphs in the key of a panel."""
     box: Style = {"marker": "s", "markerfacecolor": "white", "linestyle": ""}
     step: Style = {"color": INK, "marker": ">", "label": "steps of the gait, in order"}
@@ -180,41 +213,30 @@ def add_key(axes: Axes) -> None:
     axes.plot([], [], color=ABSENT, markersize=5, label=other, **box)
 
 
-def rows_of_graphs(graphs: Mapping[str, Graph]) -> list[tuple[Cell, ...]]:
-    """The strata of several systems, by their names, and the places of their gaits."""
-    rows: list[tuple[Cell, ...]] = []
-    for name, graph in graphs.items():
-        for node in filter(lambda node: node.present, graph.nodes.values()):
-            own = node.name
-            near = [b if a == own else a for a, b in graph.joined if own in (a, b)]
-            places = [str(i) for i, s in enumerate(graph.gait, start=1) if s == own]
-            sizes = len(node.feet), graph.dimensions[own]
-            words = (node.fields, [f"S{s}" for s in near], places)
-            cells = (" ".join(several) or "none" for several in words)
-            rows.append((name, f"S{own}", *sizes, *cells))
-    return rows
+def _rows(name: str, graph: Graph) -> Iterator[tuple[Cell, ...]]:
+    """The strata of a system, by their names, and the places of its gait."""
+    for node in filter(lambda node: node.present, graph.nodes.values()):
+        own = node.name
+        near = [f"S{b if a == own else a}" for a, b in graph.joined if own in (a, b)]
+        places = [str(i) for i, s in enumerate(graph.gait, start=1) if s == own]
+        cells = (" ".join(several) or "none" for several in (node.fields, near, places))
+        yield name, f"S{own}", len(node.feet), graph.dimensions[own], *cells
 
 
 def draw_sheets(axes: Axes3D, span: tuple[float, float], top: float = 1.25) -> None:
     """Draw S1 and S2 up to a height of feet, and the line S12 that they share."""
     low, high = span
-    first = [(low, 0, 0), (high, 0, 0), (high, 0, top), (low, 0, top)]
-    second = [(low, 0, 0), (high, 0, 0), (high, top, 0), (low, top, 0)]
-    for corners, stratum in ((first, "1"), (second, "2")):
-        faint: Style = {
-            "facecolor": STRATA[stratum],
-            "alpha": 0.12,
-            "edgecolor": "none",
-        }
-        axes.add_collection3d(Poly3DCollection([corners], **faint))
+    for stratum, (y, z) in (("1", (0, top)), ("2", (top, 0))):
+        corners = [(low, 0, 0), (high, 0, 0), (high, y, z), (low, y, z)]
+        faint: Style = {"facecolor": STRATA[stratum], "alpha": 0.12}
+        axes.add_collection3d(Poly3DCollection([corners], edgecolor="none", **faint))
     axes.plot([low, high], [0, 0], [0, 0], color=INK, linewidth=1.2)
     axes.text(high, 0, top, "$S_1$", color=STRATA["1"], ha="right", va="top")
     axes.text(high, top, 0.02, "$S_2$", color=STRATA["2"], ha="right")
     axes.text(high, 0, 0, " $S_{12}$", ha="left", va="top")
     axes.text(high, top, top, "$h_2$", ha="center", va="bottom")
-    axes.set(xlim=span, ylim=(0, top), zlim=(0, top))
+    axes.set(xlim=span, ylim=(0, top), zlim=(0, top), yticks=(1,), zticks=(1,))
     axes.set_ylabel("$h_1$", labelpad=-10)
-    axes.set(yticks=(1,), zticks=(1,))
     axes.tick_params(pad=-4)
     axes.view_init(**VIEW)
     axes.set_box_aspect((1.5, 1.1, 1.0), zoom=1.2)
@@ -228,7 +250,7 @@ def draw_way(axes: Axes, points: Array, strata: Sequence[str]) -> None:
 
     Points hold the further coordinate and the heights of feet 1 and 2, shape (N, 3).
     """
-    changes = [0, *(np.flatnonzero(np.array(strata[1:]) != strata[:-1]) + 1)]
-    for begin, end in pairwise([*changes, len(strata)]):
+    changes = np.flatnonzero(np.array(strata[1:]) != strata[:-1]) + 1
+    for begin, end in pairwise([0, *changes, len(strata)]):
         colour = STRATA[strata[begin]]
         axes.plot(*points[begin : end + 1].T, color=colour, linewidth=1.6)

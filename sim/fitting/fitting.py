@@ -7,17 +7,22 @@ quarters of every log are fitted, and the last quarter is predicted.
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
+from models import Robot
 from planner import Array
+from sim.errors import UsageError
 from sim.fitting.estimate import Estimates, Parameter, estimate, pooled, together
-from sim.fitting.loads import known_servos, on_floor, on_stand
-from sim.fitting.servo_law import Commanded
+from sim.fitting.servo_law import Commanded, known_servos, on_floor, on_stand
+from sim.folder import whole
 from sim.logs.log import Log
 from sim.preparation.setup import Setup
 from sim.preparation.shared import built
@@ -37,6 +42,7 @@ DAMPINGS = (-0.7, 0.0, 0.7)  # logarithms of factors that are tried
 LOOSE = ((0.0, 0.01), (0.0, 0.01))  # [rad]; dead bands and backlash that are tried
 NARROWEST = 1e-5  # [rad]; a band that all joints have, so that all are built alike
 FITTED = 0.75  # of the rows of a log; the rest checks
+ON_CARD = "\n[fitted]\n"  # the last table of a card
 ROUNDS = 3  # of walking on the floor, all but the first with servos as found
 SHARED = {"stiffness": "servo_stiffness", "damping": "servo_damping",
           "backlash": "backlash", "delay": "command_delay"}  # fmt: skip
@@ -170,3 +176,38 @@ def _scanned(commanded: Commanded, rows: Array, measured: Array, start: Array) -
             best[better, 4], best[better, 5] = zero[better], delay
             least = np.minimum(left, least)
     return best
+
+
+def card_text(robot: Robot, told: Told, sources: Sequence[str]) -> str:
+    """The robot's card with settings that its logs told, in place of earlier ones."""
+    lines = [f"{key} = {json.dumps(value)}" for key, (value, _) in told.items()]
+    errors = [f"{key} = {json.dumps(error)}" for key, (_, error) in told.items()]
+    came = f"source = {json.dumps(list(sources), ensure_ascii=False)}"
+    table = [*lines, came, "", "[fitted.errors]", *errors]
+    return robot.card_text.partition(ON_CARD)[0] + ON_CARD + "\n".join(table) + "\n"
+
+
+def check_free(card: Path) -> None:
+    """Refuse a name that is no card's, or that is taken."""
+    if card.suffix != ".toml" or not card.parent.is_dir():
+        remedy = "give --out FOLDER/NAME.toml"
+        raise UsageError("no place for a card", str(card), remedy)
+    if os.path.lexists(card):
+        raise UsageError("already exists", str(card), "give --out another name")
+
+
+def write_card(robot: Robot, card: Path, text: str) -> str:
+    """Write a card, and the robot's file beside it if it is one alone.
+
+    Returns how to use it, in words.
+    """
+    with whole(card) as part:
+        part.write_text(text)
+    model = card.with_suffix(".xml")
+    alone = robot.is_shipped or robot.opened.files in ((), (robot.path,))
+    if not alone or robot.has_card_inside:
+        return f"{card}; put it in the place of the robot's own card"
+    if not os.path.lexists(model):
+        with whole(model) as part:
+            part.write_text(robot.read().to_xml())
+    return f"{card}; use it as --robot {model}"

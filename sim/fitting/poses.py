@@ -18,7 +18,7 @@ from sim.compliant.phases import Course, Phases
 from sim.compliant.prediction import course_along, phases_of
 from sim.fitting.estimate import Estimates, Parameter, estimate
 from sim.fitting.fitting import FITTED, Told, Value
-from sim.fitting.loads import turned
+from sim.fitting.servo_law import turned
 from sim.logs.log import Log
 from sim.motion.poses import relative
 from sim.preparation.setup import Setup

@@ -1,8 +1,15 @@
-"""Captions of a film: key, clock, stratum, contacts, margin, error, scales, cards."""
+"""Captions of a film: clock, stratum, contacts, margin, errors, scales and cards.
+
+The inset shows the error of the body's position off each prediction, magnified for
+itself, so that a small error is seen beside a large one. Errors are turned with the
+picture: right is right in the film.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -12,14 +19,12 @@ from planner import Array
 from sim import palette
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.quantities import ACHIEVED, OF_ROWS, OF_WALKS
+from sim.motion.poses import spaced_rows
 from sim.palette import Colour
 from sim.pictures.camera import HEIGHT, WIDTH, Camera
 from sim.pictures.clock import Clock
-from sim.pictures.floor import cell
 from sim.pictures.ghost import ghost_of
-from sim.pictures.inset import inset
-from sim.pictures.legend import legend, noun
-from sim.pictures.panel import (
+from sim.pictures.legend import (
     EDGE,
     LARGE,
     MIDDLE,
@@ -28,10 +33,12 @@ from sim.pictures.panel import (
     Panel,
     empty,
     fitting,
+    legend,
     length,
-    millimetres,
+    noun,
     text,
 )
+from sim.pictures.marks import cell
 from sim.runs.run import Run
 from sim.scenarios.predictions import PREDICTIONS
 
@@ -40,6 +47,7 @@ BAR = 92  # height of the bar at the bottom [pixels]
 LAMP = 11  # radius of a foot's lamp [pixels]
 COLUMN = 180  # width of a number in the bar [pixels]
 SCALE = 50  # height of the scale bar's panel [pixels]
+TICK = 5  # half the height of the scale bar's ends [pixels]
 HEADLINE, STEP, MARGIN = 48, 38, 150  # of cards: type, lines, left edge [pixels]
 RESULTS = (
     "path_length",
@@ -47,22 +55,26 @@ RESULTS = (
     "predicted.*.slip",
     "predicted.*.min_margin",
 )
-TICK = 5  # half the height of the scale bar's ends [pixels]
-
 VERBS = {  # of a group in the air, of one on the ground
     "hold": ("wait{s} in the air", "stand{s}"),
     "swing": ("swing{s} in the air", "swing{s} the body"),
     "lift": ("lift{s}", "lift{s}"),
     "land": ("land{s}", "land{s}"),
 }
+TOP, BOX, APART = 60, 128, 16  # of the inset: words above a plot, its side, the next
+PLOTS = 2
+DOT, CROSS = 4, 5  # of the present error, and of no error [pixels]
+TRAIL_STEP = 1.0  # between points of a trail [pixels]
+FILL = 0.92  # of half the plot, at most, for the largest error
+NOTHING = 1e-9  # [m], below which an error is rounding
+DIGITS = np.array([1.0, 2.0, 5.0])
 
 
 class Captions:
     """Writes on the pictures of one film, and draws its two cards."""
 
     def __init__(self, walk: Run, clock: Clock, view: Camera) -> None:
-        bottom = HEIGHT - EDGE - BAR - GAP
-        key, scale = legend(walk), scale_bar(view, walk.reach, bottom)
+        key, scale = legend(walk), scale_bar(view, walk.reach)
         error = inset(walk, view, key.bottom + GAP)
         self._panels = (key, scale, error, _bar(walk, clock.playback))
         self._walk, self._clock = walk, clock
@@ -74,8 +86,8 @@ class Captions:
 
     def card(self, frame: int) -> Array:
         """The card of a frame that does not show the robot."""
-        lines = _title if frame < self._clock.scene.start else _results
-        return _card(lines(self._walk))
+        is_first = frame < self._clock.scene.start
+        return _card(_title(self._walk) if is_first else _results(self._walk))
 
 
 def _title(walk: Run) -> list[str]:
@@ -112,9 +124,8 @@ def _card(lines: Sequence[str]) -> Array:
     text(draw, (MARGIN, y), headline, HEADLINE)
     for number, line in enumerate(rest):
         colour = palette.FAINT if number else palette.TEXT
-        text(
-            draw, (MARGIN, y + 2 * HEADLINE + STEP * number), line, MIDDLE, "la", colour
-        )
+        place = MARGIN, y + 2 * HEADLINE + STEP * number
+        text(draw, place, line, MIDDLE, colour=colour)
     return np.array(picture)
 
 
@@ -140,11 +151,15 @@ def _bar(walk: Run, playback: float) -> Panel:
         for foot, leg in enumerate(walk.legs):
             colour = palette.group(walk.group_of_foot[foot])
             _lamp(draw, foot, str(leg), colour, touches=walk.contact[row, foot])
-        values = (millimetres(metres[row]) for metres in numbers.values())
+        values = (_millimetres(metres[row]) for metres in numbers.values())
         for end, value in zip(ends, (f"{walk.time[row]:.1f} s", *values), strict=True):
             text(draw, (end, 14), value, LARGE, "ra")
 
     return Panel(EDGE, HEIGHT - EDGE - height, still, write)
+
+
+def _millimetres(metres: float, digits: int = 1) -> str:
+    return f"{1000 * metres:.{digits}f} mm" if np.isfinite(metres) else "none"
 
 
 def _lamp(draw: Draw, foot: int, leg: str, colour: Colour, touches: bool) -> None:
@@ -173,7 +188,9 @@ def describe(flow: WalkedPhase, groups: Sequence[str], legs_per_group: int) -> s
     return ", ".join(clauses)
 
 
-def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
+def scale_bar(
+    view: Camera, reach: float, bottom: int = HEIGHT - EDGE - BAR - GAP
+) -> Panel:
     """The panel at the left, above the bar of numbers: one cell of the grid."""
     metres, words = cell(reach), f"{1000 * cell(reach):g} mm on the floor here"
     tilt = np.radians(view.elevation)
@@ -189,3 +206,87 @@ def scale_bar(view: Camera, reach: float, bottom: int) -> Panel:
     for x in (left, right):
         draw.line((x, y - TICK, x, y + TICK), palette.TEXT, 3)
     return Panel(EDGE, bottom - SCALE, still, lambda draw, row: None)
+
+
+@dataclass(frozen=True)
+class Trail:
+    """The departure from one prediction in the course of a walk, and its plot."""
+
+    colour: Colour
+    error: Array  # to the right and up in the picture, (T, 2) [m]
+    scale: float  # pixels to a metre
+    left: int  # of the plot [pixels]
+
+    @cached_property
+    def rows(self) -> Array:
+        """Rows at which the trail has come another step farther."""
+        return spaced_rows(self.error, TRAIL_STEP / self.scale)
+
+    @cached_property
+    def points(self) -> list[tuple[float, float]]:
+        """Where those are in the panel."""
+        return [self.place(self.error[row]) for row in self.rows]
+
+    def place(self, error: Sequence[float] | Array = (0.0, 0.0)) -> tuple[float, float]:
+        """Where an error is in the panel, or where there is none [pixels]."""
+        middle = (self.left + BOX / 2, TOP + BOX / 2)
+        x, y = middle + np.asarray(error) * self.scale * (1, -1)
+        return float(x), float(y)
+
+    def put(self, draw: Draw, row: int) -> None:
+        """Draw the trail up to a row, its end as a dot, and its length in words."""
+        past = self.points[: int(np.searchsorted(self.rows, row, side="right"))]
+        x, y = self.place(self.error[row])
+        draw.line([*past, (x, y)], self.colour.tint(0.6), 1)
+        draw.ellipse((x - DOT, y - DOT, x + DOT, y + DOT), self.colour)
+        size = _millimetres(float(np.hypot(*self.error[row])), digits=2)
+        text(draw, (self.left + BOX, TOP + BOX + 4), size, anchor="ra")
+
+    def draw_scale(self, draw: Draw) -> None:
+        """A cross where there is no error, and a ring at a round distance from it."""
+        (x, y), ring = self.place(), _greatest_round(BOX / 2 * FILL / self.scale)
+        left, radius = self.left, ring * self.scale
+        draw.rectangle((left, TOP, left + BOX, TOP + BOX), None, palette.GRID, 1)
+        around = (x - radius, y - radius, x + radius, y + radius)
+        draw.ellipse(around, None, palette.FAINT, 1)
+        draw.line((x - CROSS, y, x + CROSS, y), palette.FAINT, 1)
+        draw.line((x, y - CROSS, x, y + CROSS), palette.FAINT, 1)
+        words = f"ring {1000 * ring:g}"
+        text(draw, (left, TOP + BOX + 4), words, colour=palette.FAINT)
+
+
+def inset(walk: Run, view: Camera, top: int) -> Panel:
+    """The panel of errors, whose upper edge is at `top` [pixels]."""
+    floor = 1 / (view.pixel * view.distance)  # pixels to a metre, about
+    still, draw = empty(2 * PAD + PLOTS * BOX + APART, TOP + BOX + 28)
+    text(draw, (PAD, 8), "error of the body's position", colour=palette.FAINT)
+    angle = np.radians(view.azimuth.mean())
+    right, away = (np.sin(angle), -np.cos(angle)), (np.cos(angle), np.sin(angle))
+    trails = []
+    for i, (name, poses) in enumerate([*walk.drawn.items()][:PLOTS]):
+        error = np.nan_to_num((walk.achieved - poses)[:, :2])
+        error, left = error @ np.transpose([right, away]), PAD + i * (BOX + APART)
+        largest = float(np.hypot(*error.T).max())
+        factor = magnification(largest, BOX / 2 * FILL / floor)
+        trail = Trail(palette.PREDICTED[name].colour, error, factor * floor, left)
+        label = PREDICTIONS[name].label if name in PREDICTIONS else name
+        text(draw, (left, 32), f"{label}, {factor:g}x", colour=trail.colour)
+        trail.draw_scale(draw)
+        trails.append(trail)
+
+    def write(draw: Draw, row: int) -> None:
+        for trail in trails:
+            trail.put(draw, row)
+
+    return Panel(EDGE, top, still, write)
+
+
+def magnification(largest: float, room: float) -> float:
+    """The greatest round factor that fits the largest error into a room [m]."""
+    return _greatest_round(room / max(largest, NOTHING))
+
+
+def _greatest_round(most: float) -> float:
+    """The greatest of 1, 2, 5 times a power of ten that is not above a number."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(power * DIGITS[power * DIGITS <= most * (1 + 1e-9)].max())

@@ -1,23 +1,106 @@
-"""The legend of film, viewer and replay: the meaning of every colour and sign."""
+"""Panels of a film, light rectangles with words; and the legend, the first of them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, lru_cache
 from pathlib import Path
 
 import mujoco
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
 
+from planner import Array
 from sim import palette
 from sim.palette import NOMINAL, PREDICTED, Colour
-from sim.pictures.floor import contour_step
 from sim.pictures.ghost import ghost_of
-from sim.pictures.panel import EDGE, LARGE, PAD, Draw, Panel, empty, fitting, text
+from sim.pictures.marks import contour_step
 from sim.runs.run import Run
 
+Draw = ImageDraw.ImageDraw
+
+EDGE, PAD, ROUND = 20, 16, 12  # around panels, inside them, of their corners [pixels]
+COLOUR = (255, 255, 255, 205)
+LARGE, MIDDLE, SMALL = 28, 22, 16  # type [pixels]
 LINE, SWATCH = 25, 34  # height of a line, width of its sample [pixels]
 NOSE = "nose"  # geom on the front of the shipped robots
 ENTRIES, WIDE = 6, 304  # lines; width [pixels]
 TITLE = 86  # height of what is above the lines [pixels]
 NOUNS = {1: "leg", 2: "pair", 3: "tripod", 4: "tetrapod"}  # by legs in a group
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangle of the picture with words on it."""
+
+    left: int
+    top: int
+    still: Image.Image  # what is always there, with transparency
+    write: Callable[[Draw, int], None]  # adds what belongs to a row
+
+    @property
+    def bottom(self) -> int:
+        """Where the picture below it begins [pixels]."""
+        return self.top + self.still.size[1]
+
+    def put(self, picture: Array, row: int) -> None:
+        """Lay the panel over the picture, in place."""
+        width, height = self.still.size
+        area = picture[self.top : self.top + height, self.left : self.left + width]
+        image = Image.fromarray(area)
+        image.paste(self.still, mask=self.still)
+        self.write(ImageDraw.Draw(image), row)
+        area[:] = np.asarray(image)
+
+
+def empty(width: int, height: int) -> tuple[Image.Image, Draw]:
+    """An empty panel and a drawing context for it."""
+    still = Image.new("RGBA", (width, height))
+    draw = ImageDraw.Draw(still)
+    draw.rounded_rectangle((0, 0, width - 1, height - 1), ROUND, COLOUR)
+    return still, draw
+
+
+def text(
+    draw: Draw,
+    at: tuple[int, int],
+    words: str,
+    size: int = SMALL,
+    anchor: str = "la",
+    colour: Colour = palette.TEXT,
+) -> None:
+    """Write words at a place, with an anchor as Pillow names it."""
+    mask, (left, top) = _mask(words, size, anchor)
+    draw.bitmap((at[0] + left, at[1] + top), mask, colour)
+
+
+def length(words: str, size: int = SMALL) -> int:
+    """Width of words [pixels]."""
+    return int(_font(size).getlength(words))
+
+
+def fitting(words: str, width: int, size: int = SMALL) -> str:
+    """Words cut to a width [pixels]."""
+    cut = words
+    while cut and length(cut, size) > width:
+        cut = cut.removesuffix("...")[:-1] + "..."
+    return cut
+
+
+@lru_cache(maxsize=1024)
+def _mask(words: str, size: int, anchor: str) -> tuple[Image.Image, tuple[int, int]]:
+    """Words as a mask, and where its corner is from their anchor; many come again."""
+    left, top, right, bottom = _font(size).getbbox(words, anchor=anchor)
+    left, top = int(np.floor(left)), int(np.floor(top))
+    mask = Image.new("L", (int(np.ceil(right)) - left, int(np.ceil(bottom)) - top))
+    ImageDraw.Draw(mask).text((-left, -top), words, 255, _font(size), anchor)
+    return mask, (left, top)
+
+
+@cache
+def _font(size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size)
 
 
 def legend(walk: Run) -> Panel:
@@ -67,14 +150,15 @@ def nose(walk: Run) -> Colour | None:
 
 def _lines(walk: Run) -> list[tuple[str, Colour, str]]:
     """Label, colour and kind of sample of every line of a film's legend."""
-    paths, own = {name: PREDICTED[name] for name in walk.drawn}, ghost_of(walk)
-    ghost = {own: f"{PREDICTED[own].label}, ghost"}
+    own = ghost_of(walk)
+    labels = {name: PREDICTED[name].label for name in walk.drawn}
+    labels[own] += ", ghost"
     around = ("floor swept over", palette.SWEPT, "block")
     thought = (palette.THOUGHT.label, palette.THOUGHT.colour, "ring")
     bumps = f"contours, {1000 * contour_step(walk):.3g} mm"
     lines = [
         ("nominal path, goal", NOMINAL.colour, "dashes"),
-        *((ghost.get(n, m.label), m.colour, "line") for n, m in paths.items()),
+        *((label, PREDICTED[n].colour, "line") for n, label in labels.items()),
         (palette.ACHIEVED.label, palette.ACHIEVED.colour, "line"),
         ("support, centre of mass", palette.STABLE, "area"),
         *([thought] if walk.thought else []),

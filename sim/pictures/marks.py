@@ -1,9 +1,14 @@
-"""Marks on the floor: outline, footprints, paths, support polygon, weight and goal."""
+"""Marks on the floor: grid, contours, footprints, paths, support polygon and goal.
+
+They are drawings: without a graphics card, a texture would take as much time as the
+rest of the picture.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
+import mujoco
 import numpy as np
 import shapely
 
@@ -23,6 +28,7 @@ from sim.palette import (
     THOUGHT,
     PathMark,
 )
+from sim.pictures.camera import Camera
 from sim.pictures.clock import FRAME_RATE, Clock
 from sim.pictures.drawing import (
     Drawing,
@@ -33,23 +39,30 @@ from sim.pictures.drawing import (
     polygons,
     ribbon,
 )
-from sim.pictures.floor import contours
 from sim.runs.run import Run
 
 # In units of the robot's reach.
+CELLS = 0.5  # of the grid, about
+CONTOUR_WIDTH = 0.005
 SPACING, JUMP = 0.006, 0.03  # between points of a path; a longer step is no path
 DASH = 0.08
 TRAIL = 0.012  # width of the slip of a foot
+FINENESS = 0.002  # by which outlines are simplified
+
+ROUND = (1.0, 2.0, 5.0, 10.0)
+LINE_WIDTH = 1.8  # of the grid [pixels]
+PIECES = 12  # of a line of the grid, each as wide as makes it even in the picture
+FRAMES = 9  # at which it is asked how far away a line is
+LEVELS = 5  # equal parts of the height that contours divide
 BEND = 0.1  # [rad] that a path turns between its points, or
 BEAT = 6  # pictures; what comes first
 FOOTPRINT_CORNERS = 8  # of a disc that is a few pixels wide
 FADING = ((0.25, None), (0.45, 8 * FRAME_RATE), (0.75, 3 * FRAME_RATE))
 """Strength of a footprint's colour, and in how many pictures it is so strong."""
-FINENESS = 0.002  # by which outlines are simplified [reach of the robot]
 
 
 def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
-    """Everything that is drawn on the floor, the lowest first.
+    """All marks but the grid, the lowest first.
 
     What moves with the robot is drawn for the given frames only.
     """
@@ -71,6 +84,80 @@ def marks(walk: Run, clock: Clock, frames: range) -> tuple[Mark, ...]:
     return tuple(mark for mark in drawn if len(mark.drawing))
 
 
+def cell(reach: float) -> float:
+    """Side of a cell of the grid for a robot's reach, a round length [m]."""
+    power = 10.0 ** np.floor(np.log10(CELLS * reach))
+    return float(power * min(ROUND, key=lambda r: abs(r - CELLS * reach / power)))
+
+
+def grid(view: Camera, reach: float) -> Mark:
+    """Lines along x and y on all of the floor that a film will show."""
+    side, low, high = cell(reach), *view.floor_seen()
+    first, last = np.floor(low / side), np.ceil(high / side)
+    eyes = view.eyes()[:: max(1, len(view.azimuth) // FRAMES)]
+    lines = [
+        _line(axis, side * at, side * first, side * last, eyes, view.pixel)
+        for axis in (0, 1)
+        for at in np.arange(first[axis], last[axis] + 1)
+    ]
+    return Mark("grid", join(lines), palette.GRID)
+
+
+def _line(
+    axis: int, at: float, low: Array, high: Array, eyes: Array, pixel: float
+) -> Drawing:
+    """A line where coordinate `axis` is `at`, wider where it is farther away."""
+    along = np.linspace(low[1 - axis], high[1 - axis], PIECES + 1)
+    points = np.zeros((PIECES + 1, 3))
+    points[:, axis], points[:, 1 - axis] = at, along
+    away = np.linalg.norm(points[:, None] - eyes, axis=-1).min(axis=1)
+    half = np.zeros((PIECES + 1, 2))
+    half[:, axis] = LINE_WIDTH * pixel * away / 2 * (1 if axis else -1)
+    left, right = points[:, :2] + half, points[:, :2] - half
+    corners = np.stack([left[:-1], right[:-1], right[1:], left[1:]], axis=1)
+    return polygons(corners, [0] * PIECES)
+
+
+def contours(walk: Run) -> Drawing:
+    """Lines of equal height on all height fields of a walk's world, or nothing.
+
+    Marks lie at the height of the floor's tops; bumps of millimetres are too flat for
+    light and shadow to show them.
+    """
+    if not walk.scenario.bumps:
+        return join([])
+    model = walk.model
+    fields = np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_HFIELD)
+    lines = [line for geom in fields for line in _contours_of(model, int(geom))]
+    width = CONTOUR_WIDTH * walk.reach
+    return join(ribbon(line, np.zeros(len(line), int), width) for line in lines)
+
+
+def contour_step(walk: Run) -> float:
+    """Height from one contour to the next [m]."""
+    return walk.scenario.bumps / LEVELS
+
+
+def _contours_of(model: mujoco.MjModel, geom: int) -> Iterator[Array]:
+    """The contours of one field, in the world, shape (n, 2) [m] each."""
+    from contourpy import contour_generator  # what matplotlib draws contours with
+
+    field = model.geom_dataid[geom]
+    rows, columns = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
+    heights = model.hfield_data[int(model.hfield_adr[field]) :][: rows * columns]
+    (low_x, low_y), (high_x, high_y) = (
+        model.geom_pos[geom, :2] + sign * model.hfield_size[field, :2]
+        for sign in (-1, 1)
+    )
+    across = contour_generator(
+        np.linspace(low_x, high_x, columns),
+        np.linspace(low_y, high_y, rows),
+        heights.reshape(rows, columns),
+    )
+    for level in np.arange(1, LEVELS) / LEVELS:
+        yield from map(np.asarray, across.lines(level))
+
+
 def _covered(walk: Run, clock: Clock) -> Iterator[Mark]:
     """The floor that the robot swept over beside obstacles."""
     if walk.scenario.obstacles:
@@ -90,9 +177,9 @@ def _path(walk: Run, clock: Clock, poses: Array, style: PathMark) -> Mark:
     """The path of the body's centre so far."""
     rows = spaced_rows(poses[:, :2], SPACING * walk.reach)
     rows = rows[_telling(poses[rows], clock.frame_of(rows))]
-    frames = clock.frame_of(rows)
     width, jump = style.width * walk.reach, JUMP * walk.reach
-    return Mark(style.label, ribbon(poses[rows, :2], frames, width, jump), style.colour)
+    line = ribbon(poses[rows, :2], clock.frame_of(rows), width, jump)
+    return Mark(style.label, line, style.colour)
 
 
 def _thought(walk: Run, clock: Clock) -> Mark:
@@ -133,8 +220,8 @@ def _footprints(walk: Run, clock: Clock) -> Iterator[Mark]:
 def _stands(walk: Run, clock: Clock, foot: int) -> Iterator[Drawing]:
     """A spot where a foot came down, and its trail until it was raised."""
     place = walk.contact_point[:, foot]
-    touched = np.concatenate([[False], walk.contact[:, foot], [False]])
-    starts, stops = np.flatnonzero(touched[1:] != touched[:-1]).reshape(-1, 2).T
+    edges = np.diff(walk.contact[:, foot], prepend=False, append=False)
+    starts, stops = np.flatnonzero(edges).reshape(-1, 2).T
     frames, radius = clock.frame_of(starts), FOOTPRINT * walk.reach
     yield discs(place[starts], frames, radius, FOOTPRINT_CORNERS)
     for start, stop in zip(starts, stops, strict=True):
@@ -170,8 +257,7 @@ def _corners(hull: shapely.Geometry) -> Array:
 
 def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
     """The centre of mass, projected on the floor."""
-    rows = clock.rows[frames.start : frames.stop]
-    centres = walk.center_of_mass[rows]
+    centres = walk.center_of_mass[clock.rows[frames.start : frames.stop]]
     for name, share, colour in (
         ("rim of the centre of mass", 1.4, palette.PAPER),
         ("centre of mass", 1.0, palette.CENTRE_OF_MASS),
@@ -182,24 +268,17 @@ def _weight(walk: Run, clock: Clock, frames: range) -> Iterator[Mark]:
 
 def swept(robot: Solids, walk: Run, clock: Clock) -> Drawing:
     """All that the robot has stood over, growing with the frames."""
-    shapes = _outlines(robot, walk, clock.rows)
+    parts = shapely.union_all(robot.covered(walk.qpos[clock.rows]), axis=0)
     done, pieces = shapely.Polygon(), []
-    for frame, shape in enumerate(shapes):
+    for frame, shape in enumerate(shapely.simplify(parts, FINENESS * walk.reach)):
         triangles = _triangles(shapely.difference(shape, done))
         pieces.append(polygons(triangles, np.full(len(triangles), frame)))
         done = shapely.union(done, shape)
     return join(pieces)
 
 
-def _outlines(robot: Solids, walk: Run, rows: Array) -> Array:
-    """The floor covered at each row, shapely geometries, shape (rows,)."""
-    parts = robot.covered(walk.qpos[rows])
-    return shapely.simplify(shapely.union_all(parts, axis=0), FINENESS * walk.reach)
-
-
 def _triangles(shape: shapely.Geometry) -> Array:
     """Triangles that make up a polygon, anticlockwise, shape (n, 3, 2)."""
     flat = shapely.MultiPolygon([p for p in shapely.get_parts(shape) if p.area])
     pieces = shapely.orient_polygons(shapely.constrained_delaunay_triangles(flat))
-    corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)
-    return corners[:, :3]
+    return shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]

@@ -1,8 +1,13 @@
-"""Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names."""
+"""Pictures of a walk, drawn off-screen with the driver that MUJOCO_GL names.
+
+They show the run's model in even light, with drawings on the floor. The model is only
+drawn, never stepped; its states are those of the run.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import mujoco
@@ -14,18 +19,42 @@ from models.description import root_body
 from planner import Array
 from sim import palette
 from sim.palette import Colour
-from sim.pictures.camera import HEIGHT, WIDTH, Camera
+from sim.pictures.camera import FIELD_OF_VIEW, HEIGHT, WIDTH, Camera
 from sim.pictures.drawing import Drawing, Mark
 from sim.pictures.ghost import Ghost, body_corners, ghost_of
-from sim.pictures.panel import text
-from sim.pictures.scene import SUN, Look, build, has_endless_floor, mesh_name
+from sim.pictures.legend import text
 from sim.runs.run import Run
 
+AMBIENT, DIRECT = 0.74, 0.29  # light; on the floor they add up to 1: colours are true
+SUN = np.array([-0.25, 0.35, -1.0])  # direction of the direct light
 SUN_DISTANCE = 5.0  # [reach of the robot]
+BODY_ALPHA, PALER = 0.6, 0.5  # of the torso: the floor below and lines on it are seen
+LAYER = 0.0005  # thickness of a mark [reach of the robot]
+SHEETS = 64  # of a layer; shapes that overlap lie on different ones, or are lit twice
+SHADOW_MAP = 2048  # [texels]
+EXTENT = 2.5  # [reach of the robot], over which the shadows' texels are spread
+NEAREST = 0.2  # [extent]; nothing is closer to the camera, and depth is the finer
+PREFIX = "film: "  # of names, against those of the robot
+FLOOR = f"{PREFIX}floor"
 RADIUS = 9  # of the disc under the number of a leg [pixels]
 OVERSAMPLING = 4  # of that disc when drawn, for smooth edges
 RIM, ARROW = 2, 0.16  # width of the outline [pixels], size of the arrow [body's width]
 SPARE_GEOMS = 1000  # beyond those of the model, for what MuJoCo adds
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """The quality of a film's pictures."""
+
+    shadows: bool
+    samples: int  # of every pixel, against jagged edges
+    slices: int  # of round shapes
+
+
+LOOKS = {
+    "draft": Look(shadows=False, samples=0, slices=14),
+    "final": Look(shadows=True, samples=4, slices=28),
+}
 
 
 class OffscreenRenderer:
@@ -35,29 +64,24 @@ class OffscreenRenderer:
         self, walk: Run, marks: Sequence[Mark], camera: Camera, look: Look
     ) -> None:
         self._walk, self._camera = walk, camera
-        self._model = build(walk, marks, look)
-        self._first_face = self._model.mesh_faceadr.copy()
-        pieces = [piece for mark in marks for piece in mark.pieces]
-        self._pieces = [
-            (self._model.mesh(mesh_name(name)).id, piece) for name, piece in pieces
-        ]
-        self._drawn = {self._model.geom(mesh_name(name)).id for name, _ in pieces}
-        self._data = mujoco.MjData(self._model)
-        self._numbers = LegNumbers(walk, self._model)
-        self._body = BodyLines(walk, self._model)
-        self._ghost = Ghost(walk, self._model, ghost_of(walk), meshes=True)
+        self._model = model = build(walk, marks, look)
+        self._first_face = model.mesh_faceadr.copy()
+        pieces = [(mesh_name(name), d) for mark in marks for name, d in mark.pieces]
+        self._pieces = [(model.mesh(name).id, drawing) for name, drawing in pieces]
+        self._drawn = {model.geom(name).id for name, _ in pieces}
+        self._data = mujoco.MjData(model)
+        self._numbers, self._body = LegNumbers(walk, model), BodyLines(walk, model)
+        self._ghost = Ghost(walk, model, ghost_of(walk), meshes=True)
         self._view = mujoco.MjvCamera()
         self._options = mujoco.MjvOption()
         self._context = mujoco.GLContext(WIDTH, HEIGHT)
         self._context.make_current()
-        self._scene = mujoco.MjvScene(self._model, self._model.ngeom + SPARE_GEOMS)
+        self._scene = mujoco.MjvScene(model, model.ngeom + SPARE_GEOMS)
         flags, flag = self._scene.flags, mujoco.mjtRndFlag
         flags[flag.mjRND_SHADOW], flags[flag.mjRND_REFLECTION] = look.shadows, False
         # Half the time of a picture goes into the sky behind the floor.
-        sky = camera.sees_sky or not has_endless_floor(self._model)
-        flags[flag.mjRND_SKYBOX] = sky
-        font = mujoco.mjtFontScale.mjFONTSCALE_100
-        self._brush = mujoco.MjrContext(self._model, font)
+        flags[flag.mjRND_SKYBOX] = camera.sees_sky or not _has_endless_floor(model)
+        self._brush = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._brush)
 
     def close(self) -> None:
@@ -67,28 +91,28 @@ class OffscreenRenderer:
 
     def picture(self, frame: int, row: int) -> Array:
         """Draw the state of a row as seen in a frame, (HEIGHT, WIDTH, 3), bytes."""
-        self._data.qpos[:] = self._walk.qpos[row]
+        model, data, scene = self._model, self._data, self._scene
+        data.qpos[:] = self._walk.qpos[row]
         self._look_from(frame)
-        mujoco.mj_kinematics(self._model, self._data)
-        mujoco.mj_camlight(self._model, self._data)
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_camlight(model, data)
         for mesh, drawing in self._pieces:
             self._show(mesh, drawing, frame)
-        all_geoms, scene = mujoco.mjtCatBit.mjCAT_ALL, self._scene
-        shown = self._options, None, self._view, all_geoms, scene
-        mujoco.mjv_updateScene(self._model, self._data, *shown)
+        shown = self._options, None, self._view, mujoco.mjtCatBit.mjCAT_ALL, scene
+        mujoco.mjv_updateScene(model, data, *shown)
         # Drawings lie closer to the floor than the depth of shadows can resolve.
         for geom in scene.geoms[: scene.ngeom]:
             if geom.objtype == mujoco.mjtObj.mjOBJ_GEOM and geom.objid in self._drawn:
                 geom.category = mujoco.mjtCatBit.mjCAT_DECOR
         scene.ngeom += len(self._ghost.at(row, scene.geoms[scene.ngeom :]))
-        frame_area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
+        area = mujoco.MjrRect(0, 0, WIDTH, HEIGHT)
         picture = np.empty((HEIGHT, WIDTH, 3), np.uint8)
-        mujoco.mjr_render(frame_area, scene, self._brush)
-        mujoco.mjr_readPixels(picture, None, frame_area, self._brush)
+        mujoco.mjr_render(area, scene, self._brush)
+        mujoco.mjr_readPixels(picture, None, area, self._brush)
         picture = picture[::-1].copy()  # OpenGL counts rows from below
-        self._body.write(picture, self._data, partial(self._camera.pixels, frame))
-        places = self._numbers.places(self._data)
-        self._numbers.write(picture, self._camera.pixels(frame, places))
+        pixels = partial(self._camera.pixels, frame)
+        self._body.write(picture, data, pixels)
+        self._numbers.write(picture, data, pixels)
         return picture
 
     def _look_from(self, frame: int) -> None:
@@ -119,9 +143,8 @@ class BodyLines:
         low, high = self._corners.min(axis=0), self._corners.max(axis=0)
         size = ARROW * (high - low)[:2].min()
         tip = np.array([high[0] - size, (low + high)[1] / 2, high[2]])
-        self._arrow = tip + size * np.array(
-            [(0, 0, 0), (-1.5, 0.8, 0), (-1.5, -0.8, 0)]
-        )
+        arrow = [(0, 0, 0), (-1.5, 0.8, 0), (-1.5, -0.8, 0)]
+        self._arrow = tip + size * np.array(arrow)
 
     def write(
         self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
@@ -139,21 +162,19 @@ class BodyLines:
 
 
 class LegNumbers:
-    """Writes the number of each leg at its foot."""
+    """Writes the number of each leg at its foot, but not over a picture's edge."""
 
     def __init__(self, walk: Run, model: mujoco.MjModel) -> None:
-        legs = sorted(walk.card.legs)
-        self._feet = [model.geom(walk.card.legs[leg].foot[0]).id for leg in legs]
-        owners = zip(legs, walk.group_of_foot, strict=True)
+        self._feet = [model.geom(walk.card.legs[n].foot[0]).id for n in walk.legs]
+        owners = zip(walk.legs, walk.group_of_foot, strict=True)
         self._discs = [_disc(str(leg), palette.group(owner)) for leg, owner in owners]
 
-    def places(self, data: mujoco.MjData) -> Array:
-        """Where the numbers belong, shape (legs, 3) [m]."""
-        return data.geom_xpos[self._feet]
-
-    def write(self, picture: Array, pixels: Array) -> None:
-        """Write on a picture at pixels, (legs, 2), but not over its edge, in place."""
-        for disc, (x, y) in zip(self._discs, np.round(pixels).astype(int), strict=True):
+    def write(
+        self, picture: Array, data: mujoco.MjData, pixels: Callable[[Array], Array]
+    ) -> None:
+        """Write on a picture of a state, in place."""
+        places = np.round(pixels(data.geom_xpos[self._feet])).astype(int)
+        for disc, (x, y) in zip(self._discs, places, strict=True):
             side, half = disc.shape[0], disc.shape[0] // 2
             area = picture[max(y - half, 0) :, max(x - half, 0) :][:side, :side]
             if y < half or x < half or area.shape[:2] != (side, side):
@@ -165,9 +186,90 @@ class LegNumbers:
 def _disc(number: str, colour: Colour) -> Array:
     """A number on a disc, shape (side, side, 4), bytes, the last one its opacity."""
     side = 2 * RADIUS + 3
-    large = Image.new("RGBA", (side * OVERSAMPLING, side * OVERSAMPLING), (*colour, 0))
-    draw, edge = ImageDraw.Draw(large), side * OVERSAMPLING - 1
-    draw.ellipse((0, 0, edge, edge), (255, 255, 255, 255), colour, 2 * OVERSAMPLING)
-    middle = side * OVERSAMPLING // 2
-    text(draw, (middle, middle), number, 13 * OVERSAMPLING, "mm", palette.TEXT)
+    whole = side * OVERSAMPLING
+    large = Image.new("RGBA", (whole, whole), (*colour, 0))
+    draw = ImageDraw.Draw(large)
+    rim = (0, 0, whole - 1, whole - 1)
+    draw.ellipse(rim, (255, 255, 255, 255), colour, 2 * OVERSAMPLING)
+    text(draw, (whole // 2, whole // 2), number, 13 * OVERSAMPLING, "mm", palette.TEXT)
     return np.asarray(large.resize((side, side), Image.Resampling.LANCZOS))
+
+
+def build(walk: Run, marks: Sequence[Mark], look: Look) -> mujoco.MjModel:
+    """The model of a walk with its marks on the floor, one mesh each."""
+    spec = mujoco.MjSpec.from_file(str(walk.model_file))
+    _light(spec)
+    floor = _lay_floor(spec)
+    for layer, mark in enumerate(marks, start=1):
+        _draw(spec, mark, floor + LAYER * walk.reach * layer, LAYER * walk.reach)
+    visual = spec.visual
+    visual.global_.offwidth, visual.global_.offheight = WIDTH, HEIGHT
+    visual.global_.fovy = FIELD_OF_VIEW
+    visual.quality.offsamples, visual.quality.shadowsize = look.samples, SHADOW_MAP
+    visual.quality.numslices, visual.quality.numstacks = look.slices, look.slices // 2
+    visual.map.znear = NEAREST
+    spec.stat.extent = EXTENT * walk.reach
+    model = spec.compile()
+    for geom in np.flatnonzero(model.geom_bodyid == root_body(model, walk.model_file)):
+        if (material := model.geom_matid[geom]) >= 0:
+            model.geom_rgba[geom] = model.mat_rgba[material]
+        model.geom_rgba[geom, :3] += PALER * (1 - model.geom_rgba[geom, :3])
+        model.geom_rgba[geom, 3] *= BODY_ALPHA
+    return model
+
+
+def _has_endless_floor(model: mujoco.MjModel) -> bool:
+    """Whether some plane of the world has no edges behind which there is sky."""
+    planes = model.geom_size[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE]
+    return bool((planes[:, :2] == 0).all(axis=1).any())
+
+
+def mesh_name(piece: str) -> str:
+    """Name of the mesh that holds a piece of a mark's drawing."""
+    return PREFIX + piece
+
+
+def _light(spec: mujoco.MjSpec) -> None:
+    """Even light from everywhere, and one sun for the shadows."""
+    for light in list(spec.lights):
+        spec.delete(light)
+    head = spec.visual.headlight
+    head.ambient, head.diffuse, head.specular = [AMBIENT] * 3, [0.0] * 3, [0.0] * 3
+    kind, diffuse = mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, [DIRECT] * 3
+    sun = {"dir": SUN, "diffuse": diffuse, "specular": [0.1] * 3, "castshadow": True}
+    spec.worldbody.add_light(type=kind, **sun)
+
+
+def _lay_floor(spec: mujoco.MjSpec) -> float:
+    """Make the floor plain, with no texture; height of its tops [m]."""
+    spec.add_material(name=FLOOR, specular=0)
+    kinds = mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD
+    floors = [geom for geom in spec.worldbody.geoms if geom.type in kinds]
+    for geom in floors:
+        geom.material, geom.rgba = FLOOR, palette.PAPER.rgba()
+    if not floors:
+        return 0.0
+    field = spec.hfield(floors[0].hfieldname) if floors[0].hfieldname else None
+    return float(floors[0].pos[2] + (0.0 if field is None else field.size[2]))
+
+
+def _draw(spec: mujoco.MjSpec, mark: Mark, height: float, thickness: float) -> None:
+    """A mesh for each piece of a mark, with all the triangles it will ever show."""
+    material, rgba = mesh_name(mark.name), mark.colour.rgba(mark.alpha)
+    spec.add_material(name=material, rgba=rgba, specular=0)
+    for piece, drawing in mark.pieces:
+        name, sheet = mesh_name(piece), drawing.shapes % SHEETS / SHEETS
+        z = height + 0.9 * sheet * thickness
+        corners = np.dstack([drawing.points, np.repeat(z[:, None], 3, axis=1)])
+        # The compiler wants four points at least; this triangle is never shown.
+        corners = np.concatenate([corners, corners[:1] + (1.0, 0.0, 0.0)])
+        spec.add_mesh(
+            name=name,
+            uservert=corners.ravel(),
+            userface=np.arange(3 * len(corners)),
+            usernormal=np.tile((0.0, 0.0, 1.0), 3 * len(corners)),
+            inertia=mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL,
+        )
+        mesh = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": name}
+        own = {**mesh, "material": material, "rgba": rgba}  # not the file's defaults
+        spec.worldbody.add_geom(name=name, group=0, contype=0, conaffinity=0, **own)

@@ -1,28 +1,60 @@
-"""The film of a finished walk, drawn from its run folder alone."""
+"""The film of a finished walk, drawn from its run folder alone.
+
+Processes draw it in pieces, each with a driver of its own; one that crashes or hangs
+causes an error, and the run itself survives.
+"""
 
 from __future__ import annotations
 
 import os
+import select
 import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import IO
 
-from sim.errors import RenderError, UsageError
+from sim.errors import FilesError, RenderError, UsageError
 from sim.folder import blamed_on, whole
 from sim.pictures import gl
 from sim.pictures.camera import view_of
 from sim.pictures.clock import WHOLE, Stretch, clock, rows_of
-from sim.pictures.file import animate, check_encoder, count_pictures, join
-from sim.pictures.processes import KEPT, Piece, draw
-from sim.pictures.scene import LOOKS
+from sim.pictures.file import FULL, animate, check_encoder, count_pictures, join
+from sim.pictures.offscreen import LOOKS
 from sim.runs.run import read_run
 
 NAME = "video.mp4"
 ANIMATED = ".webp"  # of files that are small animated pictures instead
 WORKERS = 2  # processes at most; each takes 200 MB
 FEWEST_PICTURES = 90  # pictures that are worth a process
+SILENCE = 120.0  # [s] without a new picture
+SPARE = 2**20  # bytes; with less a disk is full
+KEPT = "the run itself is kept"
+Worker = tuple[subprocess.Popen[bytes], IO[bytes]]  # a process and its standard error
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Consecutive pictures of a film, and the file that receives them."""
+
+    folder: Path  # of the run
+    look: str
+    frames: range
+    path: Path
+    camera: str = "across"
+    stretch: Stretch = WHOLE
+
+    @property
+    def command(self) -> list[str]:
+        """How to start the process that draws it."""
+        frames, shot = self.frames, (self.camera, *self.stretch)
+        asked = self.folder, self.look, frames.start, frames.stop, self.path, *shot
+        return [sys.executable, "-P", "-m", "sim.pictures.worker", *map(str, asked)]
 
 
 def check() -> str:
@@ -107,3 +139,63 @@ def _shares(pictures: int) -> list[range]:
     workers = min(WORKERS, cores, 1 + pictures // FEWEST_PICTURES)
     ends = [pictures * i // workers for i in range(workers + 1)]
     return [range(*share) for share in pairwise(ends)]
+
+
+def draw(pieces: Sequence[Piece], driver: str, progress: Callable[[int], None]) -> None:
+    """Draw pieces at the same time; progress is called with pictures just drawn.
+
+    RenderError if a process fails, or if none draws anything for `SILENCE`.
+    """
+    threads = max(1, len(os.sched_getaffinity(0)) // len(pieces))
+    environment = {**gl.environment(driver), "LP_NUM_THREADS": str(threads)}
+    where = str(pieces[0].folder)
+    with ExitStack() as stack:
+        dots, pen = os.pipe()
+        stack.callback(os.close, dots)
+        workers = [_start(stack, piece, environment, pen) for piece in pieces]
+        os.close(pen)
+        while drawn := _wait(dots, where):
+            progress(drawn)
+            for worker in workers:
+                if worker[0].poll():
+                    _check(*worker, where)
+        for worker in workers:
+            _check(*worker, where)
+
+
+def _start(
+    stack: ExitStack, piece: Piece, environment: dict[str, str], pen: int
+) -> Worker:
+    """A process at work on a piece."""
+    complaints = stack.enter_context(tempfile.TemporaryFile())  # noqa: SIM115 (it does)
+    process = subprocess.Popen(
+        piece.command,
+        env=environment,
+        stdin=subprocess.DEVNULL,
+        stdout=pen,
+        stderr=complaints,
+    )
+    stack.callback(process.wait)
+    stack.callback(process.kill)
+    return process, complaints
+
+
+def _check(process: subprocess.Popen[bytes], complaints: IO[bytes], where: str) -> None:
+    """Raise FilesError if the disk is full, RenderError for another failure."""
+    if (code := process.wait()) == 0:
+        return
+    complaints.seek(0)
+    message = complaints.read().decode(errors="replace")
+    if FULL in message or shutil.disk_usage(where).free < SPARE:
+        what, remedy = "disk full while filming", f"free some space; {KEPT}"
+        raise FilesError(what, where, remedy)
+    last = (message.strip().splitlines() or ["no word"])[-1]
+    reason = f"signal {-code}" if code < 0 else last.removeprefix("OSError: ")
+    raise RenderError(f"drawing the film failed, {reason}", where, KEPT)
+
+
+def _wait(dots: int, where: str) -> int:
+    """Number of pictures drawn since the last call; 0 when all processes have ended."""
+    if not select.select([dots], [], [], SILENCE)[0]:
+        raise RenderError(f"no picture for {SILENCE:g} s", where, KEPT)
+    return len(os.read(dots, 4096))

@@ -1,6 +1,6 @@
 """A separate process that draws and encodes some pictures of a film.
 
-`pictures.processes` starts it with the driver chosen in MUJOCO_GL, so that crashes,
+`pictures.run_film` starts it with the driver chosen in MUJOCO_GL, so that crashes,
 leaks and hanging drivers affect this process alone. It prints a dot for every picture.
 """
 
@@ -17,11 +17,9 @@ from sim.pictures.camera import Camera, camera, view_of
 from sim.pictures.captions import Captions
 from sim.pictures.clock import Clock, clock
 from sim.pictures.file import encoding
-from sim.pictures.floor import grid
-from sim.pictures.marks import marks
-from sim.pictures.offscreen import OffscreenRenderer
-from sim.pictures.processes import Piece
-from sim.pictures.scene import LOOKS
+from sim.pictures.marks import grid, marks
+from sim.pictures.offscreen import LOOKS, OffscreenRenderer
+from sim.pictures.run_film import Piece
 from sim.runs.run import read_run
 
 

@@ -33,7 +33,7 @@ from sim.evaluation import flows
 from sim.evaluation.flows import WalkedPhase
 from sim.evaluation.summary import Summary
 from sim.feedback.stops import Stop, read as read_stops
-from sim.motion.poses import rotate, wrap
+from sim.motion.poses import compose, rotate, wrap
 from sim.runs.arrays import archive, reading
 from sim.scenarios import body_path, obstacles
 from sim.scenarios.file import anchor, scenario_from
@@ -141,15 +141,10 @@ class Run:
     @property
     def drawn(self) -> dict[str, Array]:
         """Poses of the predictions that pictures of the robot show, by their keys."""
-        shown = {**self.measured, **self.predicted}
-        names = dict.fromkeys((*self.measured, "ideal", self.best))
-        return {name: shown[name] for name in names if name in shown}
-
-    @cached_property
-    def measured(self) -> dict[str, Array]:
-        """Poses of a real robot that moved its joints alike, if there are, (T, 3)."""
-        name = "measured_pose"
-        return {"measured": self.arrays[name]} if name in self.arrays else {}
+        measured = self.arrays.get("measured_pose")  # of a real robot
+        shown = {**self.predicted, "measured": measured}
+        names = dict.fromkeys(("measured", "ideal", self.best))
+        return {n: poses for n in names if (poses := shown.get(n)) is not None}
 
     @property
     def best(self) -> str:
@@ -178,7 +173,7 @@ class Run:
             return self.predicted[self.best]
         path = body_path.decode(self.settings["path"])
         poses = np.array([path(s) for s in np.linspace(0, 1, NOMINAL_POINTS)])
-        return poses if self.frame is None else _in_world(self.frame, poses)
+        return poses if self.frame is None else compose(self.frame, poses)
 
     @cached_property
     def thought(self) -> tuple[Array, ...]:
@@ -190,14 +185,9 @@ class Run:
             return ()
         around = np.linspace(0, 2 * np.pi, 33)
         circle = SURE * np.stack([np.cos(around), np.sin(around)], axis=1)
+        lines = (np.array(s.expected[:2]) + circle * s.doubt[:2] for s in self.stops)
         frame = np.zeros(3) if self.frame is None else self.frame
-        return tuple(
-            frame[:2]
-            + rotate(
-                np.array(stop.expected[:2]) + circle * stop.doubt[:2], float(frame[2])
-            )
-            for stop in self.stops
-        )
+        return tuple(_points(frame, line) for line in lines)
 
     @cached_property
     def obstacles(self) -> tuple[Array, ...]:
@@ -249,20 +239,14 @@ class Run:
 def _placed(frame: Array, name: str, array: Array) -> Array:
     """An array in world coordinates, if it holds poses or points."""
     if name.endswith("_pose") and name != START:
-        return _in_world(frame, array)
+        return compose(frame, array)
     if name in PLACES:
-        points = frame[:2] + rotate(array[..., :2], frame[2])
-        return np.concatenate([points, array[..., 2:]], axis=-1)
+        return np.concatenate([_points(frame, array), array[..., 2:]], axis=-1)
     return array
 
 
-def _in_world(frame: Array, poses: Array) -> Array:
-    points = frame[:2] + rotate(poses[..., :2], frame[2])
-    return np.concatenate([points, poses[..., 2:] + frame[2]], axis=-1)
-
-
-def _stops(path: Path) -> tuple[Stop, ...]:
-    return read_stops(read_file(path).decode()) if path.exists() else ()
+def _points(frame: Array, points: Array) -> Array:
+    return frame[:2] + rotate(points[..., :2], frame[2])
 
 
 def read_run(folder: Path, *, inspected: bool = False) -> Run:
@@ -271,6 +255,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
     All its arrays are read once, and its model is compiled in a process with limits
     before anything else does, unless that has been done.
     """
+    stops = folder / "feedback.csv"
     with reading(folder):
         for name in FILES:
             open_file(folder / name).close()
@@ -282,7 +267,7 @@ def read_run(folder: Path, *, inspected: bool = False) -> Run:
             phases=flows.read(read_file(folder / "flows.csv").decode()),
             arrays=archive(folder, "trajectory.npz", (START,), not inspected),
             commands=archive(folder, "commands.npz", (), not inspected),
-            stops=_stops(folder / "feedback.csv"),
+            stops=read_stops(read_file(stops).decode()) if stops.exists() else (),
             inspected=inspected,
         )
         _ = run.card, run.nominal, run.obstacles  # which say in time what is wrong

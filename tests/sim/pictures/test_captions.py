@@ -7,12 +7,21 @@ import pytest
 
 from sim import palette
 from sim.pictures.camera import HEIGHT, VIEWS, WIDTH, camera, view_of
-from sim.pictures.captions import SCALE, Captions, _results, scale_bar
+from sim.pictures.captions import (
+    APART,
+    BOX,
+    FILL,
+    SCALE,
+    TOP,
+    Captions,
+    _results,
+    inset,
+    magnification,
+    scale_bar,
+)
 from sim.pictures.clock import clock
-from sim.pictures.floor import cell, grid
-from sim.pictures.inset import BOX, FILL, GAP, TOP, inset, magnification
-from sim.pictures.legend import ENTRIES, _lines, nose
-from sim.pictures.panel import PAD
+from sim.pictures.legend import ENTRIES, PAD, _lines, nose
+from sim.pictures.marks import cell, grid
 from sim.pictures.worker import is_held
 from sim.runs.run import read_run
 from tests.finished_runs import predicted_elsewhere
@@ -130,7 +139,7 @@ def test_the_inset_shows_the_error_turned_and_scaled_as_the_picture_is(walk, vie
     panel = inset(shown, view, 300)
     scale = 1 / (view.pixel * view.distance)
     factor = magnification(0.001, BOX / 2 * FILL / scale)
-    middle = PAD + BOX + GAP + BOX / 2, TOP + BOX / 2  # of the best prediction
+    middle = PAD + BOX + APART + BOX / 2, TOP + BOX / 2  # of the best prediction
     place = np.add(middle, (0.001 * factor * scale, 0))
     picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
     panel.put(picture, 5)

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from sim.errors import ExitCode, FilesError, RenderError, UsageError
-from sim.pictures import processes
+from sim.pictures import run_film
 from sim.pictures.file import check_encoder, count_pictures, encoding, join
-from sim.pictures.processes import Piece
-from sim.pictures.run_film import film_folder
+from sim.pictures.run_film import Piece, film_folder
 from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode
 
@@ -89,10 +88,10 @@ def test_an_encoder_that_fails_leaves_no_film(
 )
 def test_a_process_that_fails_is_reported(walked, monkeypatch, command, message):
     monkeypatch.setattr(Piece, "command", command)
-    monkeypatch.setattr(processes, "SILENCE", 0.3)
+    monkeypatch.setattr(run_film, "SILENCE", 0.3)
     piece = Piece(walked, "draft", range(2), walked / "none.mp4")
     with pytest.raises(RenderError, match=message) as error:
-        processes.draw([piece, piece], "egl", lambda drawn: None)
+        run_film.draw([piece, piece], "egl", lambda drawn: None)
     assert error.value.exit_code is ExitCode.RENDER
 
 

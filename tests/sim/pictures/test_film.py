@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from sim import palette
-from sim.pictures import gl, processes
+from sim.pictures import gl, run_film
 from sim.pictures.camera import camera
 from sim.pictures.clock import clock
 from sim.pictures.file import count_pictures
-from sim.pictures.processes import Piece
-from sim.pictures.run_film import film_folder
+from sim.pictures.run_film import Piece, film_folder
 from sim.runs.run import read_run
 from tests.screen import FFMPEG, decode, on_screen
 
@@ -40,7 +39,7 @@ def decoded(filmed):
 def draw(folder, frames, driver, look="draft"):
     """Some pictures of a film, without the rest."""
     path = folder / f"piece-{look}-{driver}.mp4"
-    processes.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
+    run_film.draw([Piece(folder, look, frames, path)], driver, lambda drawn: None)
     return decode(path)
 
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from sim.pictures.floor import LEVELS, contour_step, contours
+from sim.pictures.marks import LEVELS, contour_step, contours
 from sim.preparation.setup import prepare
 
 BUMPS = 0.004

@@ -11,7 +11,7 @@ from models.errors import ModelError
 from models.library import load
 from sim import cli, palette
 from sim.pictures.drawing import Mark, ribbon
-from sim.pictures.scene import LOOKS, build as build_scene, mesh_name
+from sim.pictures.offscreen import LOOKS, build as build_scene, mesh_name
 from sim.preparation.inspection import inspected
 from sim.preparation.setup import prepare
 from sim.world.changes import changes
