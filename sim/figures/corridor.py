@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 import shapely
@@ -50,21 +51,21 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     made, rows = passage(), []
     for (above, below), cuts in zip(PANELS, (made.coarse, made.fine), strict=True):
         walked, slack = made.through(cuts), made.slack(cuts)
-        pose, phi = walked.states[:, :3], walked.states[:, 3:]
         nominal = recut(made.path, cuts).at(SHARE)
-        standing, _ = made.clearance(nominal[:, :3], nominal[:, 3:])
-        least, _ = made.clearance(pose, phi)
-        _draw_place(axes[above], made.around, made.qpos(pose, phi), least, 1 / PIVOT)
+        (standing, _), (least, _) = map(made.clearance, (nominal, walked.states))
+        _draw_place(
+            axes[above], made.around, made.qpos(walked.states), least, 1 / PIVOT
+        )
         line: Style = {"color": NOMINAL, "label": "nominal path", "zorder": 4}
         axes[above].plot(*nominal[:, :2].T, "--", **line)
         centre: Style = {"linewidth": 0.7, "label": "body centre, walked"}
-        axes[above].plot(*pose[:, :2].T, color=IDEAL, **centre)
+        axes[above].plot(*walked.states[:, :2].T, color=IDEAL, **centre)
         count = len(cuts) - 1
         course: Style = {"color": NOMINAL, "label": "nominal path, legs at rest"}
         axes[below].plot(0.5 + count * SHARE, standing, "--", **course)
-        spread = style.extremes(least, walked.segment, count)
+        spread = style.extremes(least, walked.segment)
         style.band(axes[below], *spread, colour=IDEAL, alpha=0.5, label="walk")
-        _finish_clearance(axes[below], "$l$", count, (-0.4, 1.1))
+        _finish_clearance(axes[below], count)
         where, shortest = walked.share[least.argmin()], np.diff(cuts).min()
         bounds = slack.walking.min() + LEAST, slack.standing.min() + LEAST
         measured = least.min(), where, *bounds, shortest, walked.error
@@ -103,8 +104,8 @@ def _draw_place(
     """Walls, what the robot sweeps, and its outline at three places."""
     outline = around.outline
     closest = int(clearance.argmin())
-    rows = np.linspace(0, len(qpos) - 1, SWEEPS).astype(int)
-    swept = outline.solids.swept(qpos[np.append(rows, closest)])
+    rows = np.append(np.linspace(0, len(qpos) - 1, SWEEPS).astype(int), closest)
+    swept = outline.solids.swept(qpos[rows])
     for area, colour, name in (
         (swept, palette.SWEPT.hex, "floor that it sweeps over"),
         (around.area, WALL, "walls"),
@@ -132,10 +133,8 @@ def _fill(axes: Axes, area: shapely.Geometry, scale: float, **look: object) -> N
         axes.add_patch(PathPatch(Outline.make_compound_path(*paths), **look))
 
 
-def _finish_clearance(
-    axes: Axes, unit: str, count: int, limits: tuple[float, float]
-) -> None:
-    """Scales of a plot of clearance, with the surface of the walls marked."""
+def _finish_clearance(axes: Axes, count: int) -> None:
+    """The surface of the walls, and the segments."""
     axes.axhline(0, color=WALL, linewidth=0.8)
     axes.set_xlim(0.5, count + 0.5)
 
@@ -143,7 +142,7 @@ def _finish_clearance(
 def _draw_clearance(axes: Axes, walked: Walked) -> None:
     """Physics as a band, and the rims of the prediction's."""
     achieved, predicted = (
-        style.extremes(MM * walked.clearance[n], walked.segment, walked.segments)
+        style.extremes(MM * walked.clearance[n], walked.segment)
         for n in ("achieved", "quasi_static")
     )
     colour = PATHS["achieved"]["color"]
@@ -152,7 +151,7 @@ def _draw_clearance(axes: Axes, walked: Walked) -> None:
     for rim in predicted:
         axes.step(segment, rim, where="mid", **PATHS["quasi_static"])
     axes.lines[-1].set_label("_")
-    _finish_clearance(axes, "mm", walked.segments, (-15, 75))
+    _finish_clearance(axes, walked.segments)
 
 
 @dataclass(frozen=True)
@@ -162,18 +161,15 @@ class Passage:
     around: Surroundings
     path: Path  # in pivots' distances
 
-    def qpos(self, pose: Array, phi: Array) -> Array:
-        """The robot's joint positions at states, shape (T, nq)."""
-        swing = phi / KAPPA  # the robot's legs turn farther for the same way
-        metres = pose * (PIVOT, PIVOT, 1.0)
-        return self.around.outline.configurations(metres, swing, np.zeros_like(phi))
+    def qpos(self, states: Array) -> Array:
+        """The robot's joint positions at states of the paper's, shape (T, nq)."""
+        swing = states[:, 3:] / KAPPA  # its legs turn farther for the same way
+        metres = states[:, :3] * (PIVOT, PIVOT, 1.0)
+        return self.around.outline.configurations(metres, swing, np.zeros_like(swing))
 
-    def clearance(self, pose: Array, phi: Array) -> tuple[Array, Array]:
-        """Clearance at states and a lower bound up to each from the one before, [l].
-
-        Poses have shape (T, 3), in pivots' distances; phi, (T, 2), the paper's legs.
-        """
-        found = self.around.clearances(self.qpos(pose, phi))
+    def clearance(self, states: Array) -> tuple[Array, Array]:
+        """Clearance at states and a lower bound up to each from the one before, [l]."""
+        found = self.around.clearances(self.qpos(states))
         least = found.least / PIVOT
         bound = np.concatenate([least[:1], found.bound / PIVOT])
         return least, np.minimum(least, bound)
@@ -185,11 +181,10 @@ class Passage:
     def slack(self, cuts: Array) -> Slack:
         """Slack of the least clearance along a walk, and along the nominal path."""
         walked = self.through(cuts)
-        _, bound = self.clearance(walked.states[:, :3], walked.states[:, 3:])
-        walking, _ = style.extremes(bound, walked.segment, len(cuts) - 1)
+        _, bound = self.clearance(walked.states)
+        walking, _ = style.extremes(bound, walked.segment)
         s = np.linspace(cuts[:-1], cuts[1:], 9, axis=1)  # (segments, 9)
-        poses = self.path.at(s.ravel())
-        standing, _ = self.clearance(poses[:, :3], poses[:, 3:])
+        standing, _ = self.clearance(self.path.at(s.ravel()))
         standing = standing.reshape(s.shape).min(axis=1)
         return Slack("clearance", LEAST, standing - LEAST, walking - LEAST)
 
@@ -198,10 +193,8 @@ class Passage:
         """Cuts of the path that keep the clearance."""
         return subdivide(self.coarse, lambda cuts: [self.slack(cuts)])
 
-    @property
-    def coarse(self) -> Array:
-        """Cuts of the path to begin with."""
-        return np.linspace(0.0, 1.0, COARSE_SEGMENTS + 1)
+    coarse: ClassVar[Array] = np.linspace(0.0, 1.0, COARSE_SEGMENTS + 1)
+    """Cuts of the path to begin with."""
 
 
 def passage() -> Passage:

@@ -28,7 +28,7 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     nominal = path.at(np.linspace(0, 1, 721))[:, :2]
     widths = swing_out(walked.states[:, :2], walked.ends, nominal)
     headings = by_segment(walked.states[:, 2], walked.ends)
-    least, most = (np.array([f(h) for h in headings]) for f in (np.min, np.max))
+    least, most = np.array([(h.min(), h.max()) for h in headings]).T
     axes["a"].plot(*walked.states[:, :2].T, color=IDEAL, linewidth=0.6, label="walked")
     axes["a"].plot(*nominal.T, "--", color=NOMINAL, label="nominal")
     dots: Style = {"color": INK, "markersize": 1.5, "label": "segment ends"}
@@ -57,7 +57,7 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     for name, colour in (("ideal", IDEAL), ("quasi_static", QUASI_STATIC)):
         apart = walked.pose["achieved"] - walked.pose[name]
         off.append(np.hypot(*apart[:, :2].T))  # at every row
-        spread = style.extremes(MM * off[-1], walked.segment, walked.segments)
+        spread = style.extremes(MM * off[-1], walked.segment)
         label = f"off {name.replace('_', '-')}"
         style.band(axes["b"], *spread, colour=colour, alpha=0.55, label=label)
     k = _chosen(walked.segments)
@@ -66,11 +66,11 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
         ("achieved", "physics", "o", PHYSICS),
         ("ideal", "predicted", "-", IDEAL),
     ):
-        margin, _ = style.extremes(walked.margin[name], walked.segment, walked.segments)
+        margin, _ = style.extremes(walked.margin[name], walked.segment)
         margins[name] = margin[k]
         dots: Style = {"color": colour, "markersize": 2.5, "label": label}
         axes["c"].plot(segment, MM * margin, fmt, **dots)
-    last = np.searchsorted(walked.segment, k, side="right") - 1
+    last = walked.ends[k]
     ends = walked.pose["achieved"][last].T
     columns = *(o[last] for o in off), margins["ideal"], margins["achieved"]
     return Shown(rows_of(k + 1, *ends, *columns))

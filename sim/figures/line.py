@@ -31,19 +31,17 @@ def paper(axes: Mapping[str, Axes]) -> Shown:
     *coarse, finest = (follow(GOAL, n) for n in SEGMENTS)
     for panel, walked in zip("abc", coarse, strict=True):
         _draw_walk(axes[panel], walked)
-    rims = envelope(finest.states[:, :2], finest.ends, np.zeros(2), np.array(GOAL[:2]))
-    _fill_between(axes["d"], rims, IDEAL)
+    _fill_between(axes["d"], envelope(finest.states[:, :2], finest.ends, GOAL), IDEAL)
     axes["d"].plot([0, GOAL[0]], [0, GOAL[1]], "--", color=INK, linewidth=0.7)
     measured = tube(GOAL, TUBE_SEGMENTS)
     n, error, width = measured.segments, measured.error, measured.width
     walked_to = f"walked, power {measured.exponent:.2f}"
     axes["e"].loglog(measured.length, width, "o-", label=walked_to, **_dots(IDEAL))
-    _square_root(axes["e"], measured.length, width[-1])
-    style.plain_decades(axes["e"].xaxis, subs=(1,))
-    axes["e"].set_ylim(top=2)  # room for the legend
     axes["f"].loglog(n, error, "o-", label="walked", **_dots(IDEAL))
     axes["f"].loglog(n, error[-1] * n[-1] / n, "--", color=NOMINAL, label="one over n")
-    _finish(axes, (*SEGMENTS, TUBE_SEGMENTS[-1]))
+    _finish(axes, (*SEGMENTS, TUBE_SEGMENTS[-1]), measured.length, width[-1])
+    style.plain_decades(axes["e"].xaxis, subs=(1,))
+    axes["e"].set_ylim(top=2)  # room for the legend
     return Shown(
         rows_of(n, measured.length, width, measured.turn, error, error * n),
         {"power": measured.exponent, "last": measured.last_exponent},
@@ -64,23 +62,25 @@ def metres(axes: Mapping[str, Axes], walks: Mapping[str, Walked]) -> Shown:
     ):
         label += f", power {exponent(length[1:], widths[name][1:]):.2f}"
         axes["e"].loglog(length, MM * widths[name], fmt, label=label, **_dots(colour))
-    _square_root(axes["e"], length, MM * widths["ideal"][-1])
-    style.plain_decades(axes["e"].xaxis)
-    ends = np.array([walked.pose["achieved"][-1] for walked in made])
-    off = {"goal": np.hypot(*(ends - METRES_GOAL).T[:2])}
-    for name in ("ideal", "quasi_static"):
-        predicted = np.array([walked.pose[name][-1] for walked in made])
-        off[name] = np.hypot(*(ends - predicted).T[:2])
-    for (name, distances), fmt, colour in zip(
-        off.items(), ("^--", "o-", "s-"), (NOMINAL, IDEAL, QUASI_STATIC), strict=True
+    ends, off = np.array([walked.pose["achieved"][-1] for walked in made]), []
+    for name, there, fmt, colour in (
+        ("goal", [METRES_GOAL], "^--", NOMINAL),
+        ("ideal", [walked.pose["ideal"][-1] for walked in made], "o-", IDEAL),
+        (
+            "quasi-static",
+            [w.pose["quasi_static"][-1] for w in made],
+            "s-",
+            QUASI_STATIC,
+        ),
     ):
-        label = f"physics off {name.replace('_', '-')}"
-        axes["f"].loglog(SEGMENTS, MM * distances, fmt, label=label, **_dots(colour))
+        off.append(np.hypot(*(ends - np.array(there)).T[:2]))
+        look = {"label": f"physics off {name}", **_dots(colour)}
+        axes["f"].loglog(SEGMENTS, MM * off[-1], fmt, **look)
     axes["f"].set_ylim(top=10)  # room for the legend
-    _finish(axes, SEGMENTS)
+    _finish(axes, SEGMENTS, length, MM * widths["ideal"][-1])
+    style.plain_decades(axes["e"].xaxis)
     switches = [walked.summary.contact_switches for walked in made]
-    errors = (off["ideal"], off["quasi_static"], off["goal"])
-    return Shown(rows_of(SEGMENTS, *widths.values(), *errors, switches))
+    return Shown(rows_of(SEGMENTS, *widths.values(), *off[1:], off[0], switches))
 
 
 def _draw_walk(axes: Axes, walked: PaperWalk) -> None:
@@ -94,12 +94,10 @@ def _draw_bands(axes: Axes, walked: Walked) -> None:
     """What the physics swings over, and the rims of both predictions."""
     axes.plot(*(MM * walked.nominal.T), "--", color=NOMINAL, zorder=3)
     for name, look in PATHS.items():
-        points, line = walked.pose[name][:, :2], np.array(METRES_GOAL[:2])
-        rims = MM * envelope(points, _ends(walked), np.zeros(2), line)
+        rims = MM * envelope(walked.pose[name][:, :2], walked.ends, METRES_GOAL)
         if name == "achieved":
             _fill_between(axes, rims, look["color"])
-            continue
-        for rim in rims:
+        for rim in rims if name != "achieved" else ():
             axes.plot(*rim.T, **{**look, "label": "_"})
 
 
@@ -110,16 +108,14 @@ def _fill_between(axes: Axes, rims: Array, colour: str) -> None:
     axes.fill(*outline.T, color=colour, alpha=0.6, linewidth=0, label=label)
 
 
-def _square_root(axes: Axes, length: Array, finest: float) -> None:
-    """The square root of the length, through the finest half width."""
+def _finish(
+    axes: Mapping[str, Axes], segments: Sequence[int], length: Array, finest: float
+) -> None:
+    """The square root of the length, through the finest half width; and the scales."""
     ends = length[[0, -1]]
     through = finest * np.sqrt(ends / ends[-1])
-    axes.loglog(ends, through, "--", color=NOMINAL, label="square root")
-    style.plain_decades(axes.yaxis)
-
-
-def _finish(axes: Mapping[str, Axes], segments: Sequence[int]) -> None:
-    style.plain_decades(axes["f"].yaxis)
+    axes["e"].loglog(ends, through, "--", color=NOMINAL, label="square root")
+    style.plain_decades(axes["e"].yaxis, axes["f"].yaxis)
     axes["f"].set_xticks(segments, map(str, segments), minor=False)
 
 
@@ -127,11 +123,6 @@ def _dots(colour: str) -> Style:
     return {"color": colour, "markersize": 3.0}
 
 
-def _ends(walked: Walked) -> Array:
-    return np.append(np.flatnonzero(np.diff(walked.segment)), len(walked.segment) - 1)
-
-
 def _tube(walked: Walked, name: str) -> float:
     line_produced = np.outer([-1.0, 2.0], METRES_GOAL[:2])
-    points = walked.pose[name][:, :2]
-    return float(swing_out(points, _ends(walked), line_produced).max())
+    return float(swing_out(walked.pose[name][:, :2], walked.ends, line_produced).max())

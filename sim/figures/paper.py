@@ -162,13 +162,12 @@ def swing_out(points: Array, ends: Array, nominal: Array) -> Array:
     return np.array([values.max() for values in by_segment(distance, ends)])
 
 
-def envelope(points: Array, ends: Array, start: Array, goal: Array) -> Array:
-    """The farthest points of each segment to the right and left of a line.
+def envelope(points: Array, ends: Array, goal: Sequence[float] | Array) -> Array:
+    """The farthest points of each segment to the right and left of a line from 0.
 
     Points have shape (N, 2), the result (2, segments, 2): right, then left.
     """
-    along = np.asarray(goal, dtype=float) - start
-    left = by_segment((points - start) @ np.array([-along[1], along[0]]), ends)
+    left = by_segment(points @ np.array([-goal[1], goal[0]]), ends)
     spans = list(zip(by_segment(points, ends), left, strict=True))
     return np.array([[p[c(off)] for p, off in spans] for c in (np.argmin, np.argmax)])
 

@@ -63,6 +63,11 @@ class Walked:
         """Number of segments walked."""
         return self.summary.segments
 
+    @property
+    def ends(self) -> Array:
+        """Last row of each segment, shape (segments,)."""
+        return np.append(np.flatnonzero(np.diff(self.segment)), len(self.segment) - 1)
+
 
 def perform(job: Job) -> Walked:
     """Make one walk."""

@@ -109,8 +109,8 @@ def _draw_angles(axes: Axes, walked: Walked) -> None:
         for kind, width, alpha in (("achieved", 5, 0.3), ("planned", 1.5, 1.0)):
             on = walked.contact[kind][:, np.array(legs) - 1].all(axis=1)
             level = np.where(on, BARS - 0.1 * group, np.nan)
-            axes.plot(walked.time, level, color=colour, linewidth=width, alpha=alpha,
-                      solid_capstyle="butt")  # fmt: skip
+            bar: Style = {"linewidth": width, "alpha": alpha, "solid_capstyle": "butt"}
+            axes.plot(walked.time, level, color=colour, **bar)
     area: Style = {"color": INK, "alpha": 0.06, "linewidth": 0}
     area["transform"] = axes.get_xaxis_transform()
     axes.fill_between(walked.time, 0, 1, where=walked.moving < 0, **area)

@@ -96,12 +96,10 @@ def draw_walk(axes: Axes, walked: Walked, scale: float = MM) -> None:
     axes.plot(*(scale * walked.nominal.T), "--", **line)
 
 
-def extremes(values: Array, segment: Array, count: int) -> tuple[Array, Array]:
-    """Least and largest value within each of `count` segments, from values (T,)."""
-    least, most = np.full(count, np.inf), np.full(count, -np.inf)
-    np.minimum.at(least, segment, values)
-    np.maximum.at(most, segment, values)
-    return least, most
+def extremes(values: Array, segment: Array) -> tuple[Array, Array]:
+    """Least and largest of values (T,) within each segment, by their segments (T,)."""
+    starts = np.flatnonzero(np.diff(segment, prepend=-1))
+    return np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
 
 
 def band(

@@ -156,7 +156,7 @@ def test_the_paper_s_corridor_is_hit_coarsely_and_cleared_finely():
     least = {}
     for name, cuts in (("coarse", made.coarse), ("fine", made.fine)):
         walked = made.through(cuts, samples=25)
-        clearance, _ = made.clearance(walked.states[:, :3], walked.states[:, 3:])
+        clearance, _ = made.clearance(walked.states)
         least[name] = clearance.min()
     assert least["coarse"] < 0
     assert least["fine"] >= corridor.LEAST - 1e-9

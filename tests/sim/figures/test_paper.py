@@ -131,14 +131,14 @@ def test_a_row_has_one_cell_a_column():
 def test_an_envelope_joins_the_farthest_points_of_each_segment():
     points = np.array([(0, 0), (1, 0.5), (2, 0), (3, -2), (3.5, 1), (4, 0)], float)
     ends = np.array([2, 5])
-    right, left = envelope(points, ends, points[0], points[-1])
+    right, left = envelope(points, ends, points[-1])
     assert right.tolist() == [[0, 0], [3, -2]]
     assert left.tolist() == [[1, 0.5], [3.5, 1]]
 
 
 def test_a_band_lies_between_the_extremes_of_each_segment():
     values, segment = np.array([3.0, 1.0, 2.0, 7.0, 5.0]), np.array([0, 0, 0, 1, 1])
-    least, most = extremes(values, segment, 2)
+    least, most = extremes(values, segment)
     assert (least.tolist(), most.tolist()) == ([1, 5], [3, 7])
 
 
