@@ -76,7 +76,7 @@ def study(name: str) -> list[Point]:
 
 def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
     """One panel a scenario, time against deviation."""
-    with picture(path, (7.0, 2.4), dpi=160) as figure:
+    with picture(path, (7.0, 2.6), dpi=160) as figure:
         panels = figure.subplots(1, len(studies), squeeze=False)[0]
         for axes, (name, points) in zip(panels, studies.items(), strict=True):
             for way, (colour, style) in STYLES.items():
@@ -93,7 +93,8 @@ def draw(studies: Mapping[str, Sequence[Point]], path: Path) -> None:
             axes.set(title=name, xlabel="farthest from the path [mm]")
             axes.set(xlim=(0, None), ylim=(0, None))
         panels[0].set_ylabel("time [s]")
-        panels[len(panels) // 2].legend()
+        key = panels[0].get_legend_handles_labels()
+        figure.legend(*key, loc="outside lower center", ncols=len(key[0]))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -87,20 +87,39 @@ def watch(address, scratch, seen, patience=150.0):
 
     A page with a scene takes long on two cores: it is the picture that is waited for.
     """
-    with _debugged(address, scratch) as ask_page:
-        end = time.monotonic() + patience
-        while time.monotonic() < end:
-            shot = base64.b64decode(ask_page("Page.captureScreenshot")["data"])
-            picture = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB"))
-            if seen(picture.astype(int)):
-                return picture
-            time.sleep(1.0)
-    (scratch / "last.png").write_bytes(shot)
-    raise AssertionError(f"not seen on {address}; the last picture is in {scratch}")
+    with debugged(address, scratch) as ask_page:
+        return wait_for(ask_page, seen, scratch, patience)
+
+
+def wait_for(ask_page, seen, scratch, patience=150.0):
+    """The first picture of an open page that shows what it should."""
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        picture = picture_of(ask_page)
+        if seen(picture):
+            return picture
+        time.sleep(1.0)
+    Image.fromarray(picture.astype(np.uint8)).save(scratch / "last.png")
+    raise AssertionError(f"not seen; the last picture is in {scratch}")
+
+
+def picture_of(ask_page):
+    """What an open page shows, shape (height, width, 3)."""
+    shot = base64.b64decode(ask_page("Page.captureScreenshot")["data"])
+    return np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
+
+
+def drag(ask_page, start, end, hold=2.0):
+    """Press the mouse at one place and release it at another, slowly enough to see."""
+    steps = ("mouseMoved", start), ("mousePressed", start), ("mouseMoved", end)
+    for kind, (x, y) in (*steps, ("mouseReleased", end)):
+        told = {"x": x, "y": y, "button": "left", "clickCount": 1}
+        ask_page("Input.dispatchMouseEvent", type=kind, **told)
+        time.sleep(hold)
 
 
 @contextmanager
-def _debugged(address, scratch):
+def debugged(address, scratch):
     """A page opened in a browser that answers questions meanwhile."""
     flags = [flag for flag in FLAGS if "virtual-time" not in flag]
     profile = f"--user-data-dir={scratch / 'watched'}"
@@ -115,8 +134,9 @@ def _debugged(address, scratch):
             pages = [page for page in json.load(answer) if page["type"] == "page"]
         with connect(pages[0]["webSocketDebuggerUrl"], max_size=None) as channel:
 
-            def ask_page(method):
-                channel.send(json.dumps({"id": 1, "method": method}))
+            def ask_page(method, **params):
+                told = {"id": 1, "method": method, "params": params}
+                channel.send(json.dumps(told))
                 while "result" not in (said := json.loads(channel.recv(timeout=120))):
                     pass
                 return said["result"]

@@ -148,11 +148,12 @@ def _describe(name: str, report: Controllability, theory: Sequence[str] = ()) ->
         yes = f"controllable in theory only: no joint range can use {', '.join(theory)}"
     no = "not controllable" if report.conclusive else "not shown to be controllable"
     tests = {
-        "filtration": (report.filtration, "strata closed one by one (Sec. 4)"),
-        "closure": (report.closure, "brackets across strata, as in Def. 3"),
+        "filtration": (report.filtration, "brackets within strata alone (Sec. 4)"),
+        "closure": (report.closure, "and across strata (Def. 3)"),
     }
     lines = [
         f"{name}: {report.gait}",
+        f"{'gait':12}these strata in turn, each named after what is in contact",
         f"{'at':12}{', '.join(f'{value:.6g}' for value in report.at)}",
         f"{'verdict':12}{yes if report.controllable else no}",
         *(
@@ -169,8 +170,9 @@ def _describe(name: str, report: Controllability, theory: Sequence[str] = ()) ->
 
 def _describe_costs(costs: Sequence[DirectionCost]) -> Iterator[str]:
     """What a unit of each direction costs, and which element gives it."""
-    for number, cost in enumerate(costs):
-        head = "" if number else "strokes"
+    if costs:
+        yield f"{'strokes':12}over a joint's range each, or a unit of an input without"
+    for cost in costs:
         count = f"{cost.strokes:.4g} a unit" if cost.strokes < inf else "never"
         only = ", in theory only" if cost.in_theory_only else ""
-        yield f"{head:12}{cost.direction} {count}, by {cost.element}{only}"
+        yield f"{'':12}{cost.direction} {count}, by {cost.element}{only}"

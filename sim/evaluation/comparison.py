@@ -14,6 +14,10 @@ CAPPED = 0.9  # of the speed asked for; strokes that come to less are mentioned
 MENTIONED = 1e-3  # [m]; a robot that is moved farther at its start is mentioned
 COLUMNS = tuple(quantity for quantity in OF_ROWS if quantity.column)
 LINES = tuple(quantity for quantity in OF_ROWS if not quantity.column)
+WORDS = (
+    "words        margin: least distance of the centre of mass inside the support",
+    "             slip: way that standing feet slide; more in docs/glossary.md",
+)
 HEADS = "".join(f"{quantity.column:>{quantity.width}}" for quantity in COLUMNS)
 HEADER = f"{'':13}{'ends at x, y [m], yaw [rad]':33}{'from the achieved end':23}{HEADS}"
 
@@ -34,6 +38,7 @@ def describe(summary: Summary) -> str:
         *_rows(summary),
         *_ignored(summary),
         *_lines(summary),
+        *WORDS,
         *_clearance(summary),
     ]
     return "\n".join(lines)
@@ -59,11 +64,12 @@ def describe_export(summary: Summary, played: Played, label: str) -> str:
 
 def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     """What was planned, walked and noticed: a label, and words for it."""
-    much = f"{summary.contact_switches} contact switches"
+    much = f"{summary.contact_switches} contact switches (lift-offs and touchdowns)"
     if summary.goal is None:
         yield "played", f"{much}, a predicted way of {summary.path_length:.3f} m"
     else:
-        yield "strokes", strokes_in_words(summary.fields, summary.stance)
+        how = strokes_in_words(summary.fields, summary.stance)
+        yield "strokes", f"swings of legs that stand, {how}"
         yield (
             "planned",
             f"{summary.segments} segments, {much}, {summary.distance_walked:.3f} m to "
@@ -89,10 +95,13 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
         if apart is not None and name != QUASI_STATIC.key
     )
     if found:
-        yield "deviation", found
+        yield "deviation", f"from the path at most {found}"
     seconds, strokes = summary.per_metre.seconds, summary.per_metre.strokes
     if seconds is not None and strokes:
-        yield "a metre", f"takes {seconds:.0f} s and {strokes:.1f} rad of strokes"
+        yield (
+            "a metre",
+            f"of path takes {seconds:.0f} s and {strokes:.1f} rad of strokes",
+        )
     if (real := summary.measured) is not None:
         yield from (("measured", words) for words in _measured(real))
     if (sensed := summary.feedback) is not None:

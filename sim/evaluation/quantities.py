@@ -82,7 +82,7 @@ OF_ROWS = (  # beside where each row ends, and how far the physics ends off it
     Quantity("error.*.farthest", "at most", "mm", 1e3, 2, "at most"),
     MARGIN,
     SLIP,
-    Quantity("predicted.*.slip_transition", "in switches", "mm", 1e3, 1),
+    Quantity("predicted.*.slip_transition", "switch slip", "mm", 1e3, 1),
 )
 WRONG = Quantity("feedback.wrong", "wrongly thought", "mm", 1e3, 2)
 CLAIMED = Quantity("feedback.claimed", "claimed error", "mm", 1e3, 2)

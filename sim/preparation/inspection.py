@@ -174,8 +174,8 @@ def describe(robot: Facts) -> str:
         f"{'lift':12}{lift['angle']:.4g} rad raise the feet by "
         f"{1e3 * lift['height']:.1f} mm; at most {1e3 * lift['highest']:.1f} mm",
         *lowered,
-        f"{'gait':12}{' '.join(robot['gait'])}",
-        f"{'margins':12}{', '.join(margins)}",
+        f"{'gait':12}{' '.join(robot['gait'])}, the groups of legs that stand in turn",
+        f"{'margins':12}{', '.join(margins)}, of the centre of mass inside these feet",
         "",
         f"{'leg':6}{'foot at x, y [m]':22}{'swing joint [rad]':34}lift joint [rad]",
     ]
@@ -185,7 +185,10 @@ def describe(robot: Facts) -> str:
         legs = " ".join(map(str, group["legs"]))
         lines.append(f"{name:6}{_range(group['swing']):22}{legs}")
     if robot["fields"]:
-        lines += ["", f"{'field':18}forward, left [m/rad], yaw [rad/rad]"]
+        first = next(iter(robot["fields"]))
+        named = "input {2} on S{0}".format(*first[1:].partition("_"))
+        head = f"{'field':18}forward, left [m/rad], yaw [rad/rad]"
+        lines += ["", f"{head}; {first} is {named}"]
     for name, (forward, left, yaw) in robot["fields"].items():
         lines.append(f"{name:18}{forward:z8.4f}{left:z9.4f}{yaw:z9.4f}")
     units = {"theta": "radian"}
@@ -193,7 +196,7 @@ def describe(robot: Facts) -> str:
         f"{n:.3g} for a {units.get(name, 'metre')} of {name}"
         for name, n in robot["strokes"].items()
     ]:
-        lines += ["", f"{'strokes [rad]':14}{', '.join(costs)}"]
+        lines += ["", f"{'strokes [rad]':14}{', '.join(costs)}, by legs that stand"]
     for heading in ("changed", "lacks"):
         for k, sentence in enumerate(robot[heading]):
             lines.append(f"{'' if k else heading:12}{sentence}")

@@ -51,7 +51,7 @@ class Settings:
         "order of the flows: strokes centred, or as the paper prints them", None, "plan"
     )
     words: Literal["printed", "shortest", "symmetric"] = setting(
-        "flows of a segment: the paper's, those of least stroke, or mirrored in turn",
+        "flows of a segment: the paper's, of least stroke, or every second mirrored",
         "printed",
         "plan",
     )
@@ -181,7 +181,7 @@ class Settings:
         "angle of one count of a servo's command", None, ("plan", "drive"), "rad"
     )
     feed_forward: bool | Literal["predicted"] | None = setting(
-        "let commands make up for what loads bend; if not given, on soft servos only",
+        "add to commands what loads will deflect; if not given, on soft servos only",
         None,
         "drive",
     )
@@ -229,10 +229,10 @@ class Settings:
         "predictions to make beside the ideal one; all if not given", None, "rows"
     )
     known: Literal["given", "all", "none"] | tuple[str, ...] = setting(
-        "imperfections that the compliant prediction is told", "given", "told"
+        "imperfections that the compliant prediction knows", "given", "told"
     )
     draw: Annotated[int, Range(0, 2**32 - 1)] = setting(
-        "number of the random draw of zeros, feet and floor", 0, ("world", "drive")
+        "number of the random draw of zeros, friction and bumps", 0, ("world", "drive")
     )
     swing_speed: Annotated[float, Range(LEAST, 100)] = setting(
         "highest speed of a swing joint", 0.5, "motion", "rad/s"

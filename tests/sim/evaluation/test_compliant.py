@@ -34,7 +34,7 @@ def test_slip_of_lifting_and_landing_is_foreseen(laden):
     )
     assert laden.summary.predicted["quasi_static"].slip_transition is None
     assert predicted.lets_go == {}
-    assert "in switches" in str(laden)
+    assert "switch slip" in str(laden)
 
 
 def test_the_body_leans_and_rests_as_in_the_physics(laden):

@@ -29,7 +29,7 @@ def test_a_robot_of_ones_own_is_shown_leg_by_leg(scenario, tmp_path):
     lines = describe(facts(Inspected.of(prepare(scenario(robot=robot))))).splitlines()
     (first,) = (line for line in lines if line.startswith("1 ") and "lf_1" in line)
     assert first.endswith("lf_2 -1.4 to 1.4, lf_3 held at 0.1")
-    assert "gait        12 1 12 2 12" in lines
+    assert "gait        12 1 12 2 12, the groups of legs that stand in turn" in lines
 
 
 def test_the_command_shows_one_robot_or_why_it_cannot_be_used(tmp_path, capsys):

@@ -5,6 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from sim.cli import main
 from sim.errors import UsageError
 from sim.viewing.replay import write_replay
 from sim.viewing.web import require_loopback
-from tests.browser import chromium, watch
+from tests.browser import chromium, debugged, drag, picture_of, wait_for, watch
 
 RED, BLUE = np.array([204, 69, 61]), np.array([41, 112, 191])  # the two tripods
 
@@ -26,6 +27,12 @@ def shows_a_robot(picture):
     reddish = (red > 1.5 * green) & (red > 1.5 * blue) & (red > 90)
     blueish = (blue > 1.4 * red) & (blue > 90)
     return reddish.sum() > 60 and blueish.sum() > 60
+
+
+# On a page of 800 pixels: the panel's slider and button, and what is free of panels.
+SLIDER, BUTTON = np.s_[92:114, 337:488], (355, 129)
+SCENE = np.s_[180:420, 215:325]
+PICTURES = 6.0  # [s] for a few pictures, of which software draws one in 0.7 s
 
 
 @pytest.fixture
@@ -44,9 +51,32 @@ def served(walked):
 
 
 @pytest.mark.full
-def test_the_viewer_shows_the_walk_to_this_machine_alone(served, tmp_path):
+def test_the_viewer_shows_the_walk_and_obeys_button_slider_and_drag(served, tmp_path):
+    """To this machine alone. What is clicked is seen within a few pictures."""
     process, address = served
-    watch(address, tmp_path, shows_a_robot)
+
+    def differs(part, other):
+        return lambda picture: (picture[part] != other[part]).any(axis=-1).sum() > 20
+
+    with debugged(address, tmp_path) as ask_page:
+        wait_for(ask_page, shows_a_robot, tmp_path)
+        first = wait_for(ask_page, lambda seen: np.ptp(seen[SLIDER]) > 100, tmp_path)
+        wait_for(ask_page, differs(SLIDER, first), tmp_path)  # it plays
+        drag(ask_page, BUTTON, BUTTON)
+        time.sleep(PICTURES)
+        still = picture_of(ask_page)
+        time.sleep(PICTURES)
+        assert not differs(SLIDER, still)(picture_of(ask_page))  # it pauses
+        drag(ask_page, (400, 103), (440, 103))
+        slid = wait_for(ask_page, differs(SLIDER, still), tmp_path, PICTURES)
+        time.sleep(PICTURES)
+        slid = picture_of(ask_page)
+        drag(ask_page, (270, 250), (300, 330))  # the camera turns
+        turned = wait_for(ask_page, differs(SCENE, slid), tmp_path, PICTURES)
+        assert not differs(SLIDER, slid)(turned)
+        drag(ask_page, BUTTON, BUTTON)
+        wait_for(ask_page, differs(SLIDER, turned), tmp_path, PICTURES)  # it plays
+
     port = int(re.fullmatch(r"http://localhost:(\d+)/\?token=[\w-]{22}", address)[1])
     tables = (Path(f"/proc/net/{name}").read_text() for name in ("tcp", "tcp6"))
     rows = (line.split() for table in tables for line in table.splitlines()[1:])

@@ -3,6 +3,7 @@
 import random
 import struct
 
+import numpy as np
 import pytest
 
 from sim.viewing.netimgui import CHARACTERS, CLIPBOARD, INPUT, VERSION, Commands
@@ -62,6 +63,16 @@ def test_what_a_browser_sends_passes_unchanged_however_it_is_cut():
 def test_what_no_browser_sends_is_refused(messages):
     with pytest.raises(ValueError, match=r"kind|characters|input|decode"):
         taken(*messages)
+
+
+def test_no_more_frames_are_asked_for_than_the_browser_draws(monkeypatch):
+    """Others would queue up; two quick pictures after a slow one are no pace yet."""
+    moments = iter(np.cumsum([0.0, 0.01, 0.8, 0.8, 0.1, 0.1, 0.1, 0.1, 0.01]))
+    monkeypatch.setattr("sim.viewing.netimgui.time.monotonic", moments.__next__)
+    _, *inputs = taken(version(), *[pointing()] * 8)
+    rates = [struct.unpack_from("<f", command, 544)[0] for command in inputs]
+    expected = [60, 1 / 0.8, 1 / 0.8, 1 / 0.4, 1 / 0.2, 10, 10, 20]
+    np.testing.assert_allclose(rates, expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("place", FLOATS)
