@@ -91,7 +91,7 @@ class Steps:
         if critical == 0:
             return f"{head}; planning again converges for no length in this direction"
         if critical is None:
-            return f"{head}; planning again converges, for twice as long ones as well"
+            return f"{head}; planning again converges, also for steps twice as long"
         upto = f"planning again converges up to {critical:.3g}, the critical step"
         if first <= critical:
             return f"{head}; {upto}"
@@ -212,7 +212,7 @@ class WalkFacts:
         remarks = prospect.remarks()
         yield (
             f"{self.scenario}: {self.robot}, {self.segments} segments, "
-            f"{self.contact_switches} contact switches"
+            f"{self.contact_switches} lift-offs and touchdowns"
         )
         yield from filter(None, [remarks.get("fell back")])
         yield f"{'gait':10}{' '.join(self.gait)}"
@@ -220,7 +220,7 @@ class WalkFacts:
         yield f"{'strokes':10}{self.swing_travel:.3f} rad in all; {STROKE}"
         yield (
             f"{'walks':10}{self.distance_walked:.3f} m for a path of "
-            f"{self.path_length:.3f} m, legs to {self.largest_swing:.3f} rad"
+            f"{self.path_length:.3f} m, legs swing to {self.largest_swing:.3f} rad"
         )
         if self.least_time is not None:
             least = (

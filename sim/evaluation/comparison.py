@@ -46,10 +46,10 @@ def describe(summary: Summary) -> str:
 
 def strokes_in_words(fields: str, stance: str) -> str:
     """How groups of legs swing under load, by the names of fields and stance."""
-    about = {"centred": "each centred on the angles of rest"}
-    others = {"lifted": "the other groups in the air (lifted fields)"}
+    about = {"centred": "centred on rest"}
+    others = {"lifted": "others in the air (lifted fields)"}
     where = about.get(stance, "from where the last one ended")
-    return f"{where}, {others.get(fields, 'all feet on the ground (paper fields)')}"
+    return f"{where}, {others.get(fields, 'all feet down (paper fields)')}"
 
 
 def describe_export(summary: Summary, played: Played, label: str) -> str:
@@ -64,7 +64,7 @@ def describe_export(summary: Summary, played: Played, label: str) -> str:
 
 def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
     """What was planned, walked and noticed: a label, and words for it."""
-    much = f"{summary.contact_switches} contact switches (lift-offs and touchdowns)"
+    much = f"{summary.contact_switches} lift-offs and touchdowns"
     if summary.goal is None:
         yield "played", f"{much}, a predicted way of {summary.path_length:.3f} m"
     else:
@@ -77,7 +77,7 @@ def _facts(summary: Summary) -> Iterator[tuple[str, str]]:
         )
     yield (
         "walked",
-        f"{summary.contact_switches_achieved} contact switches, "
+        f"{summary.contact_switches_achieved} lift-offs and touchdowns, "
         f"{summary.bounces} bounces, {summary.simulated_time:.1f} s simulated in "
         f"{summary.timing['simulate']:.1f} s",
     )

@@ -81,7 +81,7 @@ def _draw_above(axes: Axes, legs: Sequence[tuple[Cell, ...]]) -> None:
     hip = STANCE.hips(1)[0]
     swept = hip + np.array([-np.sin(SWUNG), np.cos(SWUNG)])
     axes.plot(*np.transpose([hip, swept]), ":", color=TRIPODS["1"])
-    x, y = hip + [-0.2, 1.04]
+    x, y = hip + [-0.17, 0.62]
     axes.text(x, y, r"$\varphi_1$", ha="center", color=TRIPODS["1"])
     for name, of in LEGS.items():
         label = f"tripod {name}: legs {', '.join(map(str, of))}"
